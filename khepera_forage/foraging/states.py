@@ -1,0 +1,109 @@
+"""State vectors, states and behaviours, and the teacher's decision tree (sections 4.2.1, 4.3, 4.4)."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from khepera_forage.robots.khepera import ARM_RAISED
+
+
+class FoodType(IntEnum):
+    """What a food object turns out to be (4.2.3)."""
+
+    UNKNOWN = 0
+    PICKABLE = 1
+    PUSHABLE = 2
+    POISONOUS = 3
+
+
+class State(IntEnum):
+    """The ten states, in the order of table 4.1, and the one that never occurs (4.4)."""
+
+    SEARCH = 0
+    CLOSE_TO_FOOD = 1
+    NEXT_TO_FOOD = 2
+    ORIENTED_WITH_FOOD = 3
+    READY_TO_PICK_UP_FOOD = 4
+    READY_TO_PUSH_FOOD = 5
+    MUST_AVOID_FOOD = 6
+    FOOD_IN_HAND = 7
+    AT_HOME_NO_FOOD = 8
+    AT_HOME_WITH_FOOD = 9
+    UNKNOWN = 10
+
+
+class Behaviour(IntEnum):
+    """The ten behaviours, in the order of table 4.1, and standing still (which heard means silence)."""
+
+    SEARCH_FOR_FOOD = 0
+    MOVE_SLOWLY = 1
+    ORIENT_WITH_FOOD = 2
+    EXPLORE_FOOD = 3
+    PICK_UP_FOOD = 4
+    PUSH_FOOD = 5
+    AVOID_FOOD = 6
+    GO_HOME = 7
+    AVOID_HOME = 8
+    RELEASE_FOOD = 9
+    WAIT = 10
+
+
+class StateVector(NamedTuple):
+    """The five attributes of section 4.3; distances in whole pixels of 5 mm.
+
+    Attributes:
+        object_presence: 1 while the optical barrier is interrupted, otherwise 0.
+        robot_home_distance: From the robot to the centre of its home.
+        food_type: A `FoodType`; UNKNOWN unless an object is present.
+        arms_height: 255 (down) to 215 (raised).
+        robot_food_distance: To the nearest candidate food; the arena's diagonal if there is none.
+    """
+
+    object_presence: int
+    robot_home_distance: int
+    food_type: int
+    arms_height: int
+    robot_food_distance: int
+
+
+NEXT_TO_FOOD = 20
+"""RobotNextToFoodThreshold in pixels: 100 mm, where a lowering gripper just clears the food. Our decision."""
+CLOSE_TO_FOOD = 30
+"""RobotCloseToFoodThreshold in pixels. Our decision."""
+CARRY_HEIGHT = ARM_RAISED + 10
+"""Up to this position an arm counts as raised (figure 4.2: PickUpHeight + 10)."""
+
+
+def classify(vector: StateVector, home_radius: int) -> State:
+    """The state that a state vector stands for: the tree of figure 4.2.
+
+    Ties go to the nearer state: at home, next to and close to food when the distance equals the threshold.
+
+    Args:
+        vector: What is perceived now.
+        home_radius: In pixels.
+    """
+    presence, home, food_type, arm, food = vector
+    if presence:
+        if home <= home_radius:
+            return State.AT_HOME_WITH_FOOD
+        if food_type == FoodType.UNKNOWN:
+            return State.ORIENTED_WITH_FOOD
+        if food_type == FoodType.POISONOUS:
+            return State.MUST_AVOID_FOOD
+        if food_type == FoodType.PUSHABLE:
+            return State.READY_TO_PUSH_FOOD
+        if food_type == FoodType.PICKABLE:
+            return State.READY_TO_PICK_UP_FOOD if arm > CARRY_HEIGHT else State.FOOD_IN_HAND
+        return State.UNKNOWN
+    if home <= home_radius:
+        return State.AT_HOME_NO_FOOD
+    if food <= NEXT_TO_FOOD:
+        return State.NEXT_TO_FOOD
+    if food <= CLOSE_TO_FOOD:
+        return State.CLOSE_TO_FOOD
+    return State.SEARCH
+
+
+def behaviour_for(state: State) -> Behaviour:
+    """The IF-THEN rules of 4.4.1: states and behaviours stand one to one, in the order of table 4.1."""
+    return Behaviour(state)

@@ -1,0 +1,99 @@
+"""Every source of noise, its size, and where the figure comes from.
+
+No figure here was fitted to the thesis' result tables. "Assumption" marks a figure that no source gives.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+SOURCES: dict[str, tuple[str, ...]] = {
+    "wheels": ("wheel_slip", "wheel_bias"),
+    "infra-reds": ("proximity_gain", "proximity_floor"),
+    "camera jitter": ("position_jitter", "heading_jitter"),
+    "reversed orientation": ("reversal_rate",),
+    "tracking losses": ("loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"),
+    "cables": ("cable_loss_factor",),
+    "placement": ("placement_error", "placement_heading_error"),
+}
+"""The fields that belong to each trouble of the laboratory, for experiments that switch them one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """The troubles of the laboratory, each with its size; a rate is a probability per round of 0.1 s."""
+
+    wheel_slip: float = 0.05
+    """Standard deviation of each wheel's travel, as a share of it, drawn every round. KSIM2 draws +-10 %
+    uniformly (standard deviation 5.8 %) and ENKI +-5 % (2.9 %); between the two."""
+    wheel_bias: float = 0.02
+    """Standard deviation of a lasting share by which one wheel travels too far. Assumption: the sources' wheel
+    diameters differ by 6 % between robots (7.5 to 7.96 mm)."""
+    proximity_gain: float = 0.06
+    """Standard deviation of an infra-red reading, as a share of it. KSIM2 and WSU draw +-10 % uniformly."""
+    proximity_floor: int = 6
+    """Readings with nothing in range are uniform in 0..this (KSIM2, WSU)."""
+    position_jitter: float = 0.2
+    """Standard deviation of a region's centre in pixels of 5 mm. Assumption: a third of a pixel of
+    quantisation along an edge, averaged over the region."""
+    heading_jitter: float = 1.0
+    """Standard deviation of a marker's orientation in degrees. Assumption: one fifth of a pixel at each end of
+    a marker 24 pixels long gives 0.7 degrees, rounded up for uneven light."""
+    reversal_rate: float = 0.005
+    """Chance that a marker's orientation is reported the wrong way round ("sometimes", 4.2.2). Assumption."""
+    loss_rate_one_hole: float = 0.001
+    """Chance that the tracker loses a one-hole marker. "Once in a while" (5.3.1). Assumption."""
+    loss_rate_two_holes: float = 0.002
+    """The same for a two-hole marker, which "is lost more frequently" (3.5). Assumption: twice."""
+    loss_rate_food: float = 0.001
+    """The same for a region without holes. Assumption: as a one-hole marker."""
+    loss_rounds: float = 5.0
+    """Mean length of a loss in rounds, geometrically distributed. Assumption: half a second."""
+    cable_loss_factor: float = 10.0
+    """How many times likelier a loss is under a cable (3.7: "more frequent"). Assumption."""
+    placement_error: float = 3.0
+    """Standard deviation in mm with which an operator puts a robot or food on its mark (4.5.2: "a small
+    displacement"). Assumption."""
+    placement_heading_error: float = 2.0
+    """Standard deviation in degrees of a robot's placed heading. Assumption."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not value >= 0:
+                raise ValueError(f"noise {field.name} is {value!r}; allowed: a number >= 0")
+        for name in ("reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"):
+            if getattr(self, name) > 1:
+                raise ValueError(f"noise {name} is {getattr(self, name)!r}; allowed: a probability 0..1")
+        if self.loss_rounds < 1:
+            raise ValueError(f"noise loss_rounds is {self.loss_rounds!r}; allowed: at least 1 round")
+        if self.cable_loss_factor < 1:
+            raise ValueError(f"noise cable_loss_factor is {self.cable_loss_factor!r}; allowed: at least 1")
+
+    @classmethod
+    def laboratory(cls) -> "Noise":
+        """All the troubles of the thesis' laboratory: the default of every environment."""
+        return cls()
+
+    @classmethod
+    def none(cls) -> "Noise":
+        """Perfect wheels, sensors, camera and operator."""
+        return cls(**{name: _QUIET.get(name, 0) for names in SOURCES.values() for name in names})
+
+    @classmethod
+    def only(cls, *sources: str) -> "Noise":
+        """The laboratory's figures for these sources and none for the others.
+
+        Args:
+            *sources: Keys of `SOURCES`.
+
+        Raises:
+            ValueError: A name that is not in `SOURCES`.
+        """
+        laboratory, noise = cls.laboratory(), cls.none()
+        for source in sources:
+            if source not in SOURCES:
+                raise ValueError(f"noise source {source!r} is unknown; allowed: {', '.join(SOURCES)}")
+            noise = replace(noise, **{name: getattr(laboratory, name) for name in SOURCES[source]})
+        return noise
+
+
+_QUIET = {"cable_loss_factor": 1}

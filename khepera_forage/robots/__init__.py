@@ -1,0 +1,1 @@
+"""What a Khepera is, in any embodiment."""

@@ -1,0 +1,1 @@
+"""Where robots live: arenas, and the worlds that move bodies in them."""

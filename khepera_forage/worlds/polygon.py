@@ -1,0 +1,72 @@
+"""Plane geometry of walls: simple polygons as tuples of (x, y) corners."""
+
+import math
+from collections.abc import Sequence
+
+Corner = tuple[float, float]
+Segment = tuple[float, float, float, float]
+
+
+def check(name: str, corners: Sequence[Corner]) -> None:
+    """Complain unless the corners make a simple polygon.
+
+    Raises:
+        ValueError: Fewer than three corners, corners that are not finite, no area, or edges that cross.
+    """
+    if len(corners) < 3:
+        raise ValueError(f"{name}: walls with {len(corners)} corners; allowed: at least 3")
+    for corner in corners:
+        if not all(math.isfinite(c) for c in corner):
+            raise ValueError(f"{name}: wall corner {tuple(corner)}; allowed: finite coordinates in mm")
+    if area(corners) == 0:
+        raise ValueError(f"{name}: walls {[tuple(c) for c in corners]} enclose no area")
+    sides = edges(corners)
+    for i, a in enumerate(sides):
+        for j in range(i + 2, len(sides)):
+            if (i, j) != (0, len(sides) - 1) and _cross(a, sides[j]):
+                raise ValueError(f"{name}: walls {a} and {sides[j]} cross; allowed: a simple polygon")
+
+
+def edges(corners: Sequence[Corner]) -> tuple[Segment, ...]:
+    """The sides, each as (x1, y1, x2, y2)."""
+    return tuple((*a, *b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True))
+
+
+def area(corners: Sequence[Corner]) -> float:
+    """Twice the signed area, positive when the corners run counter-clockwise."""
+    return sum(x1 * y2 - x2 * y1 for x1, y1, x2, y2 in edges(corners))
+
+
+def bounds(corners: Sequence[Corner]) -> tuple[float, float, float, float]:
+    """Smallest x and y, largest x and y."""
+    xs, ys = [c[0] for c in corners], [c[1] for c in corners]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def contains(corners: Sequence[Corner], x: float, y: float) -> bool:
+    """Whether a point lies inside (a ray to the right crosses an odd number of sides)."""
+    inside = False
+    for x1, y1, x2, y2 in edges(corners):
+        if (y1 > y) != (y2 > y) and x < x1 + (y - y1) * (x2 - x1) / (y2 - y1):
+            inside = not inside
+    return inside
+
+
+def distance(x: float, y: float, segment: Segment) -> float:
+    """Distance from a point to a line segment."""
+    x1, y1, x2, y2 = segment
+    ex, ey = x2 - x1, y2 - y1
+    t = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
+    t = max(0.0, min(1.0, t))
+    return math.hypot(x - x1 - t * ex, y - y1 - t * ey)
+
+
+def _cross(a: Segment, b: Segment) -> bool:
+    """Whether two segments properly cross or touch."""
+
+    def side(s: Segment, x: float, y: float) -> float:
+        return (s[2] - s[0]) * (y - s[1]) - (s[3] - s[1]) * (x - s[0])
+
+    return (
+        side(a, b[0], b[1]) * side(a, b[2], b[3]) <= 0 and side(b, a[0], a[1]) * side(b, a[2], a[3]) <= 0
+    )
