@@ -54,7 +54,9 @@ class Arena:
         for corners in (self.walls, *self.obstacles):
             polygon.check(self.name, corners)
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
-            raise ValueError(f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length")
+            raise ValueError(
+                f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"
+            )
         if not self.foods:
             raise ValueError(f"{self.name}: foods is empty; allowed: at least one place")
         self.check_free("home", self.home, 0.0)

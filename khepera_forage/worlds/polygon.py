@@ -67,6 +67,4 @@ def _cross(a: Segment, b: Segment) -> bool:
     def side(s: Segment, x: float, y: float) -> float:
         return (s[2] - s[0]) * (y - s[1]) - (s[3] - s[1]) * (x - s[0])
 
-    return (
-        side(a, b[0], b[1]) * side(a, b[2], b[3]) <= 0 and side(b, a[0], a[1]) * side(b, a[2], a[3]) <= 0
-    )
+    return side(a, b[0], b[1]) * side(a, b[2], b[3]) <= 0 and side(b, a[0], a[1]) * side(b, a[2], a[3]) <= 0

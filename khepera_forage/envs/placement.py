@@ -1,0 +1,113 @@
+"""Where robot and food stand at the start of an episode (5.4.1.1: "random in every recall episode")."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from khepera_forage.foraging.states import CLOSE_TO_FOOD
+from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS, half_gap
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.worlds.world import Layout
+
+FOOD_CLEARANCE = 50.0
+"""mm from a food's centre to the walls, so that the gripper fits around it from any side it is approached."""
+FOOD_SPACING = 100.0
+"""mm between the centres of two food objects, for the same reason."""
+_MARGIN = 5.0
+_TRIES = 10_000
+
+
+def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
+    """A random start and random food places.
+
+    The robot starts anywhere outside home, heading uniform; food lies outside home, further from the robot than
+    the close threshold, where a gripper fits around it.
+
+    Args:
+        arena: Where.
+        foods: Number of food objects.
+        rng: The placements' own generator.
+
+    Raises:
+        ValueError: The arena has no room.
+    """
+    x1, y1, x2, y2 = arena.bounds
+    for _ in range(_TRIES):
+        start = Pose(float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)), float(rng.uniform(-math.pi, math.pi)))
+        if not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
+            continue
+        places: list[Point] = []
+        for _ in range(100 * foods):
+            place = Point(float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)))
+            if (
+                arena.clearance(place) >= FOOD_CLEARANCE
+                and _outside_home(arena, place, FOOD_RADIUS)
+                and math.dist(place, start[:2]) > CLOSE_TO_FOOD * MM_PER_PIXEL + _MARGIN
+                and all(math.dist(place, other) >= FOOD_SPACING for other in places)
+            ):
+                places.append(place)
+                if len(places) == foods:
+                    return Layout((start,), tuple(places))
+    raise ValueError(f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger")
+
+
+def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], rng: np.random.Generator) -> Layout:
+    """The layout that `reset(options=...)` asks for; what it leaves open is random.
+
+    Args:
+        arena: Where.
+        foods: Number of food objects of the environment.
+        options: `start`: (x mm, y mm, heading degrees); `foods`: one (x mm, y mm) an object.
+        rng: The placements' own generator.
+
+    Raises:
+        ValueError: An unknown option, a wrong number of values, a place that is not on the free floor.
+    """
+    unknown = set(options) - {"start", "foods"}
+    if unknown:
+        raise ValueError(f"reset option {sorted(unknown)[0]!r} is unknown; allowed: 'start', 'foods'")
+    drawn = random_layout(arena, foods, rng) if len(options) < 2 else None
+    if "start" in options:
+        x, y, degrees = _numbers("start", options["start"], 3, "(x mm, y mm, heading degrees)")
+        start = Pose(x, y, math.radians(degrees))
+        arena.check_free("start", start, RADIUS)
+    else:
+        assert drawn is not None
+        start = drawn.starts[0]
+    if "foods" in options:
+        places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in options["foods"])
+        if len(places) != foods:
+            raise ValueError(f"{len(places)} foods given; allowed: {foods}, the number of this environment")
+        for place in places:
+            arena.check_free("food", place, FOOD_RADIUS)
+    else:
+        assert drawn is not None
+        places = drawn.foods
+    return Layout((start,), places)
+
+
+def _outside_home(arena: Arena, place: Point | Pose, radius: float) -> bool:
+    return math.dist(place[:2], arena.home) > arena.home_radius + radius
+
+
+def _stands_free(arena: Arena, start: Pose) -> bool:
+    """Whether body and gripper touch no wall."""
+    if arena.clearance(start) < RADIUS + _MARGIN:
+        return False
+    cosine, sine = math.cos(start.heading), math.sin(start.heading)
+    wide = half_gap(200) + _MARGIN
+    return all(
+        arena.clearance(Point(start.x + x * cosine - y * sine, start.y + x * sine + y * cosine)) >= _MARGIN
+        for x in (FINGER_TIP / 2, FINGER_TIP)
+        for y in (-wide, wide)
+    )
+
+
+def _numbers(name: str, values: Sequence[float], count: int, form: str) -> tuple[float, ...]:
+    numbers = tuple(float(v) for v in values)
+    if len(numbers) != count or not all(math.isfinite(n) for n in numbers):
+        raise ValueError(f"reset option {name!r} has {values!r}; allowed: {form}, finite")
+    return numbers

@@ -1,0 +1,151 @@
+"""What becomes of the food: drawn types, deliveries, and which regions are still candidates.
+
+The camera knows regions, not objects; a region that was carried away is dropped, and what is set down elsewhere
+is a new one. The register ties the labels of regions to the food objects of an arena, through the gripper.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from khepera_forage.foraging.identification import at_home, drawn_type, explored
+from khepera_forage.foraging.perception import Site, within
+from khepera_forage.foraging.states import FoodType
+from khepera_forage.robots.khepera import BARRIER, Motors, Senses
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+
+_GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
+"""Pixels from a robot's centre to food in its gripper."""
+
+
+class TypeDraws:
+    """One type a food object, drawn when it is first asked for; corresponding food of paired arenas shares it.
+
+    Args:
+        count: Number of food objects in each arena.
+        odds: Odds of PICKABLE, PUSHABLE and POISONOUS.
+        rng: Their own generator.
+    """
+
+    def __init__(self, count: int, odds: tuple[float, float, float], rng: np.random.Generator) -> None:
+        # All uniform numbers are taken at once: which object is identified first changes no type.
+        self._types = [drawn_type(float(u), odds[0], odds[1]) for u in rng.random(count)]
+
+    def __len__(self) -> int:
+        return len(self._types)
+
+    def draw(self, index: int) -> FoodType:
+        """The type of an object, from now on known to whoever asked."""
+        return self._types[index]
+
+
+class FoodRegister:
+    """The food of one arena, and the one robot that forages there.
+
+    Args:
+        site: The arena.
+        places: Where each food object lies at first, in pixels.
+        types: Shared by corresponding arenas.
+
+    Attributes:
+        known: Type of each object as far as it is identified.
+        delivered: Whether each object has been brought home.
+        settled: Labels of regions that are no candidates for nearest food.
+    """
+
+    def __init__(self, site: Site, places: Sequence[tuple[float, float]], types: TypeDraws) -> None:
+        self._site = site
+        self._types = types
+        self._places = list(places)
+        self._objects: dict[int, int] = {}
+        self._held: int | None = None
+        self.known = [FoodType.UNKNOWN] * len(places)
+        self.delivered = [False] * len(places)
+        self.settled: set[int] = set()
+
+    @property
+    def type_in_gripper(self) -> FoodType:
+        """Type of the object in the gripper; UNKNOWN without one or before it is identified."""
+        return FoodType.UNKNOWN if self._held is None else self.known[self._held]
+
+    @property
+    def delivered_food(self) -> int:
+        """Objects brought home that are not poisonous."""
+        return sum(d and k != FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
+
+    @property
+    def poison_home(self) -> int:
+        """Poisonous objects brought home."""
+        return sum(d and k == FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
+
+    @property
+    def deliverable(self) -> int:
+        """Objects that are not known to be poisonous."""
+        return sum(k != FoodType.POISONOUS for k in self.known)
+
+    @property
+    def finished(self) -> bool:
+        """Whether every object is delivered or known to be poisonous."""
+        return all(d or k == FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
+
+    def object_of(self, label: int) -> int | None:
+        """Number of the food object that a region shows, if it is tied to one."""
+        return self._objects.get(label)
+
+    def update(self, scene: Scene, own: Region, before: Senses, after: Senses, applied: Motors) -> None:
+        """Take in what one round has brought.
+
+        Args:
+            scene: What the camera reports now.
+            own: The robot's own marker.
+            before: What the robot sensed when the round began.
+            after: What it senses now.
+            applied: What its motors did in between.
+        """
+        if after.object_presence:
+            heading = math.radians(own.orientation)
+            gripper = own.x + _GRIPPER * math.cos(heading), own.y + _GRIPPER * math.sin(heading)
+            if self._held is None:
+                self._held = self._nearest(gripper, range(len(self._places)))
+            self._places[self._held] = gripper
+            if self.known[self._held] == FoodType.UNKNOWN and explored(before, after, applied):
+                self.known[self._held] = self._types.draw(self._held)
+        else:
+            self._held = None
+        self._tie(scene)
+        self.settled = {
+            label
+            for label, k in self._objects.items()
+            if self.delivered[k] or (self.known[k] == FoodType.POISONOUS and k != self._held)
+        }
+
+    def _tie(self, scene: Scene) -> None:
+        """Tie new regions to objects, follow them, and see which lie at home."""
+        site = self._site
+        labels = self._objects
+        live = []
+        for region in scene.regions:
+            if region.holes or not within(region, site):
+                continue
+            live.append(region.label)
+            if not region.found:
+                continue
+            if region.label not in labels:
+                seen = {labels[r.label] for r in scene.regions if r.found and r.label in labels}
+                unseen = [k for k in range(len(self._places)) if k not in seen]
+                if not unseen:
+                    continue
+                labels[region.label] = self._nearest((region.x, region.y), unseen)
+            k = labels[region.label]
+            if k == self._held:
+                continue
+            self._places[k] = region.x, region.y
+            if not self.delivered[k] and at_home(region.x, region.y, site.home_x, site.home_y, site.home_radius):
+                self.delivered[k] = True
+                self.known[k] = self._types.draw(k)
+        for label in [label for label in labels if label not in live]:
+            del labels[label]
+
+    def _nearest(self, place: tuple[float, float], objects: Sequence[int]) -> int:
+        return min(objects, key=lambda k: math.dist(place, self._places[k]))

@@ -1,0 +1,58 @@
+"""Colours of the pictures. Those that carry a meaning are of the Okabe-Ito set, made for colour-blind readers."""
+
+from khepera_forage.foraging.states import FoodType
+
+Colour = tuple[int, int, int]
+
+PAPER: Colour = (244, 246, 249)
+"""Behind everything."""
+CARD: Colour = (255, 255, 255)
+EDGE: Colour = (218, 223, 230)
+"""Outlines of cards, dividers."""
+TRACK: Colour = (233, 237, 242)
+"""Empty part of a bar."""
+INK: Colour = (31, 41, 55)
+FADED: Colour = (110, 120, 135)
+"""Labels, and whatever is less important than INK."""
+
+FLOOR: Colour = (228, 233, 239)
+WALL: Colour = (71, 82, 99)
+HOME: Colour = (245, 231, 196)
+HOME_EDGE: Colour = (206, 170, 96)
+
+BODY: Colour = (55, 65, 81)
+WHEEL: Colour = (17, 24, 39)
+LOWERED: Colour = (31, 41, 55)
+"""A gripper on the floor."""
+RAISED: Colour = (250, 250, 252)
+"""A gripper in the air."""
+SHADOW: Colour = (186, 193, 204)
+MARKER: Colour = (255, 255, 255)
+INFRA_RED: Colour = (213, 94, 0)
+
+FOUND: Colour = (0, 128, 138)
+"""A region that the camera finds."""
+LOST: Colour = (204, 32, 48)
+"""A region that the camera has lost."""
+WARNING: Colour = (180, 83, 9)
+WARNING_FILL: Colour = (254, 240, 205)
+
+TEACHER: Colour = (0, 114, 178)
+LEARNERS: tuple[Colour, ...] = ((170, 68, 153), (102, 82, 176), (136, 34, 85), (122, 92, 58))
+
+FOOD: dict[FoodType, Colour] = {
+    FoodType.UNKNOWN: (255, 255, 255),  # as in the thesis, where all food is wrapped in white paper (3.1)
+    FoodType.PICKABLE: (0, 158, 115),
+    FoodType.PUSHABLE: (86, 180, 233),
+    FoodType.POISONOUS: (213, 94, 0),
+}
+
+
+def mixed(a: Colour, b: Colour, share: float) -> Colour:
+    """`a` with a share 0..1 of `b` in it."""
+    share = max(0.0, min(1.0, share))
+    return (
+        round(a[0] + (b[0] - a[0]) * share),
+        round(a[1] + (b[1] - a[1]) * share),
+        round(a[2] + (b[2] - a[2]) * share),
+    )

@@ -1,0 +1,178 @@
+"""Rows on disk: one dataclass a table, one line a row, written as it happens and read strictly.
+
+Columns are the fields of the dataclass, in order. A tuple is one column, its values joined by semicolons; truth
+is 1 or 0. Lines end with a line feed, and a field holds none, so that a line is always a row.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+RowT = TypeVar("RowT", bound="DataclassInstance")
+
+
+class RowWriter(Generic[RowT]):
+    """Appends rows to a CSV file, each with one write to the operating system.
+
+    A process that is killed loses at most the row it was writing.
+
+    Args:
+        path: The file; its folder is made.
+        row_type: The dataclass whose fields are the columns.
+        resume: Keep the rows of a file that is there, but for a last line cut short, and add to them.
+            Otherwise start afresh.
+
+    Raises:
+        ValueError: The file to be resumed has other columns.
+    """
+
+    def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
+        header = _line(_names(row_type))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        begin = not (resume and path.exists() and _repair(path, header))
+        self._file = open(path, "wb" if begin else "ab", buffering=0)  # noqa: SIM115  closed by close()
+        if begin:
+            self._file.write(header)
+
+    def write(self, *rows: RowT) -> None:
+        """Append rows, in one piece."""
+        self._file.write(b"".join(_line([_format(getattr(r, n)) for n in _names(type(r))]) for r in rows))
+
+    def close(self) -> None:
+        """Close the file; a second call does nothing."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def write_rows(path: Path, row_type: type[RowT], rows: Iterable[RowT]) -> None:
+    """Write a whole file of rows at once."""
+    with RowWriter(path, row_type) as writer:
+        writer.write(*rows)
+
+
+def read_rows(path: Path, row_type: type[RowT]) -> list[RowT]:
+    """All rows of a file, a last line without its line feed (cut short by a kill) left out.
+
+    Raises:
+        ValueError: A wrong header, a value that does not fit its column, a row that contradicts itself or
+            repeats another; the message names file and line.
+    """
+    return parse_rows(path.read_text(encoding="utf-8"), str(path), row_type)
+
+
+def parse_rows(text: str, source: str, row_type: type[RowT]) -> list[RowT]:
+    """The rows of a file's text.
+
+    Args:
+        text: The whole file.
+        source: How error messages name it.
+        row_type: The dataclass whose fields are the columns.
+
+    Raises:
+        ValueError: As `read_rows`.
+    """
+    names, types = _names(row_type), get_type_hints(row_type)
+    lines = text.split("\n")[:-1]
+    if not lines or _split(lines[0]) != names:
+        raise ValueError(f"{source}:1: header is {(lines or [text])[0]!r}; allowed: {','.join(names)!r}")
+    rows: list[RowT] = []
+    seen: dict[str, int] = {}
+    for number, line in enumerate(lines[1:], start=2):
+        try:
+            values = _split(line)
+            if len(values) != len(names):
+                raise ValueError(f"{len(values)} values; allowed: {len(names)}")
+            if seen.setdefault(line, number) != number:
+                raise ValueError(f"repeats line {seen[line]}")
+            rows.append(row_type(**{n: _parse(n, types[n], v) for n, v in zip(names, values, strict=True)}))
+        except ValueError as error:
+            raise ValueError(f"{source}:{number}: {error}") from error
+    return rows
+
+
+def _names(row_type: "type[DataclassInstance]") -> list[str]:
+    return [field.name for field in fields(row_type)]
+
+
+def _split(line: str) -> list[str]:
+    return next(csv.reader([line], strict=True), [])
+
+
+def _line(values: Sequence[str]) -> bytes:
+    for value in values:
+        if "\n" in value or "\r" in value:
+            raise ValueError(f"a field holds {value!r}; allowed: text of one line")
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerow(values)
+    return out.getvalue().encode()
+
+
+def _repair(path: Path, header: bytes) -> bool:
+    """Cut a torn last line off a file that is to be resumed; False if nothing is left of it."""
+    data = path.read_bytes()
+    whole = data[: data.rfind(b"\n") + 1]
+    if not whole:
+        return False
+    if not whole.startswith(header):
+        found = whole.split(b"\n")[0].decode(errors="replace")
+        raise ValueError(f"{path}:1: header is {found!r}; allowed: {header.decode().strip()!r}")
+    if len(whole) < len(data):
+        with open(path, "r+b") as file:
+            file.truncate(len(whole))
+    return True
+
+
+def _format(value: Any) -> str:
+    """A value as text; numbers of numpy are written as Python's."""
+    if isinstance(value, tuple):
+        return ";".join(_format(v) for v in value)
+    if value is None:
+        return ""
+    if isinstance(value, str | Decimal):
+        return str(value)
+    number = float(value)
+    if isinstance(value, float | np.floating):
+        return repr(number)
+    if number != int(value):
+        raise ValueError(f"a field holds {value!r}; allowed: text and numbers")
+    return str(int(value))
+
+
+def _parse(name: str, kind: Any, text: str) -> Any:
+    """A column's text as a value of its type."""
+    if get_origin(kind) is tuple:
+        return tuple(_parse(name, get_args(kind)[0], part) for part in text.split(";")) if text else ()
+    if type(None) in get_args(kind):
+        return _parse(name, get_args(kind)[0], text) if text else None
+    if kind is str:
+        return text
+    if kind is bool:
+        if text not in ("0", "1"):
+            raise ValueError(f"{name} is {text!r}; allowed: 0 or 1")
+        return text == "1"
+    wanted = "a whole number" if kind is int else "a finite number"
+    try:
+        value = kind(text)
+    except (ValueError, InvalidOperation):
+        raise ValueError(f"{name} is {text!r}; allowed: {wanted}") from None
+    if not math.isfinite(value) or (kind is int and str(value) != text):
+        raise ValueError(f"{name} is {text!r}; allowed: {wanted}")
+    return value

@@ -1,0 +1,227 @@
+"""The ten hand-coded behaviours (table 4.1): raw data to motors, one step at a time, with no memory.
+
+What each commands, in speed units of 8 mm/s (every figure our decision, made with the teacher alone):
+
+| behaviour | wheels | arm | jaw |
+|---|---|---|---|
+| SEARCH FOR FOOD | 12 towards the food, round the home; on the spot if none is seen | 215 | open |
+| MOVE SLOWLY | 6 towards the food | 215 | open |
+| ORIENT WITH FOOD | turn to it, 3 on to it until the barrier is crossed; back off 5 for another try | 255 | open |
+| EXPLORE FOOD | 0 | 255 | open |
+| PICK UP FOOD | 0 | 255 until the jaw has closed, then 215 | close |
+| PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | close |
+| AVOID FOOD | back 6 | 255 | open |
+| GO HOME | 12 home | 215 | close |
+| AVOID HOME | 10 away from home | 215 | open |
+| RELEASE FOOD | on into the home; then 0; back 5 once the jaw is open | 255 | open once the arm is down |
+| WAIT | 0 | as it is | as it is |
+
+A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
+keeps it off the walls (3.4).
+"""
+
+import math
+
+from khepera_forage.foraging.perception import RawData, turn_to
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_CLOSED,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    Motors,
+)
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+FAST, SLOW, CREEP = 12.0, 6.0, 3.0
+PUSHING, RETREAT, AVOIDANCE, TURN = 8.0, 5.0, 10.0, 5.0
+
+_ON_THE_SPOT = 35.0
+"""Degrees off course beyond which a robot turns on the spot rather than in an arc."""
+_AIMED = 5.0
+"""Degrees within which a robot counts as oriented with food: half a finger's play at the tip."""
+_CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
+"""Pixels from which the fingers can come down, and swing, without touching the food."""
+_MISSED = 10.0
+"""Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
+_SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
+"""Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
+_DEEP = 7.0
+"""Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
+_AROUND_HOME = 6.0
+"""Pixels by which a searching robot passes its home."""
+_JAW_SHUT = JAW_ON_FOOD + 3.0
+_ARM_SETTLED = ARM_DOWN - 3
+_OBSTACLE = 150
+"""Infra-red reading (about 32 mm) from which a robot turns aside."""
+_BLOCKED = 600
+"""Infra-red reading (about 14 mm) in front from which it backs off."""
+
+
+def command(behaviour: int, raw: RawData) -> Motors:
+    """Motors for one step of a behaviour.
+
+    Args:
+        behaviour: A `Behaviour`, 0..10.
+        raw: What the robot perceives now.
+    """
+    if behaviour == Behaviour.SEARCH_FOR_FOOD:
+        return _search(raw)
+    if behaviour == Behaviour.MOVE_SLOWLY:
+        return _approach(raw, SLOW)
+    if behaviour == Behaviour.ORIENT_WITH_FOOD:
+        return _orient(raw)
+    if behaviour == Behaviour.EXPLORE_FOOD:
+        return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+    if behaviour == Behaviour.PICK_UP_FOOD:
+        return _pick_up(raw)
+    if behaviour == Behaviour.PUSH_FOOD:
+        return _push(raw)
+    if behaviour == Behaviour.AVOID_FOOD:
+        return Motors(-SLOW, -SLOW, ARM_DOWN, JAW_OPEN)
+    if behaviour == Behaviour.GO_HOME:
+        return _go_home(raw)
+    if behaviour == Behaviour.AVOID_HOME:
+        return _avoid_home(raw)
+    if behaviour == Behaviour.RELEASE_FOOD:
+        return _release(raw)
+    return wait(raw)
+
+
+def wait(raw: RawData) -> Motors:
+    """Stand still and keep arm and jaw as they are."""
+    return Motors(0, 0, raw.arm, JAW_CLOSED if raw.jaw <= _JAW_SHUT else JAW_OPEN)
+
+
+def _search(raw: RawData) -> Motors:
+    if not raw.food_seen:
+        # Turning uncovers what the robot's own marker hides.
+        return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
+    direction = _bearing(raw, raw.food_x, raw.food_y) + _detour(raw)
+    left, right = _steer(raw, direction, FAST)
+    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _approach(raw: RawData, speed: float) -> Motors:
+    left, right = _steer(raw, _bearing(raw, raw.food_x, raw.food_y) if raw.food_seen else 0.0, speed)
+    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _orient(raw: RawData) -> Motors:
+    if raw.object_presence:
+        return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+    if not raw.food_seen:
+        return Motors(-CREEP, CREEP, ARM_DOWN, JAW_OPEN)
+    distance = math.hypot(raw.food_x - raw.x, raw.food_y - raw.y)
+    error = _bearing(raw, raw.food_x, raw.food_y)
+    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
+    if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
+        return Motors(-RETREAT, -RETREAT, ARM_DOWN, JAW_CLOSED)
+    if raw.arm < _ARM_SETTLED:
+        back = -CREEP if distance < _CLEAR else 0.0
+        turn = _clip(error / 8.0, 2.0) if distance >= _CLEAR else 0.0
+        return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
+    if abs(error) > _AIMED:
+        if distance < _CLEAR and abs(error) > 3 * _AIMED:
+            return Motors(-CREEP, -CREEP, ARM_DOWN, JAW_OPEN)
+        turn = math.copysign(1.0 if abs(error) < 15.0 else 2.5, error)
+        return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
+    turn = _clip(error / 5.0, 1.0)
+    return Motors(CREEP - turn, CREEP + turn, ARM_DOWN, JAW_OPEN)
+
+
+def _pick_up(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT or raw.object_presence:
+        reach = 0.0 if raw.object_presence else 2.0
+        return Motors(reach, reach, _arm_after_jaw(raw), JAW_CLOSED if raw.object_presence else JAW_OPEN)
+    return Motors(0, 0, ARM_RAISED, JAW_CLOSED)
+
+
+def _push(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT:
+        return Motors(0, 0, ARM_DOWN, JAW_CLOSED)
+    left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), PUSHING)
+    return Motors(left, right, ARM_DOWN, JAW_CLOSED)
+
+
+def _go_home(raw: RawData) -> Motors:
+    left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), FAST)
+    return Motors(left, right, _arm_after_jaw(raw), JAW_CLOSED)
+
+
+def _avoid_home(raw: RawData) -> Motors:
+    left, right = _steer(raw, _bearing(raw, 2 * raw.x - raw.home_x, 2 * raw.y - raw.home_y), AVOIDANCE)
+    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _release(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT:
+        back = -RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
+        return Motors(back, back, ARM_DOWN, JAW_OPEN)
+    if math.hypot(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
+        left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), SLOW)
+        return Motors(left, right, raw.arm, JAW_CLOSED)
+    if raw.arm < _ARM_SETTLED:
+        # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
+        return Motors(-1, 1, ARM_DOWN, JAW_CLOSED)
+    return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+
+
+def _arm_after_jaw(raw: RawData) -> int:
+    return ARM_RAISED if raw.jaw <= _JAW_SHUT else ARM_DOWN
+
+
+def _bearing(raw: RawData, x: float, y: float) -> float:
+    """Degrees to turn to face a place, -180..180, left positive."""
+    return turn_to(math.degrees(math.atan2(y - raw.y, x - raw.x)), raw.orientation)
+
+
+def _detour(raw: RawData) -> float:
+    """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
+    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
+    fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
+    home = math.hypot(hx, hy)
+    berth = raw.home_radius + _AROUND_HOME
+    along = (hx * fx + hy * fy) / math.hypot(fx, fy) if fx or fy else 0.0
+    if along <= 0.0 or along >= math.hypot(fx, fy) or home <= raw.home_radius:
+        return 0.0
+    aside = math.degrees(math.atan2(hx * fy - hy * fx, hx * fx + hy * fy))
+    berth_angle = math.degrees(math.asin(min(1.0, berth / home)))
+    return math.copysign(max(0.0, berth_angle - abs(aside)), aside)
+
+
+def _steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
+    """Wheels that turn by `error` degrees while driving, off walls and obstacles."""
+    if abs(error) > _ON_THE_SPOT:
+        return _turn_on_the_spot(raw, error)
+    turn = error * (0.3 if abs(error) > 10.0 else 0.2)
+    if raw.arm < ARM_ON_FLOOR:
+        a, b, c, d, e, f = raw.proximity
+        if c > _BLOCKED and d > _BLOCKED:
+            return -SLOW, -SLOW
+        left, right = max(a // 2, b, c), max(f // 2, e, d)
+        if left > _OBSTACLE or right > _OBSTACLE:
+            turn += _clip((right - left) / 100.0, 4.0)
+    limit = speed / 2
+    turn = _clip(turn, limit)
+    return speed - turn, speed + turn
+
+
+def _turn_on_the_spot(raw: RawData, error: float) -> tuple[float, float]:
+    """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
+    turn = math.copysign(TURN, error)
+    wall = raw.wall_bearing
+    if raw.wall_distance < _SWING:
+        if abs(wall) < 30.0:
+            return -SLOW, -SLOW
+        if wall * error > 0.0 and abs(wall) < abs(error) + 30.0:
+            turn = -turn
+    return -turn, turn
+
+
+def _clip(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))

@@ -1,0 +1,88 @@
+"""The learner's arc towards the teacher (4.5.2), and when the two count as separated."""
+
+import math
+
+from khepera_forage.foraging.perception import turn_to
+from khepera_forage.robots.khepera import Motors
+
+SEPARATION = 14.0
+"""Pixels between the learner and where the teacher is beyond which they are separated. Our decision."""
+SAME_PLACE = 2.0
+"""Pixels within which they are in about the same position. Our decision."""
+SAME_HEADING = 8.0
+"""Degrees within which they go in the same direction. Our decision."""
+NOMINAL_SPEED = 6.0
+"""Speed units of a learner that recovers while the teacher waits. Our decision: that of MOVE SLOWLY."""
+
+_GAIN = 0.1
+"""Speed units of difference a degree off course."""
+
+
+def separated(x: float, y: float, teacher_x: float, teacher_y: float) -> bool:
+    """Whether the robots are significantly apart (4.5.2).
+
+    Args:
+        x: Of the learner, pixels.
+        y: Of the learner.
+        teacher_x: Of the teacher, moved into the learner's arena.
+        teacher_y: Of the teacher, moved into the learner's arena.
+    """
+    return math.hypot(teacher_x - x, teacher_y - y) > SEPARATION
+
+
+def follow(
+    motors: Motors,
+    x: float,
+    y: float,
+    orientation: float,
+    teacher_x: float,
+    teacher_y: float,
+    teacher_orientation: float,
+) -> Motors:
+    """Bend the learner's way towards the teacher.
+
+    Changes the difference of the wheels and never their mean: the learner "does not alter its speed". Nothing
+    changes for wheels that do not go forward, at about the same place, or in about the same direction.
+
+    Args:
+        motors: What the learner's behaviour commands.
+        x: Of the learner, pixels.
+        y: Of the learner.
+        orientation: Of the learner, degrees.
+        teacher_x: Of the teacher, moved into the learner's arena.
+        teacher_y: Of the teacher.
+        teacher_orientation: Of the teacher, degrees.
+    """
+    mean = (motors.left + motors.right) / 2
+    if mean <= 0.0:
+        return motors
+    if math.hypot(teacher_x - x, teacher_y - y) <= SAME_PLACE:
+        return motors
+    if abs(turn_to(teacher_orientation, orientation)) <= SAME_HEADING:
+        return motors
+    return _arc(motors, mean, x, y, orientation, teacher_x, teacher_y)
+
+
+def recover(
+    motors: Motors, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
+) -> Motors:
+    """The arc at nominal speed by which a separated learner comes back while the teacher waits.
+
+    Args:
+        motors: What the learner would do otherwise; arm and jaw are kept.
+        x: Of the learner, pixels.
+        y: Of the learner.
+        orientation: Of the learner, degrees.
+        teacher_x: Of the teacher, moved into the learner's arena.
+        teacher_y: Of the teacher.
+    """
+    nominal = motors._replace(left=NOMINAL_SPEED, right=NOMINAL_SPEED)
+    return _arc(nominal, NOMINAL_SPEED, x, y, orientation, teacher_x, teacher_y)
+
+
+def _arc(
+    motors: Motors, mean: float, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
+) -> Motors:
+    error = turn_to(math.degrees(math.atan2(teacher_y - y, teacher_x - x)), orientation)
+    turn = max(-mean, min(mean, (motors.right - motors.left) / 2 + _GAIN * error))
+    return motors._replace(left=mean - turn, right=mean + turn)

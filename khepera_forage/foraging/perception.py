@@ -1,0 +1,176 @@
+"""Scene and Senses to raw data (4.2.2), and raw data to the state vector (4.3)."""
+
+import math
+from collections.abc import Container
+from typing import NamedTuple
+
+from khepera_forage.foraging.states import FoodType, StateVector
+from khepera_forage.robots.khepera import Senses
+from khepera_forage.vision.scene import Region, Scene
+
+_OUTSIDE = 4.0
+"""Pixels by which a region may seem to lie outside its enclosure and still belong to it."""
+
+
+class Site(NamedTuple):
+    """What a robot knows of its own arena from the beginning, in pixels.
+
+    Attributes:
+        home_x: Centre of its home.
+        home_y: Centre of its home.
+        home_radius: Whole pixels.
+        diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
+        bounds: Smallest x and y, largest x and y.
+        walls: Segments (x1, y1, x2, y2).
+    """
+
+    home_x: float
+    home_y: float
+    home_radius: int
+    diagonal: int
+    bounds: tuple[float, float, float, float]
+    walls: tuple[tuple[float, float, float, float], ...]
+
+
+class RawData(NamedTuple):
+    """The raw data of 4.2.2, one robot's; places in pixels, angles in degrees.
+
+    Attributes:
+        proximity: The six front infra-reds, 0..1023, from the left.
+        arm: 255 (down) to 215 (raised).
+        jaw: 200 (open) to 0 (closed).
+        object_presence: 0 or 255.
+        x: Of the robot.
+        y: Of the robot.
+        orientation: Whole degrees 0..359.
+        tracked: Whether the camera sees the robot now; otherwise the pose is the last one seen (3.5).
+        food_seen: Whether there is a candidate food at all.
+        food_x: Nearest candidate food; 0 without one.
+        food_y: Nearest candidate food; 0 without one.
+        food_type: A `FoodType`; UNKNOWN unless a known object is in the gripper.
+        home_x: Centre of its home.
+        home_y: Centre of its home.
+        home_radius: Of its home.
+        wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
+        wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
+    """
+
+    proximity: tuple[int, int, int, int, int, int]
+    arm: int
+    jaw: int
+    object_presence: int
+    x: float
+    y: float
+    orientation: int
+    tracked: bool
+    food_seen: bool
+    food_x: float
+    food_y: float
+    food_type: int
+    home_x: float
+    home_y: float
+    home_radius: int
+    wall_distance: float
+    wall_bearing: float
+
+
+def within(region: Region, site: Site) -> bool:
+    """Whether a region lies in this enclosure."""
+    x1, y1, x2, y2 = site.bounds
+    return x1 - _OUTSIDE <= region.x <= x2 + _OUTSIDE and y1 - _OUTSIDE <= region.y <= y2 + _OUTSIDE
+
+
+def own_region(scene: Scene, site: Site, holes: int) -> Region | None:
+    """The robot's own marker: the region with as many holes in its own enclosure; None before it was ever seen."""
+    for region in scene.regions:
+        if region.holes == holes and within(region, site):
+            return region
+    return None
+
+
+def nearest_food(scene: Scene, site: Site, x: float, y: float, settled: Container[int]) -> Region | None:
+    """The nearest region without holes in the enclosure whose label is not settled; None without one.
+
+    Args:
+        scene: What the camera reports.
+        site: The enclosure.
+        x: Of the robot.
+        y: Of the robot.
+        settled: Labels that are no candidates: delivered or known to be poisonous.
+    """
+    nearest = None
+    best = math.inf
+    for region in scene.regions:
+        if region.holes == 0 and region.label not in settled and within(region, site):
+            squared = (region.x - x) ** 2 + (region.y - y) ** 2
+            if squared < best:
+                nearest, best = region, squared
+    return nearest
+
+
+def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, site: Site) -> RawData:
+    """Raw data of one robot.
+
+    Args:
+        senses: What the robot reports of itself.
+        own: Its marker's region.
+        food: Region of the nearest candidate food, if any.
+        food_type: Of the object in the gripper, as far as it is known.
+        site: Its enclosure.
+    """
+    a, b, c, d, e, f, _, _ = senses.proximity
+    x, y = own.x, own.y
+    nearest = math.inf
+    wx = wy = 0.0
+    for x1, y1, x2, y2 in site.walls:
+        ex = x2 - x1
+        ey = y2 - y1
+        t = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
+        t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
+        dx = x1 + t * ex - x
+        dy = y1 + t * ey - y
+        squared = dx * dx + dy * dy
+        if squared < nearest:
+            nearest, wx, wy = squared, dx, dy
+    return RawData(
+        (a, b, c, d, e, f),
+        senses.arm,
+        senses.jaw,
+        senses.object_presence,
+        x,
+        y,
+        own.orientation,
+        own.found,
+        food is not None,
+        0.0 if food is None else food.x,
+        0.0 if food is None else food.y,
+        food_type if senses.object_presence else FoodType.UNKNOWN,
+        site.home_x,
+        site.home_y,
+        site.home_radius,
+        math.sqrt(nearest),
+        turn_to(math.degrees(math.atan2(wy, wx)), own.orientation),
+    )
+
+
+def turn_to(direction: float, orientation: float) -> float:
+    """Degrees to turn from an orientation to a direction, -180..180, left positive."""
+    return (direction - orientation + 180.0) % 360.0 - 180.0
+
+
+def state_vector(raw: RawData, diagonal: int) -> StateVector:
+    """The five attributes of section 4.3, distances rounded to whole pixels.
+
+    Args:
+        raw: What is perceived now.
+        diagonal: Of the arena in pixels: the food distance where there is no candidate.
+    """
+    home = math.hypot(raw.x - raw.home_x, raw.y - raw.home_y)
+    food = math.hypot(raw.x - raw.food_x, raw.y - raw.food_y) if raw.food_seen else diagonal
+    return StateVector(
+        1 if raw.object_presence else 0,
+        int(home + 0.5),
+        raw.food_type,
+        raw.arm,
+        int(food + 0.5),
+    )

@@ -1,0 +1,78 @@
+"""The Policy contract, and from what an environment shows to the state vector of section 4.3."""
+
+from collections.abc import Mapping, Sequence
+from operator import index
+from typing import Any, NoReturn, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.foraging.states import StateVector
+
+Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
+"""What the recall environments show (a mapping) or the training environment (seven integers in a row)."""
+
+
+class Policy(Protocol):
+    """Who decides what a robot does next."""
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
+        """The behaviour to execute now, as its number in table 4.1.
+
+        Args:
+            observation: What the robot perceives; see `state_vector_of`.
+            rng: Where a policy that decides by chance draws from; others take no notice of it.
+        """
+        ...
+
+
+def state_vector_of(observation: Observation) -> StateVector:
+    """The state vector in an observation, as plain integers.
+
+    Ranges are not looked at: an environment's spaces state them, and this runs at every step.
+
+    Args:
+        observation: A mapping with the five attribute names as keys, or a sequence or one-dimensional array that
+            starts with the five attributes in the order of `StateVector`; what follows them is left out. A value is an
+            integer of Python or NumPy, or an array that holds one.
+
+    Raises:
+        ValueError: A key is missing, the sequence is too short, or a value is not one integer.
+    """
+    if isinstance(observation, dict) or isinstance(observation, Mapping):  # noqa: SIM101 - the first is 5 times faster
+        try:
+            values: Sequence[Any] = (
+                observation["object_presence"],
+                observation["robot_home_distance"],
+                observation["food_type"],
+                observation["arms_height"],
+                observation["robot_food_distance"],
+            )
+        except KeyError as error:
+            raise ValueError(
+                f"observation lacks {error.args[0]!r}, it has {list(observation)}; allowed: {StateVector._fields}"
+            ) from None
+    elif isinstance(observation, np.ndarray):
+        if observation.ndim != 1:
+            raise ValueError(f"observation has shape {observation.shape}; allowed: one dimension")
+        values = observation[:5].tolist()
+    elif isinstance(observation, Sequence):
+        values = observation[:5]
+    else:
+        raise ValueError(f"observation is {observation!r}; allowed: a mapping, a sequence or an array")
+    if len(values) != 5:
+        raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
+    try:
+        return StateVector(*[v.item() if type(v) is np.ndarray and v.dtype.kind in "iu" else index(v) for v in values])
+    except (TypeError, ValueError):
+        _complain(values)
+
+
+def _complain(values: Sequence[Any]) -> NoReturn:
+    for name, value in zip(StateVector._fields, values, strict=True):
+        whole = isinstance(value, int | np.integer) or (
+            isinstance(value, np.ndarray) and value.dtype.kind in "iu" and value.size == 1
+        )
+        if not whole:
+            raise ValueError(f"{name} is {value!r}; allowed: one integer")
+    raise AssertionError(values)

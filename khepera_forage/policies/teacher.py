@@ -1,0 +1,41 @@
+"""The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from khepera_forage.foraging.states import Behaviour, behaviour_for, classify
+from khepera_forage.policies.policy import Observation, state_vector_of
+
+
+@dataclass(frozen=True, slots=True)
+class Teacher:
+    """Decides by the tree of figure 4.2 and the IF-THEN rules of 4.4.1; never by chance.
+
+    It only forages. That it shouts what it does and waits for a learner that got separated (4.5) is the business of
+    the training environment.
+
+    Attributes:
+        home_radius: Of the home of the arena foraged in, in pixels of 5 mm; above 0.
+
+    Raises:
+        ValueError: A radius that is not above 0.
+    """
+
+    home_radius: int = 20
+
+    def __post_init__(self) -> None:
+        if not self.home_radius > 0:
+            raise ValueError(f"home_radius is {self.home_radius!r} pixels; allowed: above 0")
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The behaviour for the state that the observed state vector stands for.
+
+        Args:
+            observation: What the robot perceives; see `state_vector_of`.
+            rng: Not used.
+
+        Raises:
+            ValueError: The observation holds no state vector.
+        """
+        return behaviour_for(classify(state_vector_of(observation), self.home_radius))

@@ -1,0 +1,148 @@
+"""The rule of retracking: what one frame shows becomes tracked regions (3.5).
+
+Tracking is feature-based, and the only feature is the number of holes, as in the thesis. What the thesis leaves
+open is decided here, once for simulated and for real frames:
+
+- A region that one frame does not show is lost: it keeps all it was last seen with.
+- Lost food is dropped once its last place can be seen and it is not there. Markers are never dropped: a robot does
+  not vanish.
+- A detection continues a track with its number of holes. Food must lie within `GATE` of the track's last place. A
+  marker may be anywhere, so that the only marker of its kind is known again however far it was carried. Where there
+  are several tracks to choose from, those last seen near by come first, then lost ones, each time the nearest.
+- What continues no track starts a new one.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from khepera_forage.vision.scene import Region, Scene
+
+GATE = 6.0
+"""How far in pixels food, or a marker among several of its kind, may come to lie from one frame to the next.
+
+Our decision: 30 mm is more than the 20 mm that a robot drives or pushes in a round, with jitter on top, and less than
+the 35 mm between the centres of two touching food objects, so that one is not taken for the other.
+"""
+
+_GATE_SQUARED = GATE * GATE
+
+
+class Detection(NamedTuple):
+    """What one frame shows of one region: the attributes of `Region` that need no memory."""
+
+    x: float
+    y: float
+    holes: int
+    orientation: int
+    edge: bool
+    first_x: float
+    first_y: float
+    area: float
+    perimeter: float
+    compactness: float
+
+
+class Tracks:
+    """The regions under observation, with labels that are never reused between two resets.
+
+    The order in which a frame's detections come does not matter; new tracks are numbered in reading order.
+    """
+
+    def __init__(self) -> None:
+        self._regions: list[Region] = []
+        self._next_label = 0
+
+    def reset(self) -> None:
+        """Forget every track; labels start at 0 again."""
+        self._regions = []
+        self._next_label = 0
+
+    def update(self, detections: Sequence[Detection], visible: Callable[[float, float], bool]) -> Scene:
+        """The scene after one more frame.
+
+        Args:
+            detections: What the frame shows.
+            visible: Whether food at a place (pixels) would have shown in this frame: inside the picture, under no
+                marker, under no cable. Asked only about places of food that the frame does not show.
+        """
+        shown = _obvious(self._regions, detections)
+        started: list[Detection] = []
+        if shown is None:
+            shown, started = _assigned(self._regions, detections)
+        regions = []
+        for region, detection in zip(self._regions, shown, strict=True):
+            if detection is not None:
+                regions.append(_tracked(region.label, detection))
+            elif region.holes > 0 or not visible(region.x, region.y):
+                regions.append(region._replace(found=False) if region.found else region)
+        for detection in started:
+            regions.append(_tracked(self._next_label, detection))
+            self._next_label += 1
+        self._regions = regions
+        return Scene(tuple(regions))
+
+
+def _tracked(label: int, detection: Detection) -> Region:
+    x, y, holes, orientation, edge, first_x, first_y, area, perimeter, compactness = detection
+    return Region(
+        label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness
+    )  # fmt: skip
+
+
+def _obvious(regions: Sequence[Region], detections: Sequence[Detection]) -> list[Detection | None] | None:
+    """What shows each region, if every detection is near one tracked region and no two near the same.
+
+    Most frames are so, and then the general rule of `_assigned` must come to the same: this is for speed.
+    """
+    shown: list[Detection | None] = [None] * len(regions)
+    for detection in detections:
+        x, y, holes = detection.x, detection.y, detection.holes
+        near = -1
+        for i, region in enumerate(regions):
+            if region.holes == holes and region.found:
+                dx, dy = region.x - x, region.y - y
+                if dx * dx + dy * dy <= _GATE_SQUARED:
+                    if near >= 0:
+                        return None
+                    near = i
+        if near < 0 or shown[near] is not None:
+            return None
+        shown[near] = detection
+    return shown
+
+
+def _assigned(
+    regions: Sequence[Region], detections: Sequence[Detection]
+) -> tuple[list[Detection | None], list[Detection]]:
+    """What shows each region, and what starts a new track: the likeliest pair first, then the next."""
+    ordered = sorted(detections, key=lambda d: (-d.first_y, d.first_x, d))
+    pairs = []
+    for i, region in enumerate(regions):
+        for j, detection in enumerate(ordered):
+            distance = math.hypot(region.x - detection.x, region.y - detection.y)
+            rank = _rank(region, detection, distance)
+            if rank is not None:
+                pairs.append((rank, distance, i, j))
+    shown: list[Detection | None] = [None] * len(regions)
+    free = dict(enumerate(ordered))
+    for _, _, i, j in sorted(pairs):
+        if shown[i] is None and j in free:
+            shown[i] = free.pop(j)
+    return shown, list(free.values())
+
+
+def _rank(region: Region, detection: Detection, distance: float) -> int | None:
+    """How likely a detection continues a track: 0 is likeliest, None is out of the question.
+
+    A region that was tracked until now is near its last place; one that has been lost for a while may be anywhere.
+    So a lost track never takes the detection from a tracked one, though that may be passing nearer its last place.
+    """
+    if region.holes != detection.holes:
+        return None
+    near = distance * distance <= _GATE_SQUARED
+    if region.holes == 0:
+        return (0 if region.found else 1) if near else None
+    if region.found:
+        return 0 if near else 2
+    return 1

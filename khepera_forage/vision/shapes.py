@@ -1,0 +1,115 @@
+"""The shapes a camera sees: markers and food, as they lie over the floor (mm) and in the picture (pixels).
+
+The frame is that of `scene`: x to the right, y up, origin in the lower left corner of the picture.
+"""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+PICTURE_WIDTH = 640.0
+"""Pixels (3.4)."""
+PICTURE_HEIGHT = 480.0
+HOLE_SIDE = 20.0
+"""Side in mm of a black square within a marker (figure 3.9)."""
+
+FOOD_RADIUS_PX = FOOD_RADIUS / MM_PER_PIXEL
+_HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
+_HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
+_HALF_DIAGONAL = math.hypot(_HALF_LENGTH, _HALF_WIDTH)
+
+
+class Features(NamedTuple):
+    """The features of a region that Quek's tracker stores but does not track by (3.5).
+
+    Attributes:
+        area: In square pixels, holes not counted.
+        perimeter: Outer contour in pixels.
+        compactness: perimeter^2 / area.
+    """
+
+    area: float
+    perimeter: float
+    compactness: float
+
+
+def _features(area: float, perimeter: float) -> Features:
+    return Features(area, perimeter, perimeter * perimeter / area)
+
+
+def _marker_features(holes: int) -> Features:
+    area = (MARKER_LENGTH * MARKER_WIDTH - holes * HOLE_SIDE**2) / MM_PER_PIXEL**2
+    return _features(area, 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL)
+
+
+MARKER_FEATURES = {holes: _marker_features(holes) for holes in (1, 2)}
+"""By number of holes."""
+FOOD_FEATURES = _features(math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS_PX)
+
+
+class Plate(NamedTuple):
+    """A marker as it lies over the floor: centre in mm, cosine and sine of its heading."""
+
+    x: float
+    y: float
+    cos: float
+    sin: float
+
+
+def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> bool:
+    """Whether a disc touches any of the markers.
+
+    Args:
+        x: Centre of the disc in mm.
+        y: Centre of the disc in mm.
+        radius: Of the disc in mm.
+        plates: The markers, 120 x 80 mm, long side along the heading.
+    """
+    reach = _HALF_DIAGONAL + radius
+    for plate_x, plate_y, cos, sin in plates:
+        dx, dy = x - plate_x, y - plate_y
+        if dx * dx + dy * dy > reach * reach:
+            continue
+        # In the marker's own frame: how far beyond its sides the centre lies, zero within them.
+        ahead = max(abs(dx * cos + dy * sin) - _HALF_LENGTH, 0.0)
+        aside = max(abs(dy * cos - dx * sin) - _HALF_WIDTH, 0.0)
+        if ahead * ahead + aside * aside <= radius * radius:
+            return True
+    return False
+
+
+def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
+    """The upright box around a marker with this heading, and its first pixel.
+
+    Returns:
+        Half the width of the box, half its height, and how far right of the centre the topmost corner lies (of two
+        the left one), all in pixels.
+    """
+    if sin < 0 or (sin == 0 and cos > 0):
+        cos, sin = -cos, -sin  # the same rectangle turned by 180 degrees; now the heading is up, or left
+    if cos >= 0:
+        across, up, first = cos, cos, -sin  # the left front corner is the topmost
+    else:
+        across, up, first = -cos, -cos, sin  # the right front corner
+    return (
+        _HALF_LENGTH_PX * across + _HALF_WIDTH_PX * sin,
+        _HALF_LENGTH_PX * sin + _HALF_WIDTH_PX * up,
+        _HALF_LENGTH_PX * cos + _HALF_WIDTH_PX * first,
+    )
+
+
+def in_picture(x: float, y: float, half_width: float = 0.0, half_height: float = 0.0) -> bool:
+    """Whether an upright box lies inside the picture and clear of its border (pixels)."""
+    return half_width < x < PICTURE_WIDTH - half_width and half_height < y < PICTURE_HEIGHT - half_height
+
+
+def distance_to_segment(x: float, y: float, x1: float, y1: float, x2: float, y2: float) -> float:
+    """Distance of a point from the straight line between two others."""
+    dx, dy = x2 - x1, y2 - y1
+    length_squared = dx * dx + dy * dy
+    share = ((x - x1) * dx + (y - y1) * dy) / length_squared if length_squared > 0 else 0.0
+    share = min(1.0, max(0.0, share))
+    return math.hypot(x - x1 - share * dx, y - y1 - share * dy)

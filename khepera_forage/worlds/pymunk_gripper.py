@@ -1,0 +1,190 @@
+"""The gripper turret on a pymunk body: arm, two fingers, optical barrier, and the grip on food.
+
+Nothing teleports: the fingers push what they touch, a closing jaw holds what is between them by joints, a raised
+arm takes it off the floor, and opening leaves it where it is.
+"""
+
+from collections.abc import Sequence
+
+import pymunk
+
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    ARM_SPEED,
+    BARRIER,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    JAW_ROOT,
+    JAW_SPEED,
+    RADIUS,
+    half_gap,
+)
+from khepera_forage.worlds import layers
+from khepera_forage.worlds.pymunk_food import PymunkFood
+
+_THIN = FINGER_THICKNESS / 2
+_TOUCH = 0.5
+"""mm of play within which the fingers count as touching food."""
+
+
+class PymunkGripper:
+    """Arm and jaw at finite speed, raised and open to begin with.
+
+    Attributes:
+        arm: Position 255 (down) to 215 (raised).
+        jaw: Position 200 (open) to 0 (closed).
+        held: The food between the closed fingers, or None.
+    """
+
+    def __init__(self, space: pymunk.Space, body: pymunk.Body) -> None:
+        self._space = space
+        self._body = body
+        self.arm = float(ARM_RAISED)
+        self.jaw = float(JAW_OPEN)
+        self.held: PymunkFood | None = None
+        self._joints: tuple[pymunk.Constraint, ...] = ()
+        palm = JAW_ROOT - _THIN
+        wide = half_gap(JAW_OPEN) + _THIN
+        self._palm = pymunk.Segment(body, (palm, -wide), (palm, wide), _THIN)
+        self._left = pymunk.Segment(body, (JAW_ROOT, wide), (FINGER_TIP - _THIN, wide), _THIN)
+        self._right = pymunk.Segment(body, (JAW_ROOT, -wide), (FINGER_TIP - _THIN, -wide), _THIN)
+        self._shapes = (self._palm, self._left, self._right)
+        for shape in self._shapes:
+            shape.friction = 0.2
+            shape.filter = layers.RAISED_FINGERS
+        space.add(*self._shapes)
+
+    @property
+    def on_floor(self) -> bool:
+        """Whether the fingers reach down to food on the floor."""
+        return self.arm >= ARM_ON_FLOOR
+
+    def move(
+        self, arm: float, jaw: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
+    ) -> None:
+        """Move towards the commanded positions for `dt` seconds.
+
+        Args:
+            arm: Commanded position of the arm.
+            jaw: Commanded position of the jaw.
+            dt: Seconds.
+            foods: All food that could be in the way.
+            others: Bodies of the other robots.
+        """
+        if arm != self.arm:
+            self._move_arm(arm, dt, foods, others)
+        if jaw != self.jaw:
+            self._move_jaw(jaw, dt, foods, others)
+
+    def interrupted(self, foods: Sequence[PymunkFood]) -> bool:
+        """Whether something crosses the optical barrier between the fingers."""
+        if self.held is not None:
+            x, y = self._body.world_to_local(self.held.body.position)
+            return _in_barrier(x, y, self.jaw)
+        if not self.on_floor:
+            return False
+        return any(
+            _in_barrier(*self._body.world_to_local(food.body.position), self.jaw)
+            for food in foods
+            if not food.lifted
+        )
+
+    def _move_arm(
+        self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
+    ) -> None:
+        was_on_floor = self.on_floor
+        step = ARM_SPEED * dt
+        arm = min(target, self.arm + step) if target > self.arm else max(target, self.arm - step)
+        if arm >= ARM_ON_FLOOR and not was_on_floor and not self._room_below(foods, others):
+            self.arm = ARM_ON_FLOOR - 1.0
+            return
+        self.arm = arm
+        if self.on_floor != was_on_floor:
+            for shape in self._shapes:
+                shape.filter = layers.FINGERS if self.on_floor else layers.RAISED_FINGERS
+            if self.held is not None:
+                self.held.set_lifted(not self.on_floor)
+
+    def _room_below(self, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]) -> bool:
+        """Whether the arm can come down: the fingers on nothing, held food on no other food or robot."""
+        if self.held is not None:
+            return self._floor_free(foods, others)
+        gap = half_gap(self.jaw)
+        for food in foods:
+            if food.lifted:
+                continue
+            x, y = self._body.world_to_local(food.body.position)
+            beside = JAW_ROOT - FINGER_THICKNESS < x < FINGER_TIP
+            ahead = x - FINGER_TIP if x > FINGER_TIP else 0.0
+            if beside and x - FOOD_RADIUS < JAW_ROOT - _TOUCH:
+                return False
+            lateral = abs(abs(y) - gap - _THIN)
+            if (beside or ahead) and max(lateral - _THIN, 0.0) ** 2 + ahead**2 < (FOOD_RADIUS - _TOUCH) ** 2:
+                return False
+        return True
+
+    def _floor_free(self, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]) -> bool:
+        assert self.held is not None
+        place = self.held.body.position
+        return not any(
+            food is not self.held and place.get_distance(food.body.position) < 2 * FOOD_RADIUS
+            for food in foods
+        ) and not any(place.get_distance(body.position) < FOOD_RADIUS + RADIUS for body in others)
+
+    def _move_jaw(
+        self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
+    ) -> None:
+        step = JAW_SPEED * dt
+        jaw = min(target, self.jaw + step) if target > self.jaw else max(target, self.jaw - step)
+        if self.held is not None:
+            if target < self.jaw:
+                return
+            if not self.on_floor and not self._floor_free(foods, others):
+                return
+            self._let_go()
+        elif jaw < self.jaw and self.on_floor and (food := self._between(jaw, foods)) is not None:
+            jaw = JAW_ON_FOOD
+            if abs(self._body.world_to_local(food.body.position)[1]) < 2 * _TOUCH:
+                self._hold(food)
+        self.jaw = jaw
+        y = half_gap(jaw) + _THIN
+        self._left.unsafe_set_endpoints((JAW_ROOT, y), (FINGER_TIP - _THIN, y))
+        self._right.unsafe_set_endpoints((JAW_ROOT, -y), (FINGER_TIP - _THIN, -y))
+
+    def _between(self, jaw: float, foods: Sequence[PymunkFood]) -> PymunkFood | None:
+        """The food between the fingers when they close on it: they shift it to the middle and stop there."""
+        if half_gap(jaw) > FOOD_RADIUS:
+            return None
+        for food in foods:
+            x, y = self._body.world_to_local(food.body.position)
+            if JAW_ROOT < x < FINGER_TIP and abs(y) < half_gap(JAW_OPEN) and not food.lifted:
+                return food
+        return None
+
+    def _hold(self, food: PymunkFood) -> None:
+        turned = food.body.angle - self._body.angle
+        self._joints = (
+            pymunk.PivotJoint(self._body, food.body, self._body.world_to_local(food.body.position), (0, 0)),
+            pymunk.GearJoint(self._body, food.body, turned, 1),
+        )
+        for joint in self._joints:
+            joint.collide_bodies = False
+        self._space.add(*self._joints)
+        self.held = food
+
+    def _let_go(self) -> None:
+        assert self.held is not None
+        self._space.remove(*self._joints)
+        self.held.set_lifted(False)
+        self.held = None
+
+
+def _in_barrier(x: float, y: float, jaw: float) -> bool:
+    """Whether a food disc at (x, y) in the robot's frame cuts the line across the jaw at `BARRIER`."""
+    lateral = max(abs(y) - half_gap(jaw), 0.0)
+    return (x - BARRIER) ** 2 + lateral**2 < FOOD_RADIUS**2

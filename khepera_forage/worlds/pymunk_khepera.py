@@ -1,0 +1,208 @@
+"""A Khepera as a pymunk body: wheels that pull within their traction, infra-reds, and the gripper turret."""
+
+import math
+from collections.abc import Sequence
+
+import pymunk
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    CONTROL_PERIOD,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    MASS,
+    PRESENT,
+    PULSE,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+    Motors,
+    Senses,
+    applicable,
+)
+from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, REACH, cast
+from khepera_forage.worlds import layers
+from khepera_forage.worlds.arena import Pose
+from khepera_forage.worlds.polygon import Segment, distance
+from khepera_forage.worlds.pymunk_food import PymunkFood
+from khepera_forage.worlds.pymunk_gripper import PymunkGripper
+
+_INERTIA = MASS * RADIUS**2 / 2
+_TRACTION = 0.6 * MASS * 9810.0
+"""kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
+_TWIST = _TRACTION * WHEEL_BASE / 2
+EXTENT = FINGER_TIP + FOOD_RADIUS
+"""mm: nothing that a robot carries or pushes with its fingers is farther from its centre."""
+
+DRAWS = 10
+"""Normal numbers a robot takes each round: two wheels, eight sensors."""
+
+
+class PymunkKhepera:
+    """A simulated `Robot`; its world moves it.
+
+    Args:
+        space: The pymunk space to live in.
+        pose: Where it starts.
+        walls: Segments of its own enclosure, which it senses and keeps an eye on.
+        noise: Its troubles.
+        bias: Lasting share by which the left and the right wheel travel too far.
+    """
+
+    def __init__(
+        self,
+        space: pymunk.Space,
+        pose: Pose,
+        walls: Sequence[Segment],
+        noise: Noise,
+        bias: tuple[float, float],
+    ) -> None:
+        self.body = pymunk.Body(MASS, _INERTIA)
+        self.body.position = pose[:2]
+        self.body.angle = pose.heading
+        shape = pymunk.Circle(self.body, RADIUS)
+        shape.friction = 0.2
+        shape.filter = layers.ROBOT
+        space.add(self.body, shape)
+        self.gripper = PymunkGripper(space, self.body)
+        self.foods: Sequence[PymunkFood] = ()
+        self.others: Sequence[pymunk.Body] = ()
+        self._walls = walls
+        self._noise = noise
+        self._left_share, self._right_share = 1.0 + bias[0], 1.0 + bias[1]
+        self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
+        self._pulses = [0.0, 0.0]
+        self._senses: Senses | None = None
+        self._draws: list[float] = [0.0] * DRAWS
+        self._forward = self._turn = 0.0
+        self._survey()
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot truly is."""
+        x, y = self.body.position
+        return Pose(x, y, self.body.angle)
+
+    def sense(self) -> Senses:
+        """What the robot senses now; the same until the world advances."""
+        if self._senses is None:
+            self._senses = self._read()
+        return self._senses
+
+    def drive(self, motors: Motors) -> Motors:
+        """Take a command for the coming rounds; returns it in whole speed units, within limits."""
+        self._command = applicable(motors)
+        return self._command
+
+    def stop(self) -> None:
+        """Wheels to zero; arm and jaw stay as commanded."""
+        self._command = self._command._replace(left=0, right=0)
+
+    def close(self) -> None:
+        """Stop."""
+        self.stop()
+
+    def begin_round(self, draws: list[float]) -> float:
+        """Fix this round's wheel travel; returns how far any point of the robot can get in it, in mm."""
+        self._draws = draws
+        left, right, _, _ = self._command
+        slip = self._noise.wheel_slip
+        left_speed = left * SPEED_UNIT * (self._left_share + slip * draws[0])
+        right_speed = right * SPEED_UNIT * (self._right_share + slip * draws[1])
+        self._forward = (left_speed + right_speed) / 2
+        self._turn = (right_speed - left_speed) / WHEEL_BASE
+        return (abs(self._forward) + abs(self._turn) * FINGER_TIP) * CONTROL_PERIOD
+
+    def room(self) -> float:
+        """mm between the walls and the farthest that the robot's gripper and food reach."""
+        return self._room
+
+    def push(self, dt: float) -> None:
+        """Apply the wheels' pull for the next `dt` seconds, and move arm and jaw."""
+        body = self.body
+        angle = body.angle
+        vx, vy = body.velocity
+        scale = MASS / dt
+        fx = (self._forward * math.cos(angle) - vx) * scale
+        fy = (self._forward * math.sin(angle) - vy) * scale
+        pull = math.sqrt(fx * fx + fy * fy)
+        if pull > _TRACTION:
+            fx *= _TRACTION / pull
+            fy *= _TRACTION / pull
+        body.force = fx, fy
+        body.torque = max(-_TWIST, min(_TWIST, (self._turn - body.angular_velocity) * _INERTIA / dt))
+        gripper = self.gripper
+        _, _, arm, jaw = self._command
+        if arm != gripper.arm or jaw != gripper.jaw:
+            gripper.move(arm, jaw, dt, self.foods, self.others)
+
+    def end_round(self) -> None:
+        """Count the wheels' pulses and look where the walls are now."""
+        self._pulses[0] += self._command.left * SPEED_UNIT * CONTROL_PERIOD / PULSE
+        self._pulses[1] += self._command.right * SPEED_UNIT * CONTROL_PERIOD / PULSE
+        self._senses = None
+        self._survey()
+
+    def _survey(self) -> None:
+        x, y = self.body.position
+        nearest = math.inf
+        near = []
+        for wall in self._walls:
+            d = distance(x, y, wall)
+            if d < REACH:
+                near.append(wall)
+            nearest = min(nearest, d)
+        self._near_walls = near
+        self._room = nearest - EXTENT
+
+    def _read(self) -> Senses:
+        gripper = self.gripper
+        body = self.body
+        x, y = body.position
+        blocked = gripper.arm >= ARM_ON_FLOOR
+        discs = []
+        for food in self.foods:
+            fx, fy = food.body.position
+            if (fx - x) ** 2 + (fy - y) ** 2 < (REACH + FOOD_RADIUS) ** 2 and not food.lifted:
+                discs.append((fx, fy, FOOD_RADIUS))
+        for other in self.others:
+            ox, oy = other.position
+            if (ox - x) ** 2 + (oy - y) ** 2 < (REACH + RADIUS) ** 2:
+                discs.append((ox, oy, RADIUS))
+        if self._near_walls or discs:
+            angle = body.angle
+            clean = cast(
+                x, y, math.cos(angle), math.sin(angle), self._near_walls, discs, first=6 if blocked else 0
+            )
+        else:
+            clean = [0.0] * 8
+        return Senses(
+            self._noisy(clean, blocked),
+            int(self._pulses[0]),
+            int(self._pulses[1]),
+            int(gripper.arm + 0.5),
+            int(gripper.jaw + 0.5),
+            PRESENT if gripper.interrupted(self.foods) else 0,
+        )
+
+    def _noisy(self, clean: list[float], blocked: bool) -> tuple[int, int, int, int, int, int, int, int]:
+        gain, floor = self._noise.proximity_gain, self._noise.proximity_floor
+        low, high = HIDDEN_BY_ARM
+        readings = []
+        for i in range(8):
+            draw = self._draws[i + 2]
+            if blocked and i < 6:
+                readings.append(
+                    int((low + high) / 2 + (max(-1.0, min(1.0, draw / 2)) if gain else 0.0) * 3.5 + 0.5)
+                )
+                continue
+            reading = clean[i] * (1.0 + gain * draw)
+            if reading <= floor:
+                # A normal number's cumulative share is uniform: no second generator for the floor.
+                reading = floor * 0.5 * (1.0 + math.erf(draw * 0.7071067811865476)) if floor else reading
+            readings.append(int(max(0.0, min(float(MAX_READING), reading)) + 0.5))
+        a, b, c, d, e, f, g, h = readings
+        return a, b, c, d, e, f, g, h

@@ -1,0 +1,150 @@
+"""Simulated bodies: the `World` of pymunk."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pymunk
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
+from khepera_forage.vision.overhead import OverheadCamera, Truth
+from khepera_forage.worlds import layers
+from khepera_forage.worlds.arena import Arena, Point
+from khepera_forage.worlds.draws import Draws
+from khepera_forage.worlds.pymunk_food import PymunkFood
+from khepera_forage.worlds.pymunk_khepera import DRAWS, PymunkKhepera
+from khepera_forage.worlds.world import Layout
+
+SUBSTEPS = 5
+"""Physics steps a round, 20 ms each, where nothing can be hit."""
+_FINE_TRAVEL = 0.6
+"""mm that a point of a robot may travel in one physics step near a wall, so that overlaps stay below 1 mm."""
+
+
+class PymunkWorld:
+    """Kheperas, food and an overhead camera above one or more enclosures.
+
+    Args:
+        arenas: The enclosures, in one frame of millimetres.
+        markers: Number of holes of each robot's marker, 1 or 2; one robot each.
+        noise: The laboratory's troubles.
+
+    Raises:
+        ValueError: No arena, no robot, or a marker with another number of holes.
+    """
+
+    def __init__(
+        self, arenas: Sequence[Arena], markers: Sequence[int] = (2,), noise: Noise | None = None
+    ) -> None:
+        if not arenas:
+            raise ValueError("a world with no arena; allowed: at least 1")
+        if not markers or any(holes not in (1, 2) for holes in markers):
+            raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
+        self.arenas = tuple(arenas)
+        self.noise = Noise.laboratory() if noise is None else noise
+        self.foods: tuple[PymunkFood, ...] = ()
+        self.robots: tuple[PymunkKhepera, ...] = ()
+        self._markers = tuple(markers)
+        xs = [arena.bounds for arena in self.arenas]
+        anchor = (
+            (min(b[0] for b in xs) + max(b[2] for b in xs)) / 2,
+            (min(b[1] for b in xs) + max(b[3] for b in xs)) / 2,
+        )
+        self.camera = OverheadCamera(self._truth, self.noise, anchor)
+        self._space = pymunk.Space()
+
+    def reset(self, rng: np.random.Generator, layout: Layout) -> None:
+        """Put everything in its place, in a new space (only that is bit-exact per seed).
+
+        Args:
+            rng: Spawned into one generator a subsystem, so that one more source does not shift the others.
+            layout: As many starts as robots.
+
+        Raises:
+            ValueError: A robot or food that does not stand on the free floor of an arena, or stands in another.
+        """
+        if len(layout.starts) != len(self._markers):
+            raise ValueError(
+                f"{len(layout.starts)} starts for {len(self._markers)} robots; allowed: one each"
+            )
+        homes = [self._arena_of("robot", start, RADIUS) for start in layout.starts]
+        plates = [self._arena_of("food", food, FOOD_RADIUS) for food in layout.foods]
+        _check_apart(layout)
+        wheels, draws, camera = rng.spawn(3)
+        self._draws = Draws(draws, DRAWS * len(self._markers))
+        space = self._space = pymunk.Space()
+        space.collision_bias = 0.7**60
+        for arena in self.arenas:
+            for x1, y1, x2, y2 in arena.segments:
+                wall = pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0)
+                wall.friction = 0.2
+                wall.filter = layers.WALL
+                space.add(wall)
+        self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
+        bias = self.noise.wheel_bias * wheels.standard_normal((len(homes), 2))
+        self.robots = tuple(
+            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])))
+            for start, arena, b in zip(layout.starts, homes, bias, strict=True)
+        )
+        for robot, home in zip(self.robots, homes, strict=True):
+            robot.foods = [food for food, plate in zip(self.foods, plates, strict=True) if plate is home]
+            robot.others = [
+                other.body
+                for other, its in zip(self.robots, homes, strict=True)
+                if its is home and other is not robot
+            ]
+        for robot in self.robots:
+            robot.begin_round([0.0] * DRAWS)
+        self.camera.reset(camera)
+
+    def advance(self) -> None:
+        """One round of 0.1 s."""
+        if not self.robots:
+            raise RuntimeError("advance() before reset()")
+        draws = self._draws.next()
+        substeps = SUBSTEPS
+        robots = self.robots
+        for i, robot in enumerate(robots):
+            travel = robot.begin_round(draws[i * DRAWS : (i + 1) * DRAWS])
+            if robot.room() < travel:
+                substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
+        dt = CONTROL_PERIOD / substeps
+        step = self._space.step
+        for _ in range(substeps):
+            for robot in robots:
+                robot.push(dt)
+            step(dt)
+        for robot in robots:
+            robot.end_round()
+        self.camera.expose()
+
+    def close(self) -> None:
+        """Stop the robots."""
+        for robot in self.robots:
+            robot.close()
+
+    def _truth(self) -> Truth:
+        markers = []
+        for robot, holes in zip(self.robots, self._markers, strict=True):
+            x, y = robot.body.position
+            markers.append((x, y, robot.body.angle, holes))
+        return Truth(tuple(markers), tuple([tuple(food.body.position) for food in self.foods]))
+
+    def _arena_of(self, what: str, place: Sequence[float], radius: float) -> Arena:
+        point = Point(place[0], place[1])
+        nearest = max(self.arenas, key=lambda arena: arena.clearance(point))
+        nearest.check_free(what, point, radius)
+        return nearest
+
+
+def _check_apart(layout: Layout) -> None:
+    discs = [("robot", start[0], start[1], RADIUS) for start in layout.starts]
+    discs += [("food", food[0], food[1], FOOD_RADIUS) for food in layout.foods]
+    for i, (what, x, y, radius) in enumerate(discs):
+        for other, ox, oy, other_radius in discs[:i]:
+            if math.hypot(x - ox, y - oy) < radius + other_radius:
+                raise ValueError(
+                    f"{what} at ({x:g}, {y:g}) mm overlaps {other} at ({ox:g}, {oy:g}) mm; "
+                    f"allowed: at least {radius + other_radius:g} mm apart"
+                )
