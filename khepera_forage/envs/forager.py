@@ -1,5 +1,7 @@
 """One robot at its task: from Senses and Scene to raw data and state vector, round after round."""
 
+import math
+
 from khepera_forage.envs.register import FoodRegister
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.perception import RawData, Site, nearest_food, own_region, perceive, state_vector
@@ -16,6 +18,7 @@ def site_of(arena: Arena) -> Site:
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
         round(arena.home_radius / MM_PER_PIXEL),
+        math.degrees(math.atan2((y1 + y2) / 2 - arena.home.y, (x1 + x2) / 2 - arena.home.x)),
         round(arena.diagonal / MM_PER_PIXEL),
         (x1 / MM_PER_PIXEL, y1 / MM_PER_PIXEL, x2 / MM_PER_PIXEL, y2 / MM_PER_PIXEL),
         tuple(tuple(c / MM_PER_PIXEL for c in s) for s in arena.segments),  # type: ignore[misc]

@@ -1,7 +1,7 @@
 """The thesis' own results: tables A.1 to A.7 as printed, slips included, and what chapter 5 says of them.
 
-The tables print a missing penalty as a dash or, in A.5, as nothing, and A.7 adds a percent sign to the others;
-here it is a dash and a number throughout. All else is verbatim. `slips.py` lists what does not add up.
+The tables print a missing penalty as a dash or, in A.5, as nothing, and A.7 adds a percent sign to the
+others; here it is a dash and a number throughout. All else is verbatim. `slips.py` lists what does not add up.
 """
 
 from collections.abc import Iterable
@@ -59,7 +59,7 @@ class PrintedRecall:
         return 0 if self.penalty == NO_PENALTY else -int(self.penalty)
 
     def delivered(self, foods: int) -> int:
-        """Food carried home, told from the penalty: none at -20, all without one, all but one at -5 (5.4.2.1)."""
+        """Food carried home, told from the penalty: none at -20, all but one at -5, all without one."""
         return {0: foods, 5: foods - 1, 20: 0}[self.points]
 
 
@@ -127,12 +127,10 @@ def table_of(arena: str, episodes: int) -> PrintedTable:
     Raises:
         KeyError: The thesis has no such cell.
     """
-    for table in tables():
-        if (table.arena, table.episodes) == (arena, episodes):
-            return table
-    raise KeyError(
-        f"{arena} after {episodes!r} episodes; allowed: {[(t.arena, t.episodes) for t in tables()]}"
-    )
+    cells = {(table.arena, table.episodes): table for table in tables()}
+    if (arena, episodes) not in cells:
+        raise KeyError(f"no table for {arena!r} after {episodes!r} episodes; allowed: {list(cells)}")
+    return cells[arena, episodes]
 
 
 def rows_of(table: PrintedTable) -> tuple[PrintedRecall, ...]:

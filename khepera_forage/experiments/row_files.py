@@ -1,7 +1,7 @@
 """Rows on disk: one dataclass a table, one line a row, written as it happens and read strictly.
 
-Columns are the fields of the dataclass, in order. A tuple is one column, its values joined by semicolons; truth
-is 1 or 0. Lines end with a line feed, and a field holds none, so that a line is always a row.
+Columns are the fields of the dataclass, in order. A tuple is one column, its values joined by semicolons;
+truth is 1 or 0. Lines end with a line feed, and no field holds one, so that a line is always a row.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""What is kept of every training attempt and every recall episode: enough to recompute each table and figure."""
+"""What is kept of every training attempt and every recall episode: enough to recompute it all."""
 
 import math
 from dataclasses import dataclass
@@ -46,10 +46,10 @@ class RecallRow:
         start_x: Where the robot started.
         start_y: The same, across the arena.
         start_heading: In degrees, 0 along x.
-        rounds_by_state: Rounds spent in each state, as the teacher would classify it, in the order of table 4.1.
+        rounds_by_state: Rounds in each state as the teacher would classify it, in the order of table 4.1.
         wrong_by_state: Rounds of each state in which the learner did not do what the teacher would have done.
-        orient_ghost: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and no
-            candidate food was within the close threshold.
+        orient_ghost: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and
+            no candidate food was within the close threshold.
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
         experience_size: Experience vectors the learner had.
@@ -102,12 +102,10 @@ class RecallRow:
             right = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
             _require(right, name, counts, f"{STATES} counts that add up to {total}")
         for state, (rounds, wrong) in enumerate(zip(self.rounds_by_state, self.wrong_by_state, strict=True)):
-            _require(
-                wrong <= rounds, f"wrong_by_state[{state}]", wrong, f"at most {rounds} rounds in this state"
-            )
-        ghosts = self.steps - self.correct
+            _require(wrong <= rounds, f"wrong_by_state[{state}]", wrong, f"at most {rounds}, all its rounds")
+        wrong = self.steps - self.correct
         _require(
-            0 <= self.orient_ghost <= ghosts, "orient_ghost", self.orient_ghost, f"0..{ghosts} wrong rounds"
+            0 <= self.orient_ghost <= wrong, "orient_ghost", self.orient_ghost, f"0..{wrong} wrong rounds"
         )
         _require(0 <= self.ties <= self.steps, "ties", self.ties, f"0..{self.steps} steps")
         _require(0 <= self.conflicts <= self.ties, "conflicts", self.conflicts, f"0..{self.ties} ties")

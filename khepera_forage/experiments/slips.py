@@ -17,7 +17,8 @@ class Slip(NamedTuple):
     Attributes:
         table: `A.1` to `A.7`.
         place: Which line of the table, counted from 1, or which average.
-        kind: `share`, `percent`, `score`, `penalty`, `series`, `average`, `food` or `text`.
+        kind: `share`, `percent`, `rounding` (rounded, where the tables cut fractions off), `score`,
+            `penalty`, `series`, `average`, `food` or `text`.
         printed: As the thesis has it.
         expected: What would follow.
     """
@@ -51,9 +52,11 @@ def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
         yield "share", share, f"no more correct behaviours than steps, at most {limit} steps"
     percent = row.percent
     if possible:
-        percent = math.floor(Fraction(100 * row.correct, row.total))
+        exact = Fraction(100 * row.correct, row.total)
+        percent = math.floor(exact)
         if percent != row.percent:
-            yield "percent", f"{share} ({row.percent}%)", f"{percent}%"
+            kind = "rounding" if row.percent == math.floor(exact + Fraction(1, 2)) else "percent"
+            yield kind, f"{share} ({row.percent}%)", f"{percent}%"
     score = row.percent - row.points
     if row.score != score:
         expected = f"{score}"
@@ -82,17 +85,13 @@ def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Slip]:
         if len(run) > 1:
             printed = f"{run[0].correct} to {last.correct}, each of {last.total} ({last.percent}%)"
             place = f"lines {run[0].line}-{last.line}, {last.file_id}"
-            yield Slip(
-                last.table, place, "series", printed, "episodes that differ: only one line can be true"
-            )
+            yield Slip(last.table, place, "series", printed, "counts of their own")
         run = [row] if row is not None else []
 
 
 def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:
     """Averages against the printed scores, and the text against the table."""
-    scores: dict[str, list[int]] = {
-        k: [r.score for r in g] for k, g in groupby(rows, key=lambda r: r.file_id)
-    }
+    scores = {name: [r.score for r in group] for name, group in groupby(rows, key=lambda r: r.file_id)}
     printed = [s for s in appendix_a.sets() if s.table == table.table]
     for entry in printed:
         mean = Fraction(sum(scores[entry.file_id]), len(scores[entry.file_id]))
@@ -102,13 +101,8 @@ def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator
     if not _rounds_to(total, table.average):
         yield Slip(table.table, "total average", "average", str(table.average), f"{float(total):g}")
     if table.text_average is not None and table.text_average != table.average:
-        yield Slip(
-            table.table,
-            "total average",
-            "text",
-            f"{table.text_average} in chapter 5",
-            f"{table.average}, as the table",
-        )
+        said, meant = f"{table.text_average} in chapter 5", f"{table.average}, as the table"
+        yield Slip(table.table, "total average", "text", said, meant)
 
 
 def _of_food(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:

@@ -37,19 +37,23 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-FAST, SLOW, CREEP = 12.0, 6.0, 3.0
-PUSHING, RETREAT, AVOIDANCE, TURN = 8.0, 5.0, 10.0, 5.0
+FAST, SLOW, CREEP = 12.0, 8.0, 4.0
+PUSHING, RETREAT, TURN, QUICK_TURN = 8.0, 5.0, 5.0, 8.0
 
 _ON_THE_SPOT = 35.0
 """Degrees off course beyond which a robot turns on the spot rather than in an arc."""
 _AIMED = 5.0
 """Degrees within which a robot counts as oriented with food: half a finger's play at the tip."""
+_ASTRAY = 20.0
+"""Degrees off course beyond which a robot raises its arm again to turn to the food."""
 _CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
 """Pixels from which the fingers can come down, and swing, without touching the food."""
 _MISSED = 10.0
 """Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
 _SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
 """Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
+_BEHIND = 9.0
+"""Pixels to a wall behind from which a robot does not back off further."""
 _DEEP = 7.0
 """Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
 _AROUND_HOME = 6.0
@@ -98,6 +102,9 @@ def wait(raw: RawData) -> Motors:
 
 
 def _search(raw: RawData) -> Motors:
+    if raw.arm >= ARM_ON_FLOOR:
+        # Clear of what may lie between the fingers, such as poison.
+        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
     if not raw.food_seen:
         # Turning uncovers what the robot's own marker hides.
         return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
@@ -118,17 +125,19 @@ def _orient(raw: RawData) -> Motors:
         return Motors(-CREEP, CREEP, ARM_DOWN, JAW_OPEN)
     distance = math.hypot(raw.food_x - raw.x, raw.food_y - raw.y)
     error = _bearing(raw, raw.food_x, raw.food_y)
+    if abs(error) > _ASTRAY:
+        # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
+        turn = math.copysign(TURN, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
+        return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
     if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
         return Motors(-RETREAT, -RETREAT, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         back = -CREEP if distance < _CLEAR else 0.0
-        turn = _clip(error / 8.0, 2.0) if distance >= _CLEAR else 0.0
+        turn = _clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
     if abs(error) > _AIMED:
-        if distance < _CLEAR and abs(error) > 3 * _AIMED:
-            return Motors(-CREEP, -CREEP, ARM_DOWN, JAW_OPEN)
-        turn = math.copysign(1.0 if abs(error) < 15.0 else 2.5, error)
+        turn = math.copysign(1.0, error)
         return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
     turn = _clip(error / 5.0, 1.0)
     return Motors(CREEP - turn, CREEP + turn, ARM_DOWN, JAW_OPEN)
@@ -154,7 +163,11 @@ def _go_home(raw: RawData) -> Motors:
 
 
 def _avoid_home(raw: RawData) -> Motors:
-    left, right = _steer(raw, _bearing(raw, 2 * raw.x - raw.home_x, 2 * raw.y - raw.home_y), AVOIDANCE)
+    away = _bearing(raw, 2 * raw.x - raw.home_x, 2 * raw.y - raw.home_y)
+    if abs(away) > 90.0 and not (raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0):
+        # Facing the home, with what was released in front of it, a robot leaves backwards.
+        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = _steer(raw, away, SLOW)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
@@ -164,7 +177,7 @@ def _release(raw: RawData) -> Motors:
         return Motors(back, back, ARM_DOWN, JAW_OPEN)
     if math.hypot(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
         left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), SLOW)
-        return Motors(left, right, raw.arm, JAW_CLOSED)
+        return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
         return Motors(-1, 1, ARM_DOWN, JAW_CLOSED)
@@ -184,14 +197,20 @@ def _detour(raw: RawData) -> float:
     """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
     hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
     fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
-    home = math.hypot(hx, hy)
-    berth = raw.home_radius + _AROUND_HOME
-    along = (hx * fx + hy * fy) / math.hypot(fx, fy) if fx or fy else 0.0
-    if along <= 0.0 or along >= math.hypot(fx, fy) or home <= raw.home_radius:
+    home, food = math.hypot(hx, hy), math.hypot(fx, fy)
+    if home <= raw.home_radius or food == 0.0:
         return 0.0
+    along = (hx * fx + hy * fy) / food
     aside = math.degrees(math.atan2(hx * fy - hy * fx, hx * fx + hy * fy))
-    berth_angle = math.degrees(math.asin(min(1.0, berth / home)))
-    return math.copysign(max(0.0, berth_angle - abs(aside)), aside)
+    berth = math.degrees(math.asin(min(1.0, (raw.home_radius + _AROUND_HOME) / home)))
+    if along <= 0.0 or along >= food or abs(aside) >= berth:
+        return 0.0
+    # Past the side nearer to the food, unless the home stands against a wall there.
+    opening = math.radians(turn_to(raw.home_opening, math.degrees(math.atan2(hy, hx))))
+    side = math.copysign(1.0, aside)
+    if side * math.sin(opening) < -0.6:
+        side = -side
+    return math.copysign(berth, side) - aside
 
 
 def _steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
@@ -205,15 +224,15 @@ def _steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
             return -SLOW, -SLOW
         left, right = max(a // 2, b, c), max(f // 2, e, d)
         if left > _OBSTACLE or right > _OBSTACLE:
-            turn += _clip((right - left) / 100.0, 4.0)
-    limit = speed / 2
-    turn = _clip(turn, limit)
+            speed = min(speed, SLOW)
+            turn = math.copysign(speed, right - left)
+    turn = _clip(turn, speed if raw.arm < ARM_ON_FLOOR else speed / 2)
     return speed - turn, speed + turn
 
 
 def _turn_on_the_spot(raw: RawData, error: float) -> tuple[float, float]:
     """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
-    turn = math.copysign(TURN, error)
+    turn = math.copysign(QUICK_TURN if abs(error) > 70.0 else TURN, error)
     wall = raw.wall_bearing
     if raw.wall_distance < _SWING:
         if abs(wall) < 30.0:

@@ -19,6 +19,7 @@ class Site(NamedTuple):
         home_x: Centre of its home.
         home_y: Centre of its home.
         home_radius: Whole pixels.
+        home_opening: Degrees from the home to the middle of the floor: the side on which it can be passed.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
         bounds: Smallest x and y, largest x and y.
         walls: Segments (x1, y1, x2, y2).
@@ -27,6 +28,7 @@ class Site(NamedTuple):
     home_x: float
     home_y: float
     home_radius: int
+    home_opening: float
     diagonal: int
     bounds: tuple[float, float, float, float]
     walls: tuple[tuple[float, float, float, float], ...]
@@ -51,6 +53,7 @@ class RawData(NamedTuple):
         home_x: Centre of its home.
         home_y: Centre of its home.
         home_radius: Of its home.
+        home_opening: Degrees from the home to the middle of the floor.
         wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
         wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
     """
@@ -70,6 +73,7 @@ class RawData(NamedTuple):
     home_x: float
     home_y: float
     home_radius: int
+    home_opening: float
     wall_distance: float
     wall_bearing: float
 
@@ -148,6 +152,7 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
         site.home_x,
         site.home_y,
         site.home_radius,
+        site.home_opening,
         math.sqrt(nearest),
         turn_to(math.degrees(math.atan2(wy, wx)), own.orientation),
     )

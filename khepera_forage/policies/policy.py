@@ -63,7 +63,9 @@ def state_vector_of(observation: Observation) -> StateVector:
     if len(values) != 5:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
-        return StateVector(*[v.item() if type(v) is np.ndarray and v.dtype.kind in "iu" else index(v) for v in values])
+        return StateVector(
+            *[v.item() if type(v) is np.ndarray and v.dtype.kind in "iu" else index(v) for v in values]
+        )
     except (TypeError, ValueError):
         _complain(values)
 

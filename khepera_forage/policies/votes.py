@@ -11,15 +11,22 @@ from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from khepera_forage.foraging.states import StateVector
+from khepera_forage.policies.tally import Tally
 
 ARM_SPAN = 55
 """Xmax of equation 4.2: the thesis' maximum difference of ArmsHeight, larger than the 40 really used."""
 
 MAX_PLANS = 4096
 """More than the kinds of query that foraging has (2 presences, 4 types, 41 heights)."""
+PIXEL_LIMIT = 2**40
+"""Magnitude below which whole numbers are compared as integers; their sums stay far from overflow."""
+
+
+def are_pixels(row: Sequence[float]) -> bool:
+    """Whether a row can go into `PixelVotes`: five whole numbers, none too large."""
+    return len(row) == 5 and all(-PIXEL_LIMIT < value < PIXEL_LIMIT and value % 1 == 0 for value in row)
 
 
 def distance(a: StateVector, b: StateVector, diagonal: int) -> Fraction:
@@ -31,7 +38,9 @@ def distance(a: StateVector, b: StateVector, diagonal: int) -> Fraction:
         diagonal: Of the arena foraged in now, in pixels; above 0.
     """
     differ = (a.object_presence != b.object_presence) + (a.food_type != b.food_type)
-    pixels = abs(a.robot_home_distance - b.robot_home_distance) + abs(a.robot_food_distance - b.robot_food_distance)
+    pixels = abs(a.robot_home_distance - b.robot_home_distance) + abs(
+        a.robot_food_distance - b.robot_food_distance
+    )
     return differ + Fraction(abs(a.arms_height - b.arms_height), ARM_SPAN) + Fraction(pixels, diagonal)
 
 
@@ -58,63 +67,13 @@ class VoteIndex(Protocol):
         """There are `classes` classes from now on; the one coded `i` so far becomes `columns[i]`."""
         ...
 
-    def rows(self) -> tuple[NDArray[Any], NDArray[np.int64]]:
-        """The distinct vectors, one a row, and their counts for each class."""
-        ...
-
     def nearest(self, query: Sequence[Any], diagonal: int, threshold: Fraction) -> Votes:
         """The votes of all vectors within the minimum distance plus `threshold`. At least one vector is held."""
         ...
 
 
-class Tally:
-    """Distinct rows of numbers and how often each was seen with each class; grows at a constant cost a row.
-
-    Attributes:
-        values: One array row for each column of the rows, so that a column is contiguous.
-        counts: One array row for each distinct row, one column for each class.
-    """
-
-    def __init__(self, width: int, classes: int, dtype: type) -> None:
-        self._places: dict[tuple[Any, ...], int] = {}
-        self._values = np.zeros((width, 4), dtype)
-        self._counts = np.zeros((4, classes), np.int64)
-        self._trim()
-
-    def add(self, row: tuple[Any, ...], code: int) -> None:
-        """Count `row` once more for class `code`."""
-        place = self._places.setdefault(row, len(self._places))
-        if place == len(self.counts):
-            if place == len(self._counts):
-                self._values = np.concatenate([self._values, np.zeros_like(self._values)], axis=1)
-                self._counts = np.concatenate([self._counts, np.zeros_like(self._counts)])
-            self._values[:, place] = row
-            self._trim()
-        self._counts[place, code] += 1
-
-    def recode(self, columns: Sequence[int], classes: int) -> None:
-        """See `VoteIndex.recode`."""
-        counts = np.zeros((len(self._counts), classes), np.int64)
-        counts[:, columns] = self._counts
-        self._counts = counts
-        self._trim()
-
-    def votes(self, chosen: NDArray[np.intp]) -> NDArray[np.int64]:
-        """The counts of the chosen rows together."""
-        total: NDArray[np.int64] = np.add.reduce(self.counts.take(chosen, axis=0), axis=0)
-        return total
-
-    def _trim(self) -> None:
-        self.values = self._values[:, : len(self._places)]
-        self.counts = self._counts[: len(self._places)]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._trim()  # a pickled view comes back as a copy
-
-
 class PixelVotes:
-    """Votes among state vectors of whole numbers, of magnitude below 2**40.
+    """Votes among state vectors of whole numbers, as `are_pixels` has them.
 
     Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are left to
     compare, and a group whose other attributes alone are further away than the best vector so far is never looked
@@ -141,22 +100,26 @@ class PixelVotes:
         for group in self._groups.values():
             group.recode(columns, classes)
 
-    def rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """See `VoteIndex.rows`."""
-        vectors = [
-            (presence, home, food_type, arm, food)
-            for (presence, food_type, arm), group in self._groups.items()
-            for home, food in group.values.T.tolist()
-        ]
-        counts = np.concatenate([group.counts for group in self._groups.values()])
-        return np.array(vectors, np.int64), counts
+    def plain(self) -> "PlainVotes":
+        """The same vectors, to be compared as floats."""
+        plain = PlainVotes(5, self._classes)
+        for (presence, food_type, arm), group in self._groups.items():
+            for (home, food), counts in zip(group.values.T.tolist(), group.counts.tolist(), strict=True):
+                for code, times in enumerate(counts):
+                    if times:
+                        plain.add((presence, home, food_type, arm, food), code, times)
+        return plain
 
     def nearest(self, query: Sequence[int], diagonal: int, threshold: Fraction) -> Votes:
         """See `VoteIndex.nearest`."""
         presence, home, food_type, arm, food = query
         unit = ARM_SPAN * diagonal
-        slack = int(threshold * unit) if threshold else 0  # rounding down is exact: distances are whole numbers
-        plan = self._plans.get((diagonal, presence, food_type, arm)) or self._plan(diagonal, presence, food_type, arm)
+        slack = (
+            int(threshold * unit) if threshold else 0
+        )  # rounding down is exact: distances are whole numbers
+        plan = self._plans.get((diagonal, presence, food_type, arm)) or self._plan(
+            diagonal, presence, food_type, arm
+        )
         best = -1
         seen = []
         for base, group in plan:
@@ -206,17 +169,13 @@ class PlainVotes:
     def __init__(self, width: int, classes: int) -> None:
         self._tally = Tally(width, classes, np.float64)
 
-    def add(self, row: Sequence[float], code: int) -> None:
-        """See `VoteIndex.add`."""
-        self._tally.add(tuple(row), code)
+    def add(self, row: Sequence[float], code: int, times: int = 1) -> None:
+        """See `VoteIndex.add`; the vector is taken in several times."""
+        self._tally.add(tuple(row), code, times)
 
     def recode(self, columns: Sequence[int], classes: int) -> None:
         """See `VoteIndex.recode`."""
         self._tally.recode(columns, classes)
-
-    def rows(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """See `VoteIndex.rows`."""
-        return self._tally.values.T, self._tally.counts
 
     def nearest(self, query: Sequence[float], diagonal: int, threshold: Fraction) -> Votes:
         """See `VoteIndex.nearest`."""

@@ -17,58 +17,63 @@ from khepera_forage.vision.shapes import (
     Plate,
     distance_to_segment,
     in_picture,
-    marker_extent,
-    marker_top,
+    marker_outline,
     under_plate,
 )
 
 _SURE = 5.0
 """Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
+_BLOCK = 64
+"""Frames for which random numbers are drawn at a time."""
+
+
+_Marker = tuple[float, float, float, int]
 
 
 class Truth(NamedTuple):
     """Where everything under the camera really is.
 
     Attributes:
-        markers: For each robot x and y of its centre in mm, its heading in radians, and its marker's holes (1 or 2).
+        markers: For each robot x and y of its centre in mm, its heading in radians, and the number of holes
+            in its marker (1 or 2).
         foods: Centre of each food object in mm, hidden ones included.
     """
 
-    markers: tuple[tuple[float, float, float, int], ...]
+    markers: tuple[_Marker, ...]
     foods: tuple[tuple[float, float], ...]
 
 
 class OverheadCamera:
     """A camera that sees what a world says is there, as badly as the thesis' camera saw it.
 
-    The picture is 640 x 480 pixels of 5 mm, its lower left corner at (0, 0) mm. One frame is taken each round.
+    The picture is 640 x 480 pixels of 5 mm, its lower left corner at (0, 0) mm. It is taken once a round.
 
-    - *Jitter.* A region's centre is off by a normal error in x and in y, a marker's orientation by one in degrees,
-      rounded to whole degrees. First pixel and edge flag follow the reported centre; area, perimeter and
-      compactness are those of the whole shape.
+    - *Jitter.* A region's centre is off by a normal error in x and in y, a marker's orientation by one in
+      degrees; it is then rounded to whole degrees. First pixel and edge flag follow the reported centre;
+      area, perimeter and compactness are those of the whole shape.
     - *Reversal.* Now and then, in single frames, an orientation is reported the wrong way round (4.2.2).
-    - *Losses.* Now and then the tracker does not see a region for a while: a two-hole marker more often than a
-      one-hole one (3.5), and any region more often under a cable (3.7). How long is geometrically distributed.
+    - *Losses.* Now and then the tracker does not see a region for a while: a two-hole marker more often than
+      a one-hole one (3.5), any region more often under a cable (3.7). How long is geometrically distributed.
       Nothing is lost in the first frame after a reset: an operator starts when everything is tracked.
-    - *Cables.* Each robot's cable is a straight line from the overhead anchor to the middle of its own marker, which
-      it does not disturb. It lies over food when it passes over the disc, and over another robot's marker when it
-      passes within half the marker's width of its centre.
-    - *Hiding.* Food whose disc touches a marker is not seen, whether or not that marker is itself lost. A region
-      whose centre is outside the picture is not seen.
+    - *Cables.* Each robot's cable is a straight line from the overhead anchor to the middle of its own
+      marker, which it does not disturb. It lies over food when it passes over the disc, and over the marker
+      of another robot when it passes within half the marker's width of its centre.
+    - *Hiding.* Food whose disc touches a marker is not seen, whether or not that marker is itself lost. A
+      region whose centre is outside the picture is not seen.
 
-    What was seen becomes tracks by the rule of `retracking`. A place is visible to that rule when food lying there
-    would be inside the picture, clear of every marker by five standard deviations of the jitter (a last place is
-    only known that well: with less, food just gone under the rim of a marker is taken for vanished), and clear of
-    food that is under a loss (whatever hides that also hides the floor around it).
+    What was seen becomes tracks by the rule of `retracking`. A place is visible to that rule when food lying
+    there would be inside the picture, clear of every marker by five standard deviations of the jitter (no
+    last place is known better: with less, food just gone under the rim of a marker is taken for vanished),
+    and not touching food that is under a loss (whatever hides that also hides the floor around it).
 
-    Every random number comes from a generator spawned at the reset, and every frame uses the same count of them
-    whatever is hidden or lost: the same seed gives the same scenes, bit for bit, and one size of noise can be
-    changed without shifting the draws of another.
+    Every random number comes from a generator spawned at the reset, and every frame uses the same count of
+    them whatever is hidden or lost: the same seed gives the same scenes, bit for bit, and one size of noise
+    can be changed without shifting the draws of another.
 
     Args:
         truth: Called once a frame. The numbers of markers and foods stay the same between two resets.
-        noise: Sizes and rates. With `Noise.none()` the scene is exact but for hiding, and for orientations, which
-            are whole degrees.
+        noise: Sizes and rates. With `Noise.none()` the scene is exact, but food is still hidden by markers,
+            and orientations are still whole degrees.
         anchor: Where the cables hang from, in mm as seen from above; None hangs no cables.
     """
 
@@ -80,18 +85,25 @@ class OverheadCamera:
         self._anchor = anchor
         self._tracks = Tracks()
         self._scene = Scene(())
-        self._draws: _Draws | None = None
+        self._rng: np.random.Generator | None = None
+        self._normals: list[list[float]] = []  # one row a frame: x, y and heading a marker, x and y a food
+        self._chances: list[list[float]] = []  # one row a frame: losses of all, then reversals of markers
         self._plates: list[Plate] = []
-        self._lost: list[bool] = []
+        self._lost: list[bool] = []  # under a loss: markers, then foods
+        self._loss_rates: list[tuple[float, float]] = []  # the same way, without and with a cable over it
         self._lost_foods: list[tuple[float, float]] = []
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Forget all tracks and losses, and take the first frame, with random numbers of its own."""
-        truth = self._truth()
-        self._draws = _Draws(rng.spawn(1)[0])
+        """Forget all tracks and losses, and take the first frame; `rng` only spawns another."""
+        self._rng = rng.spawn(1)[0]
+        self._normals, self._chances = [], []
         self._tracks.reset()
-        self._lost = [False] * (len(truth.markers) + len(truth.foods))
-        self._take_frame(truth, self._draws)
+        truth, noise = self._truth(), self._noise
+        rates = [noise.loss_rate_one_hole if m[3] == 1 else noise.loss_rate_two_holes for m in truth.markers]
+        rates += [noise.loss_rate_food] * len(truth.foods)
+        self._loss_rates = [(rate, rate * noise.cable_loss_factor) for rate in rates]
+        self._lost = [False] * len(rates)
+        self._take_frame(truth, *self._draw(truth))
 
     def expose(self) -> None:
         """Take the frame of this round.
@@ -99,33 +111,37 @@ class OverheadCamera:
         Raises:
             RuntimeError: The camera was never reset.
         """
-        if self._draws is None:
-            raise RuntimeError("expose() before the first reset(rng); allowed: after it")
         truth = self._truth()
-        self._lose(truth, self._draws)
-        self._take_frame(truth, self._draws)
+        normals, chances = self._draw(truth)
+        self._lose(truth, chances)
+        self._take_frame(truth, normals, chances)
 
     def look(self) -> Scene:
         """The scene of the last frame; empty before the first."""
         return self._scene
 
-    def _lose(self, truth: Truth, draws: "_Draws") -> None:
-        """Losses end and begin."""
-        noise, markers = self._noise, len(truth.markers)
-        for i, chance in enumerate(draws.uniforms(len(self._lost))):
-            if self._lost[i]:
-                self._lost[i] = chance >= 1 / noise.loss_rounds
-                continue
-            if i >= markers:
-                rate = noise.loss_rate_food
-            else:
-                rate = noise.loss_rate_one_hole if truth.markers[i][3] == 1 else noise.loss_rate_two_holes
-            # Few draws are so low that a cable could matter, and only those are worth looking for one.
-            if chance < rate * noise.cable_loss_factor:
-                self._lost[i] = chance < rate or self._under_cable(truth, i)
+    def _draw(self, truth: Truth) -> tuple[list[float], list[float]]:
+        """The random numbers of one frame, normal and uniform."""
+        if not self._normals:
+            if self._rng is None:
+                raise RuntimeError("expose() before any reset(rng); allowed: after one")
+            markers, foods = len(truth.markers), len(truth.foods)
+            self._normals = self._rng.standard_normal((_BLOCK, 3 * markers + 2 * foods)).tolist()
+            self._chances = self._rng.random((_BLOCK, 2 * markers + foods)).tolist()
+        return self._normals.pop(), self._chances.pop()
+
+    def _lose(self, truth: Truth, chances: list[float]) -> None:
+        """End and begin losses."""
+        lost = self._lost
+        for i, (rate, rate_under_cable) in enumerate(self._loss_rates):
+            chance = chances[i]
+            if lost[i]:
+                lost[i] = chance >= 1.0 / self._noise.loss_rounds
+            elif chance < rate_under_cable:  # so seldom that only then a cable is looked for
+                lost[i] = chance < rate or self._under_cable(truth, i)
 
     def _under_cable(self, truth: Truth, i: int) -> bool:
-        """Whether another region's cable passes over region `i`, counted through markers and then foods."""
+        """Whether a cable passes over region `i`, counted through markers and then foods."""
         if self._anchor is None:
             return False
         markers = len(truth.markers)
@@ -136,45 +152,41 @@ class OverheadCamera:
             for j, marker in enumerate(truth.markers)
         )
 
-    def _take_frame(self, truth: Truth, draws: "_Draws") -> None:
+    def _take_frame(self, truth: Truth, normals: list[float], chances: list[float]) -> None:
         markers, foods = truth
-        count = len(markers)
-        self._plates = [Plate(x, y, math.cos(heading), math.sin(heading)) for x, y, heading, _ in markers]
-        self._lost_foods = [food for food, lost in zip(foods, self._lost[count:], strict=True) if lost]
-        normals = draws.normals(3 * count + 2 * len(foods))
-        uniforms = draws.uniforms(count)
-        detections = []
-        for i, plate in enumerate(self._plates):
-            if not self._lost[i] and in_picture(plate.x / MM_PER_PIXEL, plate.y / MM_PER_PIXEL):
-                detections.append(self._marker(markers[i], plate, normals[3 * i : 3 * i + 3], uniforms[i]))
-        at = 3 * count
+        count, lost = len(markers), self._lost
+        self._plates = plates = [Plate(x, y, math.cos(h), math.sin(h)) for x, y, h, _ in markers]
+        self._lost_foods = [food for i, food in enumerate(foods, count) if lost[i]]
+        seen = []
+        for i, marker in enumerate(markers):
+            if not lost[i]:
+                seen.append(self._marker(marker, plates[i], normals, 3 * i, chances[len(lost) + i]))
         for i, (x, y) in enumerate(foods, count):
-            if not self._lost[i] and not under_plate(x, y, FOOD_RADIUS, self._plates):
-                x, y = x / MM_PER_PIXEL, y / MM_PER_PIXEL
-                if in_picture(x, y):
-                    detections.append(self._food(x, y, normals[at], normals[at + 1]))
-            at += 2
-        self._scene = self._tracks.update(detections, self._visible)
+            if not lost[i] and not under_plate(x, y, FOOD_RADIUS, plates):
+                seen.append(self._food(x, y, normals, 3 * count + 2 * (i - count)))
+        # Whatever touches the edge may lie outside as a whole, and only that needs a second look.
+        seen = [d for d in seen if not d.edge or in_picture(d.x, d.y)]
+        self._scene = self._tracks.update(seen, self._visible)
 
     def _marker(
-        self, marker: tuple[float, float, float, int], plate: Plate, errors: list[float], chance: float
+        self, marker: _Marker, plate: Plate, normals: list[float], at: int, chance: float
     ) -> Detection:
         noise, (x, y, heading, holes) = self._noise, marker
-        x = x / MM_PER_PIXEL + noise.position_jitter * errors[0]
-        y = y / MM_PER_PIXEL + noise.position_jitter * errors[1]
-        degrees = math.degrees(heading) + noise.heading_jitter * errors[2]
+        x = x / MM_PER_PIXEL + noise.position_jitter * normals[at]
+        y = y / MM_PER_PIXEL + noise.position_jitter * normals[at + 1]
+        degrees = math.degrees(heading) + noise.heading_jitter * normals[at + 2]
         if chance < noise.reversal_rate:
             degrees += 180.0
-        half_width, half_height = marker_extent(plate.cos, plate.sin)
+        half_width, half_height, first = marker_outline(plate.cos, plate.sin)
         edge = not in_picture(x, y, half_width, half_height)
-        first_x, first_y = marker_top(plate.cos, plate.sin)
+        area, perimeter, compactness = MARKER_FEATURES[holes]
         return Detection(
-            x, y, holes, round(degrees) % 360, edge, x + first_x, y + first_y, *MARKER_FEATURES[holes]
-        )  # fmt: skip
+            x, y, holes, round(degrees) % 360, edge, x + first, y + half_height, area, perimeter, compactness
+        )
 
-    def _food(self, x: float, y: float, error_x: float, error_y: float) -> Detection:
-        x += self._noise.position_jitter * error_x
-        y += self._noise.position_jitter * error_y
+    def _food(self, x: float, y: float, normals: list[float], at: int) -> Detection:
+        x = x / MM_PER_PIXEL + self._noise.position_jitter * normals[at]
+        y = y / MM_PER_PIXEL + self._noise.position_jitter * normals[at + 1]
         edge = not in_picture(x, y, FOOD_RADIUS_PX, FOOD_RADIUS_PX)
         return Detection(x, y, 0, 0, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES)
 
@@ -187,30 +199,3 @@ class OverheadCamera:
         return not under_plate(x, y, clear, self._plates) and all(
             math.hypot(x - food_x, y - food_y) > 2 * FOOD_RADIUS for food_x, food_y in self._lost_foods
         )
-
-
-class _Draws:
-    """Random numbers in blocks: one call for many frames, so that the cost of the call is small."""
-
-    _BLOCK = 512
-
-    def __init__(self, rng: np.random.Generator) -> None:
-        self._rng = rng
-        self._normals: list[float] = []
-        self._uniforms: list[float] = []
-
-    def normals(self, count: int) -> list[float]:
-        """The next standard normal numbers."""
-        if len(self._normals) < count:
-            self._normals = self._rng.standard_normal(max(count, self._BLOCK)).tolist()
-        taken = self._normals[:count]
-        del self._normals[:count]
-        return taken
-
-    def uniforms(self, count: int) -> list[float]:
-        """The next numbers from 0 (included) to 1 (excluded)."""
-        if len(self._uniforms) < count:
-            self._uniforms = self._rng.random(max(count, self._BLOCK)).tolist()
-        taken = self._uniforms[:count]
-        del self._uniforms[:count]
-        return taken

@@ -1,28 +1,28 @@
 """The rule of retracking: what one frame shows becomes tracked regions (3.5).
 
-Tracking is feature-based, and the only feature is the number of holes, as in the thesis. What the thesis leaves
-open is decided here, once for simulated and for real frames:
+Tracking is feature-based, and the only feature is the number of holes, as in the thesis. What the thesis
+leaves open is decided here, once for simulated and for real frames:
 
-- A region that one frame does not show is lost: it keeps all it was last seen with.
-- Lost food is dropped once its last place can be seen and it is not there. Markers are never dropped: a robot does
-  not vanish.
-- A detection continues a track with its number of holes. Food must lie within `GATE` of the track's last place. A
-  marker may be anywhere, so that the only marker of its kind is known again however far it was carried. Where there
-  are several tracks to choose from, those last seen near by come first, then lost ones, each time the nearest.
+- A region that a frame does not show is lost: it keeps all it was last seen with.
+- Lost food is dropped at the first frame in which its last place can be seen and it is not there. Markers are
+  never dropped: a robot does not vanish.
+- A detection continues a track with its number of holes. Food must lie within `GATE` of the track's last
+  place. A marker may be anywhere, so that the only one of its kind is known again however far it was carried.
+- Where several tracks could be meant, those tracked until now and near by come first, then lost ones, then
+  markers that would have jumped; within each of these the nearest pair comes first.
 - What continues no track starts a new one.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from khepera_forage.vision.scene import Region, Scene
 
 GATE = 6.0
-"""How far in pixels food, or a marker among several of its kind, may come to lie from one frame to the next.
+"""How far in pixels a region may come to lie from its last place, unless it is a marker that may be anywhere.
 
-Our decision: 30 mm is more than the 20 mm that a robot drives or pushes in a round, with jitter on top, and less than
-the 35 mm between the centres of two touching food objects, so that one is not taken for the other.
+Our decision: 30 mm is more than the 20 mm that a robot drives or pushes in a round, with jitter on top, and
+less than the 35 mm between the centres of two touching food objects, so that one is not taken for the other.
 """
 
 _GATE_SQUARED = GATE * GATE
@@ -63,8 +63,8 @@ class Tracks:
 
         Args:
             detections: What the frame shows.
-            visible: Whether food at a place (pixels) would have shown in this frame: inside the picture, under no
-                marker, under no cable. Asked only about places of food that the frame does not show.
+            visible: Whether food at a place (pixels) would have shown in this frame: inside the picture,
+                under no marker, under no cable. Asked only about last places of food that is not shown.
         """
         shown = _obvious(self._regions, detections)
         started: list[Detection] = []
@@ -85,9 +85,7 @@ class Tracks:
 
 def _tracked(label: int, detection: Detection) -> Region:
     x, y, holes, orientation, edge, first_x, first_y, area, perimeter, compactness = detection
-    return Region(
-        label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness
-    )  # fmt: skip
+    return Region(label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness)
 
 
 def _obvious(regions: Sequence[Region], detections: Sequence[Detection]) -> list[Detection | None] | None:
@@ -115,15 +113,16 @@ def _obvious(regions: Sequence[Region], detections: Sequence[Detection]) -> list
 def _assigned(
     regions: Sequence[Region], detections: Sequence[Detection]
 ) -> tuple[list[Detection | None], list[Detection]]:
-    """What shows each region, and what starts a new track: the likeliest pair first, then the next."""
+    """What shows each region, and what starts new tracks: the best pair first, then the next best."""
     ordered = sorted(detections, key=lambda d: (-d.first_y, d.first_x, d))
     pairs = []
     for i, region in enumerate(regions):
         for j, detection in enumerate(ordered):
-            distance = math.hypot(region.x - detection.x, region.y - detection.y)
-            rank = _rank(region, detection, distance)
+            dx, dy = region.x - detection.x, region.y - detection.y
+            distance_squared = dx * dx + dy * dy
+            rank = _rank(region, detection, distance_squared <= _GATE_SQUARED)
             if rank is not None:
-                pairs.append((rank, distance, i, j))
+                pairs.append((rank, distance_squared, i, j))
     shown: list[Detection | None] = [None] * len(regions)
     free = dict(enumerate(ordered))
     for _, _, i, j in sorted(pairs):
@@ -132,17 +131,14 @@ def _assigned(
     return shown, list(free.values())
 
 
-def _rank(region: Region, detection: Detection, distance: float) -> int | None:
-    """How likely a detection continues a track: 0 is likeliest, None is out of the question.
+def _rank(region: Region, detection: Detection, near: bool) -> int | None:
+    """How far-fetched it is that a detection continues a track: 0 is least, None is out of the question.
 
-    A region that was tracked until now is near its last place; one that has been lost for a while may be anywhere.
-    So a lost track never takes the detection from a tracked one, though that may be passing nearer its last place.
+    A region that was tracked until now is near its last place, and one that has been lost for a while may be
+    anywhere. So a lost track never takes the detection of a tracked one that is passing its last place.
     """
-    if region.holes != detection.holes:
+    if region.holes != detection.holes or (region.holes == 0 and not near):
         return None
-    near = distance * distance <= _GATE_SQUARED
-    if region.holes == 0:
-        return (0 if region.found else 1) if near else None
-    if region.found:
-        return 0 if near else 2
-    return 1
+    if not region.found:
+        return 1
+    return 0 if near else 2

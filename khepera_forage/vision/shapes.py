@@ -85,19 +85,18 @@ def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
     """The upright box around a marker with this heading, and its first pixel.
 
     Returns:
-        Half the width of the box, half its height, and how far right of the centre the topmost corner lies (of two
-        the left one), all in pixels.
+        Half the width of the box, half its height, and how far right of the centre its topmost corner lies
+        (of two the left one), all in pixels.
     """
     if sin < 0 or (sin == 0 and cos > 0):
-        cos, sin = -cos, -sin  # the same rectangle turned by 180 degrees; now the heading is up, or left
-    if cos >= 0:
-        across, up, first = cos, cos, -sin  # the left front corner is the topmost
-    else:
-        across, up, first = -cos, -cos, sin  # the right front corner
+        cos, sin = -cos, -sin  # the same rectangle, turned by 180 degrees so that the heading is up, or left
+    side = (
+        _HALF_WIDTH_PX if cos >= 0 else -_HALF_WIDTH_PX
+    )  # then the topmost corner is front left, or front right
     return (
-        _HALF_LENGTH_PX * across + _HALF_WIDTH_PX * sin,
-        _HALF_LENGTH_PX * sin + _HALF_WIDTH_PX * up,
-        _HALF_LENGTH_PX * cos + _HALF_WIDTH_PX * first,
+        _HALF_LENGTH_PX * abs(cos) + _HALF_WIDTH_PX * sin,
+        _HALF_LENGTH_PX * sin + side * cos,
+        _HALF_LENGTH_PX * cos - side * sin,
     )
 
 

@@ -114,17 +114,16 @@ class PymunkGripper:
         """Whether the arm can come down: the fingers on nothing, held food on no other food or robot."""
         if self.held is not None:
             return self._floor_free(foods, others)
-        gap = half_gap(self.jaw)
+        finger = half_gap(self.jaw) + _THIN
         for food in foods:
             if food.lifted:
                 continue
             x, y = self._body.world_to_local(food.body.position)
-            beside = JAW_ROOT - FINGER_THICKNESS < x < FINGER_TIP
-            ahead = x - FINGER_TIP if x > FINGER_TIP else 0.0
-            if beside and x - FOOD_RADIUS < JAW_ROOT - _TOUCH:
-                return False
-            lateral = abs(abs(y) - gap - _THIN)
-            if (beside or ahead) and max(lateral - _THIN, 0.0) ** 2 + ahead**2 < (FOOD_RADIUS - _TOUCH) ** 2:
+            ahead = max(JAW_ROOT - x, x - FINGER_TIP, 0.0)
+            aside = max(abs(abs(y) - finger) - _THIN, 0.0)
+            behind_palm = max(abs(y) - finger, 0.0)
+            near = (FOOD_RADIUS - _TOUCH) ** 2
+            if ahead**2 + aside**2 < near or (x - JAW_ROOT + _THIN) ** 2 + behind_palm**2 < near:
                 return False
         return True
 

@@ -30,10 +30,8 @@ from khepera_forage.worlds.polygon import Segment, distance
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_gripper import PymunkGripper
 
-_INERTIA = MASS * RADIUS**2 / 2
 _TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
-_TWIST = _TRACTION * WHEEL_BASE / 2
 EXTENT = FINGER_TIP + FOOD_RADIUS
 """mm: nothing that a robot carries or pushes with its fingers is farther from its centre."""
 
@@ -60,13 +58,20 @@ class PymunkKhepera:
         noise: Noise,
         bias: tuple[float, float],
     ) -> None:
-        self.body = pymunk.Body(MASS, _INERTIA)
+        self.body = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
         self.body.position = pose[:2]
         self.body.angle = pose.heading
         shape = pymunk.Circle(self.body, RADIUS)
         shape.friction = 0.2
         shape.filter = layers.ROBOT
-        space.add(self.body, shape)
+        # The wheels are joints that give the body the wanted velocity as far as their traction reaches; what they
+        # hold on to is a body that never moves but has that velocity.
+        self._wheels = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        pull = pymunk.PivotJoint(self._wheels, self.body, (0, 0), (0, 0))
+        twist = pymunk.GearJoint(self._wheels, self.body, 0, 1)
+        pull.max_bias = twist.max_bias = 0
+        pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
+        space.add(self.body, shape, self._wheels, pull, twist)
         self.gripper = PymunkGripper(space, self.body)
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
@@ -77,7 +82,7 @@ class PymunkKhepera:
         self._pulses = [0.0, 0.0]
         self._senses: Senses | None = None
         self._draws: list[float] = [0.0] * DRAWS
-        self._forward = self._turn = 0.0
+        self._forward = 0.0
         self._survey()
 
     @property
@@ -113,27 +118,18 @@ class PymunkKhepera:
         left_speed = left * SPEED_UNIT * (self._left_share + slip * draws[0])
         right_speed = right * SPEED_UNIT * (self._right_share + slip * draws[1])
         self._forward = (left_speed + right_speed) / 2
-        self._turn = (right_speed - left_speed) / WHEEL_BASE
-        return (abs(self._forward) + abs(self._turn) * FINGER_TIP) * CONTROL_PERIOD
+        turn = (right_speed - left_speed) / WHEEL_BASE
+        self._wheels.angular_velocity = turn
+        return (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
 
     def room(self) -> float:
         """mm between the walls and the farthest that the robot's gripper and food reach."""
         return self._room
 
     def push(self, dt: float) -> None:
-        """Apply the wheels' pull for the next `dt` seconds, and move arm and jaw."""
-        body = self.body
-        angle = body.angle
-        vx, vy = body.velocity
-        scale = MASS / dt
-        fx = (self._forward * math.cos(angle) - vx) * scale
-        fy = (self._forward * math.sin(angle) - vy) * scale
-        pull = math.sqrt(fx * fx + fy * fy)
-        if pull > _TRACTION:
-            fx *= _TRACTION / pull
-            fy *= _TRACTION / pull
-        body.force = fx, fy
-        body.torque = max(-_TWIST, min(_TWIST, (self._turn - body.angular_velocity) * _INERTIA / dt))
+        """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
+        angle = self.body.angle
+        self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
         gripper = self.gripper
         _, _, arm, jaw = self._command
         if arm != gripper.arm or jaw != gripper.jaw:

@@ -19,9 +19,9 @@ LARGEST_SCALE = 1.3
 SURROUNDINGS = 30.0
 """mm of surroundings shown outside the walls."""
 
-WIDE_PANEL = (430, 330)
+WIDE_PANEL = (430, 350)
 """Size of a panel of two columns at text scale 1; panels are never drawn lower than this, in proportion."""
-TALL_PANEL = (296, 518)
+TALL_PANEL = (296, 540)
 """Size of a panel of one column."""
 TEXT_SCALES = (1.2, 1.15, 1.1, 1.05, 1.0, 0.95, 0.9, 0.85, 0.8)
 
@@ -78,11 +78,13 @@ def arrange(arenas: tuple[Arena, ...], robots: int) -> Layout:
     x1, y1 = min(b[0] for b in bounds), min(b[1] for b in bounds)
     x2, y2 = max(b[2] for b in bounds), max(b[3] for b in bounds)
     ground = (x2 - x1 + 2 * SURROUNDINGS, y2 - y1 + 2 * SURROUNDINGS)
-    return max(_candidates(ground, (x1 - SURROUNDINGS, y2 + SURROUNDINGS), robots), key=lambda c: c[0])[1]
+    corner = (x1 - SURROUNDINGS, y2 + SURROUNDINGS)
+    upwards = bounds[-1][1] > bounds[0][1]
+    return max(_candidates(ground, corner, upwards, robots), key=lambda candidate: candidate[0])[1]
 
 
 def _candidates(
-    ground: tuple[float, float], corner: tuple[float, float], robots: int
+    ground: tuple[float, float], corner: tuple[float, float], upwards: bool, robots: int
 ) -> Iterator[tuple[float, Layout]]:
     """Every arrangement with its worth."""
     for text in TEXT_SCALES if robots else (1.0,):
@@ -91,12 +93,13 @@ def _candidates(
                 down = math.ceil(robots / across)
                 # The panels' block, with the gap that sets it apart from the arenas.
                 block = (across * (round(width * text) + GAP) if robots else 0, down * (round(height * text) + GAP))
-                yield _fitted(ground, corner, robots, across, inner, text, block)
+                yield _fitted(ground, corner, upwards, robots, across, inner, text, block)
 
 
 def _fitted(
     ground: tuple[float, float],
     corner: tuple[float, float],
+    upwards: bool,
     robots: int,
     across: int,
     inner: int,
@@ -111,9 +114,11 @@ def _fitted(
     down = math.ceil(robots / across)
     card = (block[0] // across - GAP, (body - (down - 1) * GAP) // max(down, 1)) if robots else (0, 0)
     west = GAP + shown[0] + GAP
-    panels = tuple(
+    slots = [
         Box(west + i % across * (card[0] + GAP), HEADER + i // across * (card[1] + GAP), *card) for i in range(robots)
-    )
+    ]
+    # In one column beside arenas that are stacked upwards, every panel then stands beside its own arena.
+    panels = tuple(reversed(slots) if upwards and across == 1 else slots)
     arena = Box(GAP, HEADER + (body - shown[1]) // 2, *shown)
     layout = Layout((width + width % 2, height + height % 2), arena, scale, *corner, panels, inner, text)
     used = (shown[0] * shown[1] + (block[0] - across * GAP) * (block[1] - down * GAP)) / ((width - 2 * GAP) * body)

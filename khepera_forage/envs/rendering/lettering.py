@@ -1,5 +1,6 @@
 """Text and rounded boxes, at whole pixels, with smooth edges; what has been drawn once is kept."""
 
+import math
 from typing import Literal
 
 import pygame
@@ -13,6 +14,8 @@ KEPT = 3000
 """Pieces of text, and of boxes, kept at most; an episode needs a few hundred."""
 FINER = 4
 """How many times finer boxes are drawn before they are shrunk."""
+LARGER = 3
+"""How many times larger text is drawn: pygame's font, drawn small, has its letters at whole pixels, unevenly."""
 
 
 class Lettering:
@@ -26,7 +29,7 @@ class Lettering:
 
     def width(self, text: str, size: float) -> int:
         """Pixels across a text."""
-        return self._font(size).size(_plain(text))[0]
+        return math.ceil(self._font(size).size(_plain(text))[0] / LARGER)
 
     def fitted(self, text: str, size: float, width: float) -> str:
         """The text, its end cut off if it is wider than `width` pixels."""
@@ -41,15 +44,17 @@ class Lettering:
         self, on: pygame.Surface, text: str, x: float, middle: float, size: float, colour: Colour, anchor: Anchor = "left"
     ) -> None:
         """Write at `x`, capitals centred on the height `middle`."""
-        key = (_plain(text), round(size), colour)
+        key = (_plain(text), round(size * LARGER), colour)
         drawn = self._texts.get(key)
         if drawn is None:
             if len(self._texts) >= KEPT:
                 self._texts.clear()
-            drawn = self._texts[key] = self._font(size).render(key[0], True, colour)
+            large = self._font(size).render(key[0], True, colour)
+            small = math.ceil(large.get_width() / LARGER), math.ceil(large.get_height() / LARGER)
+            drawn = self._texts[key] = pygame.transform.smoothscale(large, small)
         left = x - {"left": 0.0, "centre": 0.5, "right": 1.0}[anchor] * drawn.get_width()
-        # Capitals reach 0.73 of the font's own size above the base line, measured in freesansbold.
-        top = middle - self._font(size).get_ascent() + 0.25 * size
+        # Half a capital is a quarter of the font's size, by measure.
+        top = middle - self._font(size).get_ascent() / LARGER + 0.25 * size
         on.blit(drawn, (round(left), round(top)))
 
     def box(
@@ -77,10 +82,10 @@ class Lettering:
         self.box(on, (x - radius, y - radius, 2 * radius, 2 * radius), colour, radius)
 
     def _font(self, size: float) -> pygame.font.Font:
-        size = round(size)
-        if size not in self._fonts:
-            self._fonts[size] = pygame.font.Font(None, size)
-        return self._fonts[size]
+        large = round(size * LARGER)
+        if large not in self._fonts:
+            self._fonts[large] = pygame.font.Font(None, large)
+        return self._fonts[large]
 
 
 def _plain(text: str) -> str:

@@ -34,6 +34,9 @@ FOUND: Colour = (0, 128, 138)
 """A region that the camera finds."""
 LOST: Colour = (204, 32, 48)
 """A region that the camera has lost."""
+LOST_FILL: Colour = (253, 228, 230)
+LAMP: Colour = (240, 176, 0)
+"""Something is in the optical barrier."""
 WARNING: Colour = (180, 83, 9)
 WARNING_FILL: Colour = (254, 240, 205)
 

@@ -1,0 +1,138 @@
+"""The arenas from above: walls, homes, food, robots, and over them what the camera reports."""
+
+import math
+
+import pygame
+
+from khepera_forage.envs.rendering import palette
+from khepera_forage.envs.rendering.layout import Layout
+from khepera_forage.envs.rendering.lettering import Lettering
+from khepera_forage.envs.rendering.palette import Colour
+from khepera_forage.envs.rendering.pen import FINER, Pen, around, placed
+from khepera_forage.envs.rendering.robot_shape import HOLES, LIFT, MARKER, draw_beams, draw_marker, draw_robot
+from khepera_forage.envs.rendering.view import FoodView, RobotView, View
+from khepera_forage.foraging.states import FoodType
+from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region
+from khepera_forage.worlds.arena import Arena, Pose
+
+WALL = 7.0
+"""mm; walls stand outside the floor."""
+TAG = 18
+"""Size of the robots' names."""
+
+
+class ArenaLayer:
+    """Draws all that lies in the arenas of one layout; what never moves is drawn once."""
+
+    def __init__(self, arenas: tuple[Arena, ...], layout: Layout, lettering: Lettering) -> None:
+        self._layout = layout
+        self._lettering = lettering
+        self._pen = Pen(layout.arena[2:], layout.scale, layout.west, layout.north)
+        self._draw_ground(arenas)
+        self._ground = self._pen.surface.copy()
+
+    def draw(self, on: pygame.Surface, view: View, accents: tuple[Colour, ...]) -> None:
+        """Draw the arenas in their place of the picture."""
+        pen = self._pen
+        pen.surface.blit(self._ground, (0, 0))
+        for robot in view.robots:
+            draw_marker(pen, robot)
+            draw_beams(pen, robot)
+        for food in sorted(view.foods, key=lambda f: f.lifted):
+            draw_food(pen, food)
+        for robot, accent in zip(view.robots, accents, strict=True):
+            draw_robot(pen, robot, accent)
+        for region in view.regions:
+            draw_region(pen, region)
+        on.blit(pen.shrunk(), self._layout.arena[:2])
+        if len(view.robots) > 1:
+            for robot, accent in zip(view.robots, accents, strict=True):
+                self._tag(on, robot, accent)
+
+    def _draw_ground(self, arenas: tuple[Arena, ...]) -> None:
+        pen = self._pen
+        pen.surface.fill(palette.PAPER)
+        width = 2 * WALL * self._layout.scale
+        for arena in arenas:
+            pen.path(arena.walls, palette.WALL, width)
+        for arena in arenas:
+            pen.polygon(arena.walls, palette.FLOOR)
+            home = (arena.home.x, arena.home.y)
+            pen.disc(home, arena.home_radius, palette.HOME)
+            pen.ring(home, arena.home_radius, palette.HOME_EDGE, 1.5)
+            for obstacle in arena.obstacles:
+                pen.polygon(obstacle, palette.WALL)
+            column, row = self._layout.pixel(*home)
+            self._lettering.write(
+                pen.surface,
+                "HOME",
+                (column - self._layout.arena.left) * FINER,
+                (row - self._layout.arena.top) * FINER,
+                FINER * max(13.0, 20.0 * self._layout.scale),
+                palette.HOME_EDGE,
+                "centre",
+            )
+
+    def _tag(self, on: pygame.Surface, robot: RobotView, accent: Colour) -> None:
+        """The robot's name, under its marker."""
+        x, y, heading = robot.pose
+        reach = (MARKER_LENGTH * abs(math.sin(heading)) + MARKER_WIDTH * abs(math.cos(heading))) / 2
+        column, row = self._layout.pixel(x, y - reach)
+        row += 9
+        for dx, dy in ((-1, 0), (1, 0), (0, -1), (0, 1)):  # a halo keeps it legible over lines
+            self._lettering.write(on, robot.name, column + dx, row + dy, TAG, palette.FLOOR, "centre")
+        self._lettering.write(on, robot.name, column, row, TAG, accent, "centre")
+
+
+def draw_food(pen: Pen, food: FoodView) -> None:
+    """A disc whose colour and sign tell its type; off the floor above its shadow, with a tick once delivered."""
+    x, y = food.x, food.y
+    if food.lifted:
+        pen.polygon(around((x + LIFT, y - LIFT), FOOD_RADIUS, 40), palette.WHEEL, alpha=70)
+    fill = palette.FOOD[food.food_type]
+    edge = palette.WALL if food.food_type == FoodType.UNKNOWN else palette.mixed(fill, palette.WHEEL, 0.45)
+    pen.disc((x, y), FOOD_RADIUS, edge)
+    pen.disc((x, y), FOOD_RADIUS - 1.8, fill)
+    ink = palette.CARD
+    if food.food_type == FoodType.PICKABLE:  # upwards: lift it
+        pen.polygon([(x - 8, y - 1), (x, y + 9), (x + 8, y - 1)], ink)
+        pen.polygon([(x - 2.5, y - 9), (x - 2.5, y), (x + 2.5, y), (x + 2.5, y - 9)], ink)
+    elif food.food_type == FoodType.PUSHABLE:  # sideways: push it
+        for tip in (0.0, 8.0):
+            pen.polygon(
+                [(x + tip - 8, y + 8), (x + tip - 4, y + 8), (x + tip + 1, y), (x + tip - 4, y - 8), (x + tip - 8, y - 8), (x + tip - 3, y)],
+                ink,
+            )
+    elif food.food_type == FoodType.POISONOUS:  # crossed out: leave it
+        for slope in (-1, 1):
+            a, b = (x - 7.0, y - 7.0 * slope), (x + 7.0, y + 7.0 * slope)
+            pen.polygon([(a[0] - 2, a[1] + 2 * slope), (a[0] + 2, a[1] - 2 * slope), (b[0] + 2, b[1] - 2 * slope), (b[0] - 2, b[1] + 2 * slope)], ink)
+    if food.delivered:
+        badge = (x + 14.0, y + 14.0)
+        pen.disc(badge, 9.5, palette.CARD)
+        pen.disc(badge, 8.3, palette.INK)
+        _tick(pen, badge)
+
+
+def draw_region(pen: Pen, region: Region) -> None:
+    """What the camera reports: an outline with a cross, and a stroke towards its orientation if it has one."""
+    colour, dash = (palette.FOUND, None) if region.found else (palette.LOST, 4.0)
+    x, y = region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL
+    pose = Pose(x, y, math.radians(region.orientation))
+    if region.holes in HOLES:
+        pen.path(placed(pose, MARKER), colour, 1.0, dash)
+        stroke = placed(pose, ((0.0, 0.0), (MARKER_LENGTH / 2, 0.0)))
+        pen.line(stroke[0], stroke[1], colour, 1.0)
+    else:
+        pen.path(around((x, y), FOOD_RADIUS + 3.0, 36 if dash is None else 10), colour, 1.0, dash)
+    for dx, dy in ((5.0, 0.0), (0.0, 5.0)):
+        pen.line((x - dx, y - dy), (x + dx, y + dy), colour, 1.0)
+
+
+def _tick(pen: Pen, centre: tuple[float, float]) -> None:
+    x, y = centre
+    pen.polygon(
+        [(x - 5.2, y + 0.3), (x - 3.4, y + 2.1), (x - 1.3, y), (x + 3.4, y + 4.6), (x + 5.2, y + 2.8), (x - 1.3, y - 3.7)],
+        palette.CARD,
+    )

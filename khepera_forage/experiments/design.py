@@ -1,0 +1,102 @@
+"""The thesis' experiments as data: which training files, how many recalls, which arena (5.4.1.1, 5.4.2.1)."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from khepera_forage.noise import SOURCES, Noise
+
+FILES = 10
+"""Complete training episodes, one experience file each (5.3)."""
+
+
+class Subset(NamedTuple):
+    """Training files that a learner is given together.
+
+    Attributes:
+        files: Their numbers, 1..10.
+    """
+
+    files: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """As in the tables of appendix A: `g` and the numbers."""
+        return "g" + "".join(str(file) for file in self.files)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One table of appendix A: an arena and an amount of training.
+
+    Attributes:
+        arena: `corridor` or `rectangle`.
+        episodes: Training episodes a learner has gone through.
+        subsets: The training files of each learner.
+        recalls: Recall episodes of each.
+        foods: Food objects in the arena.
+        limit: Time limit in steps.
+    """
+
+    arena: str
+    episodes: int
+    subsets: tuple[Subset, ...]
+    recalls: int
+    foods: int
+    limit: int
+
+    @property
+    def size(self) -> int:
+        """Recall episodes in one experiment."""
+        return len(self.subsets) * self.recalls
+
+    @property
+    def available(self) -> int:
+        """Food objects in one experiment."""
+        return self.size * self.foods
+
+
+def _corridor(episodes: int, recalls: int, *files: tuple[int, ...]) -> Cell:
+    return Cell("corridor", episodes, tuple(Subset(f) for f in files), recalls, foods=1, limit=500)
+
+
+def _rectangle(episodes: int, recalls: int, *files: tuple[int, ...]) -> Cell:
+    return Cell("rectangle", episodes, tuple(Subset(f) for f in files), recalls, foods=2, limit=700)
+
+
+_ALL = tuple(range(1, FILES + 1))
+
+THESIS = (
+    _corridor(1, 4, (1,), (3,), (6,), (7,), (8,)),
+    _corridor(3, 4, (1, 2, 3), (1, 3, 5), (1, 3, 4), (1, 5, 8), (3, 6, 9)),
+    _corridor(5, 4, (1, 2, 3, 4, 5), (6, 7, 8, 9, 10), (1, 3, 5, 7, 9), (2, 4, 6, 8, 10), (3, 4, 6, 8, 10)),
+    _corridor(10, 10, _ALL),
+    _rectangle(1, 4, (1,), (7,), (8,)),
+    _rectangle(5, 4, (1, 2, 3, 4, 5), (6, 7, 8, 9, 10), (2, 4, 6, 8, 10)),
+    _rectangle(10, 12, _ALL),
+)
+"""Tables A.1 to A.7, in order. A replication is all of them, ten new training files included."""
+
+LABORATORY = "laboratory"
+"""The noise condition of the thesis: every trouble together."""
+NO_LOSSES = "no losses"
+"""The laboratory with a tracker that never loses a region (5.3.1)."""
+NO_NOISE = "none"
+
+
+def noise_conditions() -> dict[str, Noise]:
+    """Noise by name: none, each source alone, the laboratory, and the laboratory without tracking losses.
+
+    Cables do nothing but multiply losses, so they come with them.
+    """
+    laboratory = Noise.laboratory()
+    conditions = {NO_NOISE: Noise.none()}
+    for source in SOURCES:
+        if source == "cables":
+            conditions["only tracking losses, with cables"] = Noise.only("tracking losses", "cables")
+        else:
+            conditions[f"only {source}"] = Noise.only(source)
+    conditions[NO_LOSSES] = replace(
+        laboratory, loss_rate_one_hole=0.0, loss_rate_two_holes=0.0, loss_rate_food=0.0
+    )
+    conditions[LABORATORY] = laboratory
+    return conditions

@@ -1,0 +1,193 @@
+"""Intervals by resampling replications, and where one experiment lies among others of its size.
+
+Recalls of one replication share their training files and are not independent; replications are. So a
+bootstrap draws whole replications. Statistics are functions of sums over the rows of a replication, which makes
+a resample one matrix product: `tally` makes the sums, `bootstrap` resamples them.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+RESAMPLES = 2000
+COVERAGE = 0.95
+
+
+class Estimate(NamedTuple):
+    """A value and its 95 % interval; nan where there is nothing to tell from."""
+
+    value: float
+    low: float
+    high: float
+
+
+UNKNOWN = Estimate(math.nan, math.nan, math.nan)
+
+
+class Standing(NamedTuple):
+    """Where a single value lies among comparable experiments.
+
+    Attributes:
+        percentile: Percent of the experiments below it, those equal to it counted half.
+        tail: Share of the experiments at least as far out, both sides: twice the smaller tail, at most 1.
+        experiments: How many there are.
+    """
+
+    percentile: float
+    tail: float
+    experiments: int
+
+
+class Replicated(Protocol):
+    """A row that belongs to a replication."""
+
+    @property
+    def replication(self) -> int:
+        """Its number."""
+        ...
+
+
+_R = TypeVar("_R", bound=Replicated)
+Measure = Callable[[_R], float]
+
+
+def replications(*groups: Iterable[Replicated]) -> list[int]:
+    """The replications that occur in any of these rows."""
+    return sorted({row.replication for rows in groups for row in rows})
+
+
+def tally(rows: Iterable[_R], numbers: Sequence[int], *measures: Measure[_R]) -> Floats:
+    """Sums of measures over the rows of each replication.
+
+    Args:
+        rows: Rows, in any order.
+        numbers: The replications, one a line of the result; all that occur in the rows.
+        *measures: One a column of the result.
+    """
+    line = {number: i for i, number in enumerate(numbers)}
+    sums = np.zeros((len(numbers), len(measures)))
+    for row in rows:
+        sums[line[row.replication]] += [measure(row) for measure in measures]
+    return sums
+
+
+def ratio(sums: Floats) -> Floats:
+    """First column over second: a mean, a share; nan where the second is 0."""
+    return _divide(sums[..., 0], sums[..., 1])
+
+
+def contrast(*weights: float) -> Callable[[Floats], Floats]:
+    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means."""
+
+    def statistic(sums: Floats) -> Floats:
+        means = _divide(sums[..., 0::2], sums[..., 1::2])
+        return np.asarray(means @ np.array(weights), dtype=np.float64)
+
+    return statistic
+
+
+def bootstrap(
+    sums: Floats,
+    statistic: Callable[[Floats], Floats],
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Estimate:
+    """A statistic of all replications, with its percentile interval over resampled replications.
+
+    One replication gives a value without an interval. Resamples in which the statistic is undefined are left
+    out; if they are more than half, there is no interval either.
+
+    Args:
+        sums: One line a replication, from `tally`.
+        statistic: Takes sums (..., columns) and returns (...).
+        rng: Draws the resamples.
+        resamples: How many.
+    """
+    count = len(sums)
+    if count == 0:
+        return UNKNOWN
+    value = float(statistic(sums.sum(axis=0)))
+    if count == 1 or not math.isfinite(value):
+        return Estimate(value, math.nan, math.nan)
+    return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
+
+
+def bootstrap_quantile(
+    rows: Sequence[_R],
+    measure: Measure[_R],
+    quantile: float,
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Estimate:
+    """A quantile of a measure over all rows, with its interval over resampled replications.
+
+    The quantile is the smallest value that at least this share of the rows does not exceed; it may be
+    infinite.
+    """
+    if not rows:
+        return UNKNOWN
+    numbers = replications(rows)
+    values = np.array([measure(row) for row in rows])
+    order = np.argsort(values)
+    owner = np.searchsorted(numbers, [rows[i].replication for i in order])
+
+    def statistic(counts: Floats) -> Floats:
+        shares = np.cumsum(counts[..., owner], axis=-1)
+        reached = shares >= quantile * shares[..., -1:] - 1e-9
+        return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
+
+    value = float(statistic(np.ones(len(numbers))))
+    if len(numbers) == 1:
+        return Estimate(value, math.nan, math.nan)
+    draws = statistic(_draw(len(numbers), rng, resamples))
+    low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")
+    return Estimate(value, float(low), float(high))
+
+
+def standing(value: float, experiments: Sequence[float]) -> Standing:
+    """Where a value lies in the distribution of comparable experiments."""
+    if not len(experiments):
+        return Standing(math.nan, math.nan, 0)
+    sample = np.asarray(experiments, dtype=np.float64)
+    equal = float(np.mean(np.isclose(sample, value, rtol=0.0, atol=1e-9)))
+    below = float(np.mean(sample < value - 1e-9))
+    above = 1.0 - below - equal
+    tail = min(1.0, 2.0 * (min(below, above) + equal))
+    return Standing(100.0 * (below + equal / 2), tail, len(sample))
+
+
+def wilson(successes: int, trials: int) -> Estimate:
+    """A share with Wilson's 95 % score interval, for independent trials."""
+    if trials == 0:
+        return UNKNOWN
+    z = 1.959964
+    share = successes / trials
+    spread = z * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
+    centre = share + z * z / (2 * trials)
+    scale = 1 + z * z / trials
+    return Estimate(share, (centre - spread) / scale, (centre + spread) / scale)
+
+
+def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
+    """How often each replication is drawn in each resample."""
+    return rng.multinomial(count, np.full(count, 1.0 / count), size=resamples).astype(np.float64)
+
+
+def _interval(draws: Floats) -> tuple[float, float]:
+    defined = draws[np.isfinite(draws)]
+    if 2 * len(defined) < len(draws):
+        return math.nan, math.nan
+    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2])
+    return float(low), float(high)
+
+
+def _divide(numerator: Floats, denominator: Floats) -> Floats:
+    """A quotient, nan where the denominator is 0."""
+    result = np.full(np.shape(numerator), np.nan)
+    np.divide(numerator, denominator, out=result, where=denominator != 0)
+    return result

@@ -1,0 +1,20 @@
+"""Who decides: the teacher, the imitator, and adapters for other learners."""
+
+from khepera_forage.policies.adapters import ClassifierPolicy, ModelPolicy
+from khepera_forage.policies.imitator import NearestNeighbourImitator
+from khepera_forage.policies.neighbours import Neighbours
+from khepera_forage.policies.policy import Observation, Policy, state_vector_of
+from khepera_forage.policies.teacher import Teacher
+from khepera_forage.policies.votes import distance
+
+__all__ = [
+    "ClassifierPolicy",
+    "ModelPolicy",
+    "NearestNeighbourImitator",
+    "Neighbours",
+    "Observation",
+    "Policy",
+    "Teacher",
+    "distance",
+    "state_vector_of",
+]
