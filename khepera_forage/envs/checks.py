@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.foraging.states import FoodType
+from khepera_forage.worlds.arena import ARENAS, Arena
 
 FoodTypes = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
@@ -64,6 +65,19 @@ def food_odds(food_types: FoodTypes) -> tuple[float, float, float]:
         raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
     pickable, pushable, poisonous = (odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
     return pickable, pushable, poisonous
+
+
+def the_arena(arena: Arena | str) -> Arena:
+    """An arena that a user gave, or named.
+
+    Raises:
+        ValueError: A name that is not one of the thesis' arenas, or something else.
+    """
+    if isinstance(arena, Arena):
+        return arena
+    if isinstance(arena, str) and arena in ARENAS:
+        return ARENAS[arena]
+    raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
 
 
 def whole_number(name: str, value: Any, least: int) -> int:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.foraging.states import CLOSE_TO_FOOD
+from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS, half_gap
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena, Point, Pose
@@ -87,6 +88,32 @@ def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], rng: np.r
         assert drawn is not None
         places = drawn.foods
     return Layout((start,), places)
+
+
+def training_layout(arenas: Sequence[Arena], noise: Noise, rng: np.random.Generator) -> Layout:
+    """Every robot and food object on its mark (figure 5.1), as well as an operator can put it there.
+
+    Args:
+        arenas: One a robot.
+        noise: Its placement errors.
+        rng: The placements' own generator.
+    """
+    starts, foods = [], []
+    for arena in arenas:
+        for _ in range(_TRIES):
+            dx, dy, turn = rng.standard_normal(3).tolist()
+            turn = arena.start.heading + math.radians(noise.placement_heading_error * turn)
+            error = noise.placement_error
+            start = Pose(arena.start.x + error * dx, arena.start.y + error * dy, turn)
+            moved = rng.standard_normal((len(arena.foods), 2)).tolist()
+            places = [Point(f.x + error * ex, f.y + error * ey) for f, (ex, ey) in zip(arena.foods, moved, strict=True)]
+            if arena.clearance(start) >= RADIUS and all(arena.clearance(p) >= FOOD_RADIUS for p in places):
+                break
+        else:
+            raise ValueError(f"{arena.name}: start or food too near a wall for a placement error of {error:g} mm")
+        starts.append(start)
+        foods += places
+    return Layout(tuple(starts), tuple(foods))
 
 
 def _outside_home(arena: Arena, place: Point | Pose, radius: float) -> bool:

@@ -9,7 +9,7 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.checks import FoodTypes, behaviour_number, food_odds, motor_action, whole_number
+from khepera_forage.envs.checks import FoodTypes, behaviour_number, food_odds, motor_action, the_arena, whole_number
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import given_layout
 from khepera_forage.envs.register import FoodRegister, TypeDraws
@@ -20,7 +20,7 @@ from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.worlds.arena import CORRIDOR, Arena
+from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import World
 
@@ -37,7 +37,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def __init__(
         self,
-        arena: Arena = CORRIDOR,
+        arena: Arena | str = "corridor",
         foods: int = 1,
         limit: int = 500,
         noise: Noise | None = None,
@@ -47,13 +47,13 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}")
-        self.arena = arena
+        self.arena = the_arena(arena)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._odds = food_odds(food_types)
-        self._site = site_of(arena)
-        self.world: World = PymunkWorld([arena], (MARKER,), noise) if world is None else world
+        self._site = site_of(self.arena)
+        self.world: World = PymunkWorld([self.arena], (MARKER,), noise) if world is None else world
         self._forager: Forager | None = None
         self._renderer: Renderer | None = None
         self._steps = self._correct = 0

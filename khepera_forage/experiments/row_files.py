@@ -9,12 +9,10 @@ import io
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from decimal import Decimal, InvalidOperation
+from decimal import InvalidOperation
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
-
-import numpy as np
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -38,6 +36,7 @@ class RowWriter(Generic[RowT]):
     """
 
     def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
+        self._types = get_type_hints(row_type)
         header = _line(_names(row_type))
         path.parent.mkdir(parents=True, exist_ok=True)
         begin = not (resume and path.exists() and _repair(path, header))
@@ -47,7 +46,10 @@ class RowWriter(Generic[RowT]):
 
     def write(self, *rows: RowT) -> None:
         """Append rows, in one piece."""
-        self._file.write(b"".join(_line([_format(getattr(r, n)) for n in _names(type(r))]) for r in rows))
+        self._file.write(b"".join(map(self._line_of, rows)))
+
+    def _line_of(self, row: RowT) -> bytes:
+        return _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
@@ -140,20 +142,17 @@ def _repair(path: Path, header: bytes) -> bool:
     return True
 
 
-def _format(value: Any) -> str:
-    """A value as text; numbers of numpy are written as Python's."""
-    if isinstance(value, tuple):
-        return ";".join(_format(v) for v in value)
-    if value is None:
-        return ""
-    if isinstance(value, str | Decimal):
-        return str(value)
-    number = float(value)
-    if isinstance(value, float | np.floating):
-        return repr(number)
-    if number != int(value):
-        raise ValueError(f"a field holds {value!r}; allowed: text and numbers")
-    return str(int(value))
+def _format(name: str, kind: Any, value: Any) -> str:
+    """A value as the text of a column of its type; numbers of numpy are written as Python's."""
+    if get_origin(kind) is tuple:
+        return ";".join(_format(name, get_args(kind)[0], part) for part in value)
+    if type(None) in get_args(kind):
+        return "" if value is None else _format(name, get_args(kind)[0], value)
+    if kind in (int, bool):
+        if value != int(value):
+            raise ValueError(f"{name} is {value!r}; allowed: a whole number")
+        return str(int(value))
+    return repr(float(value)) if kind is float else str(value)
 
 
 def _parse(name: str, kind: Any, text: str) -> Any:

@@ -37,12 +37,12 @@ class RecallRow:
         limit: Time limit in steps.
         penalty: 0, 5 or 20 percentage points for uncollected food.
         score: 100 * correct / steps - penalty (equation 5.1), in percent.
-        delivered: Food objects carried home.
+        delivered: Food objects carried home, poison not counted.
         foods: Food objects in the arena.
         poison_home: Poisonous objects brought home.
         food_x: Where each object lay at the start.
         food_y: The same, across the arena.
-        food_delivered: Whether each object was delivered.
+        food_delivered: Whether each object was delivered, False for poison.
         start_x: Where the robot started.
         start_y: The same, across the arena.
         start_heading: In degrees, 0 along x.

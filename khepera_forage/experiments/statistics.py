@@ -1,8 +1,8 @@
 """Intervals by resampling replications, and where one experiment lies among others of its size.
 
 Recalls of one replication share their training files and are not independent; replications are. So a
-bootstrap draws whole replications. Statistics are functions of sums over the rows of a replication, which makes
-a resample one matrix product: `tally` makes the sums, `bootstrap` resamples them.
+bootstrap draws whole replications. Statistics are functions of sums over the rows of a replication, so that a
+resample is one matrix product: `tally` makes the sums, `bootstrap` resamples them.
 """
 
 import math

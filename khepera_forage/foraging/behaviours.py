@@ -48,6 +48,8 @@ _ASTRAY = 20.0
 """Degrees off course beyond which a robot raises its arm again to turn to the food."""
 _CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
 """Pixels from which the fingers can come down, and swing, without touching the food."""
+_TOO_NEAR = 13.0
+"""Pixels to the food from which a robot that is not orienting backs off, so as not to shove it along."""
 _MISSED = 10.0
 """Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
 _SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
@@ -108,13 +110,14 @@ def _search(raw: RawData) -> Motors:
     if not raw.food_seen:
         # Turning uncovers what the robot's own marker hides.
         return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
-    direction = _bearing(raw, raw.food_x, raw.food_y) + _detour(raw)
-    left, right = _steer(raw, direction, FAST)
-    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+    return _approach(raw, FAST, _detour(raw))
 
 
-def _approach(raw: RawData, speed: float) -> Motors:
-    left, right = _steer(raw, _bearing(raw, raw.food_x, raw.food_y) if raw.food_seen else 0.0, speed)
+def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
+    """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
+    if raw.food_seen and math.hypot(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR:
+        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = _steer(raw, _bearing(raw, raw.food_x, raw.food_y) + aside if raw.food_seen else 0.0, speed)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 

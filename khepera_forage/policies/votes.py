@@ -38,10 +38,10 @@ def distance(a: StateVector, b: StateVector, diagonal: int) -> Fraction:
         diagonal: Of the arena foraged in now, in pixels; above 0.
     """
     differ = (a.object_presence != b.object_presence) + (a.food_type != b.food_type)
-    pixels = abs(a.robot_home_distance - b.robot_home_distance) + abs(
-        a.robot_food_distance - b.robot_food_distance
-    )
-    return differ + Fraction(abs(a.arms_height - b.arms_height), ARM_SPAN) + Fraction(pixels, diagonal)
+    arm = abs(a.arms_height - b.arms_height)
+    home = abs(a.robot_home_distance - b.robot_home_distance)
+    food = abs(a.robot_food_distance - b.robot_food_distance)
+    return differ + Fraction(arm, ARM_SPAN) + Fraction(home + food, diagonal)
 
 
 class Votes(NamedTuple):

@@ -167,3 +167,6 @@ RECTANGLE = Arena(
     foods=(Point(370.0, 200.0), Point(370.0, 400.0)),
 )
 """The rectangular evaluation arena, 600 x 650 mm (3.1), with the corridor's home and two food objects (5.4.2)."""
+
+ARENAS = {arena.name: arena for arena in (CORRIDOR, RECTANGLE)}
+"""The thesis' arenas by name."""

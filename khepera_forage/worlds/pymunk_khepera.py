@@ -110,6 +110,19 @@ class PymunkKhepera:
         """Stop."""
         self.stop()
 
+    def put(self, pose: Pose) -> None:
+        """Stand elsewhere, at rest; food in the gripper comes along."""
+        held = self.gripper.held
+        grip = None if held is None else self.body.world_to_local(held.body.position)
+        twist = 0.0 if held is None else held.body.angle - self.body.angle
+        self.body.position, self.body.angle = pose[:2], pose.heading
+        self.body.velocity, self.body.angular_velocity = (0, 0), 0
+        if held is not None and grip is not None:
+            held.body.position, held.body.angle = self.body.local_to_world(grip), pose.heading + twist
+            held.body.velocity, held.body.angular_velocity = (0, 0), 0
+        self._senses = None
+        self._survey()
+
     def begin_round(self, draws: list[float]) -> float:
         """Fix this round's wheel travel; returns how far any point of the robot can get in it, in mm."""
         self._draws = draws

@@ -10,11 +10,11 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
 from khepera_forage.vision.overhead import OverheadCamera, Truth
 from khepera_forage.worlds import layers
-from khepera_forage.worlds.arena import Arena, Point
+from khepera_forage.worlds.arena import Arena, Point, Pose
 from khepera_forage.worlds.draws import Draws
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_khepera import DRAWS, PymunkKhepera
-from khepera_forage.worlds.world import Layout
+from khepera_forage.worlds.world import FoodPlace, Layout
 
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where nothing can be hit."""
@@ -118,6 +118,23 @@ class PymunkWorld:
         for robot in robots:
             robot.end_round()
         self.camera.expose()
+
+    def poses(self) -> tuple[Pose, ...]:
+        """Where the robots truly are."""
+        return tuple(robot.pose for robot in self.robots)
+
+    def food_places(self) -> tuple[FoodPlace, ...]:
+        """Where the food truly is."""
+        return tuple(FoodPlace(*food.body.position, food.lifted) for food in self.foods)
+
+    def place(self, robot: int, pose: Pose) -> None:
+        """Put a robot down elsewhere, with what it holds.
+
+        Raises:
+            ValueError: The place is not on the free floor.
+        """
+        self._arena_of("robot", pose, RADIUS)
+        self.robots[robot].put(pose)
 
     def close(self) -> None:
         """Stop the robots."""

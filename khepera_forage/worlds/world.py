@@ -22,6 +22,20 @@ class Layout(NamedTuple):
     foods: tuple[Point, ...]
 
 
+class FoodPlace(NamedTuple):
+    """Where a food object is.
+
+    Attributes:
+        x: Centre in mm.
+        y: Centre in mm.
+        lifted: Whether a raised gripper holds it.
+    """
+
+    x: float
+    y: float
+    lifted: bool
+
+
 class World(Protocol):
     """Robots, food and a camera, advancing one round at a time."""
 
@@ -46,6 +60,26 @@ class World(Protocol):
 
     def advance(self) -> None:
         """One round of 0.1 s: every command given since the last one takes effect together."""
+        ...
+
+    def poses(self) -> tuple[Pose, ...]:
+        """Where the robots are, as well as this world knows it: for pictures and records, not for policies."""
+        ...
+
+    def food_places(self) -> tuple[FoodPlace, ...]:
+        """Where the food is, in the order of `Layout.foods`, as well as this world knows it."""
+        ...
+
+    def place(self, robot: int, pose: Pose) -> None:
+        """Take a robot up and put it down elsewhere, as an operator does to resume a paused training (5.3.1).
+
+        Args:
+            robot: Its number.
+            pose: Where to; the robot keeps what it holds.
+
+        Raises:
+            ValueError: The place is not on the free floor.
+        """
         ...
 
     def close(self) -> None:

@@ -1,11 +1,14 @@
 """The rule that turns detections into tracks, on its own: it decides outcomes."""
 
+import random
 from collections.abc import Callable, Sequence
+from unittest.mock import patch
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from khepera_forage.vision import retracking
 from khepera_forage.vision.retracking import GATE, Detection, Tracks
 from khepera_forage.vision.scene import Region, Scene
 
@@ -29,7 +32,7 @@ def never_asked(x: float, y: float) -> bool:
 
 
 def as_detection(region: Region) -> Detection:
-    return Detection(*region[1:5], *region[6:])
+    return Detection(*region[1:5], region.edge, *region[7:])
 
 
 def label_at(scene: Scene, x: float, y: float) -> int:
@@ -133,13 +136,24 @@ def test_there_are_never_more_markers_of_a_kind_than_one_frame_showed(
 
 @given(films, st.randoms(use_true_random=False))
 def test_the_order_of_detections_does_not_matter(
-    film: Sequence[tuple[list[Detection], float]], random: "object"
+    film: Sequence[tuple[list[Detection], float]], shuffler: random.Random
 ) -> None:
     one, other = Tracks(), Tracks()
     for frame, line in film:
-        shuffled = list(frame)
-        random.shuffle(shuffled)  # type: ignore[attr-defined]
+        shuffled = shuffler.sample(frame, len(frame))
         assert one.update(frame, right_of(line)) == other.update(shuffled, right_of(line))
+
+
+@given(films)
+def test_the_short_way_for_common_frames_comes_to_the_same(
+    film: Sequence[tuple[list[Detection], float]],
+) -> None:
+    short, general = Tracks(), Tracks()
+    for frame, line in film:
+        for moved in (frame, [d._replace(x=d.x + 1) for d in frame]):
+            scene = short.update(moved, right_of(line))
+            with patch.object(retracking, "_obvious", return_value=None):
+                assert general.update(moved, right_of(line)) == scene
 
 
 steps = st.tuples(st.floats(-2, 2), st.floats(-2, 2))
@@ -149,7 +163,7 @@ steps = st.tuples(st.floats(-2, 2), st.floats(-2, 2))
 def test_regions_apart_keep_their_labels_whatever_is_lost(
     film: Sequence[tuple[list[tuple[float, float]], set[int]]],
 ) -> None:
-    """Two learners, the teacher and two foods, each in its own quarter, with places hidden while they are lost."""
+    """The teacher, two learners and two foods, each in its own quarter, nothing visible while it is lost."""
     kinds = [1, 2, 2, 0, 0]
     homes = [(100.0 * i + 50, 90.0 * i + 40) for i in range(5)]
     tracks = Tracks()

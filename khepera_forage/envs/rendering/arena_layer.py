@@ -8,7 +8,7 @@ from khepera_forage.envs.rendering import palette
 from khepera_forage.envs.rendering.layout import Layout
 from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.palette import Colour
-from khepera_forage.envs.rendering.pen import FINER, Pen, around, placed
+from khepera_forage.envs.rendering.pen import FINER, Pen, Spot, around, placed
 from khepera_forage.envs.rendering.robot_shape import HOLES, LIFT, MARKER, draw_beams, draw_marker, draw_robot
 from khepera_forage.envs.rendering.view import FoodView, RobotView, View
 from khepera_forage.foraging.states import FoodType
@@ -20,6 +20,21 @@ WALL = 7.0
 """mm; walls stand outside the floor."""
 TAG = 18
 """Size of the robots' names."""
+
+CHEVRON = ((-4.0, 8.0), (0.0, 8.0), (5.0, 0.0), (0.0, -8.0), (-4.0, -8.0), (1.0, 0.0))
+STROKE = ((-9.0, 5.0), (-5.0, 9.0), (9.0, -5.0), (5.0, -9.0))
+SIGNS: dict[FoodType, tuple[tuple[Spot, ...], ...]] = {
+    FoodType.PICKABLE: (  # an arrow upwards: lift it
+        ((-8.0, -1.0), (0.0, 9.0), (8.0, -1.0)),
+        ((-2.5, -9.0), (-2.5, 0.0), (2.5, 0.0), (2.5, -9.0)),
+    ),
+    FoodType.PUSHABLE: tuple(
+        tuple((x + dx, y) for x, y in CHEVRON) for dx in (-4.0, 4.0)
+    ),  # sideways: push it
+    FoodType.POISONOUS: (STROKE, tuple((x, -y) for x, y in STROKE)),  # crossed out: leave it
+}
+"""Signs on food, polygons in mm about its centre, so that its colour is not all that tells its type."""
+TICK = ((-5.2, 0.3), (-3.4, 2.1), (-1.3, 0.0), (3.4, 4.6), (5.2, 2.8), (-1.3, -3.7))
 
 
 class ArenaLayer:
@@ -47,8 +62,10 @@ class ArenaLayer:
             draw_region(pen, region)
         on.blit(pen.shrunk(), self._layout.arena[:2])
         if len(view.robots) > 1:
+            on.set_clip(self._layout.arena)
             for robot, accent in zip(view.robots, accents, strict=True):
                 self._tag(on, robot, accent)
+            on.set_clip(None)
 
     def _draw_ground(self, arenas: tuple[Arena, ...]) -> None:
         pen = self._pen
@@ -94,45 +111,34 @@ def draw_food(pen: Pen, food: FoodView) -> None:
     edge = palette.WALL if food.food_type == FoodType.UNKNOWN else palette.mixed(fill, palette.WHEEL, 0.45)
     pen.disc((x, y), FOOD_RADIUS, edge)
     pen.disc((x, y), FOOD_RADIUS - 1.8, fill)
-    ink = palette.CARD
-    if food.food_type == FoodType.PICKABLE:  # upwards: lift it
-        pen.polygon([(x - 8, y - 1), (x, y + 9), (x + 8, y - 1)], ink)
-        pen.polygon([(x - 2.5, y - 9), (x - 2.5, y), (x + 2.5, y), (x + 2.5, y - 9)], ink)
-    elif food.food_type == FoodType.PUSHABLE:  # sideways: push it
-        for tip in (0.0, 8.0):
-            pen.polygon(
-                [(x + tip - 8, y + 8), (x + tip - 4, y + 8), (x + tip + 1, y), (x + tip - 4, y - 8), (x + tip - 8, y - 8), (x + tip - 3, y)],
-                ink,
-            )
-    elif food.food_type == FoodType.POISONOUS:  # crossed out: leave it
-        for slope in (-1, 1):
-            a, b = (x - 7.0, y - 7.0 * slope), (x + 7.0, y + 7.0 * slope)
-            pen.polygon([(a[0] - 2, a[1] + 2 * slope), (a[0] + 2, a[1] - 2 * slope), (b[0] + 2, b[1] - 2 * slope), (b[0] - 2, b[1] + 2 * slope)], ink)
+    for sign in SIGNS.get(food.food_type, ()):
+        pen.polygon([(x + dx, y + dy) for dx, dy in sign], palette.CARD)
     if food.delivered:
-        badge = (x + 14.0, y + 14.0)
-        pen.disc(badge, 9.5, palette.CARD)
-        pen.disc(badge, 8.3, palette.INK)
-        _tick(pen, badge)
+        x, y = x + 14.0, y + 14.0
+        pen.disc((x, y), 9.5, palette.CARD)
+        pen.disc((x, y), 8.3, palette.INK)
+        pen.polygon([(x + dx, y + dy) for dx, dy in TICK], palette.CARD)
 
 
 def draw_region(pen: Pen, region: Region) -> None:
-    """What the camera reports: an outline with a cross, and a stroke towards its orientation if it has one."""
-    colour, dash = (palette.FOUND, None) if region.found else (palette.LOST, 4.0)
+    """What the camera reports: an outline, its centre marked, and a stroke towards its orientation if it has one."""
+    colour = palette.FOUND if region.found else palette.LOST
     x, y = region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL
     pose = Pose(x, y, math.radians(region.orientation))
     if region.holes in HOLES:
-        pen.path(placed(pose, MARKER), colour, 1.0, dash)
+        pen.path(placed(pose, MARKER), colour, 1.0, dash=None if region.found else 4.0)
         stroke = placed(pose, ((0.0, 0.0), (MARKER_LENGTH / 2, 0.0)))
         pen.line(stroke[0], stroke[1], colour, 1.0)
+        for dx, dy in ((5.0, 0.0), (0.0, 5.0)):
+            pen.line((x - dx, y - dy), (x + dx, y + dy), colour, 1.0)
+        return
+    radius = FOOD_RADIUS + 3.5
+    rim = around((x, y), radius, 28)
+    if region.found:
+        pen.path(rim, colour, 1.2)
     else:
-        pen.path(around((x, y), FOOD_RADIUS + 3.0, 36 if dash is None else 10), colour, 1.0, dash)
-    for dx, dy in ((5.0, 0.0), (0.0, 5.0)):
-        pen.line((x - dx, y - dy), (x + dx, y + dy), colour, 1.0)
-
-
-def _tick(pen: Pen, centre: tuple[float, float]) -> None:
-    x, y = centre
-    pen.polygon(
-        [(x - 5.2, y + 0.3), (x - 3.4, y + 2.1), (x - 1.3, y), (x + 3.4, y + 4.6), (x + 5.2, y + 2.8), (x - 1.3, y - 3.7)],
-        palette.CARD,
-    )
+        for a, b in zip(rim[::2], rim[1::2], strict=True):
+            pen.line(a, b, colour, 1.2)
+    for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):  # cross-hairs, which leave the food's sign alone
+        inner, outer = radius - 1.0, radius + 6.0
+        pen.line((x + dx * inner, y + dy * inner), (x + dx * outer, y + dy * outer), colour, 1.2)

@@ -63,7 +63,12 @@ def _check(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
     if len(frames) == 0:
         raise ValueError("no frames; allowed: at least one")
     for number, frame in enumerate(frames):
-        if not isinstance(frame, np.ndarray) or frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3:
+        if (
+            not isinstance(frame, np.ndarray)
+            or frame.dtype != np.uint8
+            or frame.ndim != 3
+            or frame.shape[2] != 3
+        ):
             what = f"{frame.dtype} {frame.shape}" if isinstance(frame, np.ndarray) else type(frame).__name__
             raise ValueError(f"frame {number} is {what}; allowed: a uint8 array, height x width x 3")
         if frame.size == 0 or frame.shape != frames[0].shape:

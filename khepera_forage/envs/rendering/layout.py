@@ -92,7 +92,10 @@ def _candidates(
             for across in range(1, max(robots, 1) + 1):
                 down = math.ceil(robots / across)
                 # The panels' block, with the gap that sets it apart from the arenas.
-                block = (across * (round(width * text) + GAP) if robots else 0, down * (round(height * text) + GAP))
+                block = (
+                    across * (round(width * text) + GAP) if robots else 0,
+                    down * (round(height * text) + GAP),
+                )
                 yield _fitted(ground, corner, upwards, robots, across, inner, text, block)
 
 
@@ -115,12 +118,15 @@ def _fitted(
     card = (block[0] // across - GAP, (body - (down - 1) * GAP) // max(down, 1)) if robots else (0, 0)
     west = GAP + shown[0] + GAP
     slots = [
-        Box(west + i % across * (card[0] + GAP), HEADER + i // across * (card[1] + GAP), *card) for i in range(robots)
+        Box(west + i % across * (card[0] + GAP), HEADER + i // across * (card[1] + GAP), *card)
+        for i in range(robots)
     ]
     # In one column beside arenas that are stacked upwards, every panel then stands beside its own arena.
     panels = tuple(reversed(slots) if upwards and across == 1 else slots)
     arena = Box(GAP, HEADER + (body - shown[1]) // 2, *shown)
     layout = Layout((width + width % 2, height + height % 2), arena, scale, *corner, panels, inner, text)
-    used = (shown[0] * shown[1] + (block[0] - across * GAP) * (block[1] - down * GAP)) / ((width - 2 * GAP) * body)
+    used = (shown[0] * shown[1] + (block[0] - across * GAP) * (block[1] - down * GAP)) / (
+        (width - 2 * GAP) * body
+    )
     excess = max(width / WIDEST, 1.0) * max(body / TALLEST, 1.0)
     return min(text, 1.1) * scale * used / excess**4, layout

@@ -41,7 +41,14 @@ class Lettering:
         return text.rstrip() + "…" if text else ""
 
     def write(
-        self, on: pygame.Surface, text: str, x: float, middle: float, size: float, colour: Colour, anchor: Anchor = "left"
+        self,
+        on: pygame.Surface,
+        text: str,
+        x: float,
+        middle: float,
+        size: float,
+        colour: Colour,
+        anchor: Anchor = "left",
     ) -> None:
         """Write at `x`, capitals centred on the height `middle`."""
         key = (_plain(text), round(size * LARGER), colour)

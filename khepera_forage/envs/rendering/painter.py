@@ -1,21 +1,17 @@
 """A whole picture: heading, arenas, panels and key."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering import palette
-from khepera_forage.envs.rendering.arena_layer import ArenaLayer, draw_food, draw_region
+from khepera_forage.envs.rendering.arena_layer import ArenaLayer
+from khepera_forage.envs.rendering.key import draw_key
 from khepera_forage.envs.rendering.layout import FOOTER, GAP, HEADER, Layout, arrange
 from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.panel import Panel
-from khepera_forage.envs.rendering.pen import Pen
-from khepera_forage.envs.rendering.view import FoodView, RobotView, View
-from khepera_forage.foraging.states import FoodType
-from khepera_forage.vision.scene import Region
+from khepera_forage.envs.rendering.view import RobotView, View
 from khepera_forage.worlds.arena import Arena
 
 
@@ -56,12 +52,14 @@ class Painter:
     def _prepare(self, arenas: tuple[Arena, ...], robots: int) -> None:
         self._layout = arrange(arenas, robots)
         self._picture = pygame.Surface(self._layout.size, 0, 32)
+        self._arenas = ArenaLayer(arenas, self._layout, self._lettering)
         self._base = pygame.Surface(self._layout.size, 0, 32)
-        self._base.fill(palette.PAPER)
+        key = draw_key(self._layout.size[0], robots > 0, self._lettering)
+        # The colour as shrinking leaves it, which may be one off: the arenas' ground would show as a box.
+        self._base.fill(key.get_at((0, 0)))
+        self._base.blit(key, (0, self._layout.size[1] - FOOTER))
         for box in self._layout.panels:
             self._lettering.box(self._base, box, palette.CARD, 8, palette.EDGE)
-        self._draw_key(robots > 0)
-        self._arenas = ArenaLayer(arenas, self._layout, self._lettering)
         self._kept = (arenas, robots)
 
     def _draw_header(self, view: View) -> None:
@@ -83,36 +81,6 @@ class Painter:
         if view.limit:
             share = max(0.0, min(1.0, view.step / view.limit))
             self._lettering.box(self._picture, (GAP, 48, (right - GAP) * share, 3), palette.WALL)
-
-    def _draw_key(self, panels: bool) -> None:
-        """What colours and signs mean, in one line as far as it fits."""
-        width, height = self._layout.size
-        scale = 0.4
-        pen = Pen((width, FOOTER), scale, 0.0, FOOTER / scale)
-        pen.surface.fill(palette.PAPER)
-        middle = FOOTER / 2
-        labels: list[tuple[float, str]] = []
-        x = float(GAP)
-
-        def region(found: bool) -> Callable[[float], None]:
-            return lambda mm: draw_region(pen, Region(0, mm / 5, middle / scale / 5, 0, 0, found, False, 0, 0, 0, 0, 0))
-
-        def food(kind: FoodType, delivered: bool = False) -> Callable[[float], None]:
-            return lambda mm: draw_food(pen, FoodView(mm, middle / scale, kind, delivered=delivered))
-
-        signs: list[tuple[str, Callable[[float], None]]] = [
-            *((f"{kind.name.capitalize()} food", food(kind)) for kind in FoodType),
-            ("Delivered", food(FoodType.UNKNOWN, delivered=True)),
-            ("Seen by the camera", region(True)),
-            ("Lost by the camera", region(False)),
-        ]
-        for text, sign in signs:
-            sign((x + 9) / scale)
-            labels.append((x + 24, text))
-            x += 24 + self._lettering.width(text, 16) + 20
-        self._base.blit(pen.shrunk(), (0, height - FOOTER))
-        for left, text in labels:
-            self._lettering.write(self._base, text, left, height - FOOTER + middle, 16, palette.FADED)
 
 
 def accents_of(robots: tuple[RobotView, ...]) -> tuple[Colour, ...]:

@@ -16,7 +16,7 @@ from khepera_forage.robots.proximity import MAX_READING
 PAD = 13.0
 """Inside the edge of a panel, at text scale 1, like all lengths below."""
 ROW = 16.0
-HEADING, LABEL, VALUE, SMALL = 15.0, 17.0, 18.0, 14.0
+HEADING, LABEL, VALUE, SMALL, TINY = 15.0, 17.0, 18.0, 14.0, 12.5
 """Sizes of text."""
 ATTRIBUTES = ("ObjectPresence", "RobotHomeDistance", "FoodType", "ArmsHeight", "RobotFoodDistance")
 BEHAVIOURS = tuple(Behaviour)[:10]
@@ -63,7 +63,8 @@ class Panel:
             self._behaviours(middle + 10 * u, right, top, bottom - 12 * u)
         else:
             self._vector(left, right, top)
-            behaviours = bottom - (24 + 10 * ROW) * u
+            # Beside the 121 above it, the two lists share what height there is.
+            behaviours = bottom - max((24 + 10 * ROW) * u, 0.56 * (bottom - top - 121 * u))
             self._infra_red(left, right, top + 107 * u, behaviours - 14 * u)
             self._behaviours(left, right, behaviours, bottom - 12 * u)
         self._rule(left, right, bottom - 6 * u)
@@ -93,7 +94,7 @@ class Panel:
         robot, u = self.robot, self.layout.text
         heard = robot.heard
         said = "–" if heard is None else "Silence" if heard == Behaviour.WAIT else phrase(heard.name)
-        column = left + 72 * u
+        column = left + 80 * u
         for row, (label, text) in enumerate(
             (("State", "–" if robot.state is None else phrase(robot.state.name)), ("Heard", said))
         ):
@@ -108,7 +109,9 @@ class Panel:
         ink, fill = (palette.WARNING, palette.WARNING_FILL) if differs else (palette.CARD, self.accent)
         text = phrase(robot.executed.name)
         width = self.letters.width(text, VALUE * u) + 16 * u
-        self.letters.box(self.on, (column - 8 * u, y - 10 * u, width, 20 * u), fill, 6 * u, ink if differs else None)
+        self.letters.box(
+            self.on, (column - 8 * u, y - 10 * u, width, 20 * u), fill, 6 * u, ink if differs else None
+        )
         self._write(text, column, y, VALUE, ink)
         room = right - column - width
         self._write(self.letters.fitted(differs, LABEL * u, room), column + width, y, LABEL, palette.WARNING)
@@ -145,7 +148,7 @@ class Panel:
             self.letters.box(self.on, (x + 3 * u, top, pitch - 6 * u, foot - top), palette.TRACK)
             full = (foot - top) * share
             self.letters.box(self.on, (x + 3 * u, foot - full, pitch - 6 * u, full), palette.INFRA_RED)
-            self._write(str(round(reading)), x + pitch / 2, top - 7 * u, SMALL, palette.INK, "centre")
+            self._write(str(round(reading)), x + pitch / 2, top - 7 * u, TINY, palette.INK, "centre")
             self._write(str(number), x + pitch / 2, foot + 8 * u, SMALL, palette.FADED, "centre")
 
     def _behaviours(self, left: float, right: float, y: float, bottom: float) -> None:
@@ -205,7 +208,13 @@ class Panel:
         self.letters.box(self.on, (left, y, right - left, 1), palette.EDGE)
 
     def _write(
-        self, text: str, x: float, y: float, size: float, colour: Colour = palette.INK, anchor: Anchor = "left"
+        self,
+        text: str,
+        x: float,
+        y: float,
+        size: float,
+        colour: Colour = palette.INK,
+        anchor: Anchor = "left",
     ) -> None:
         self.letters.write(self.on, text, x, y, size * self.layout.text, colour, anchor)
 

@@ -69,10 +69,13 @@ class Pen:
         # Ends reach half a width beyond their points, so that lines that meet close their corner.
         a, b = (a[0] - dx, a[1] - dy), (b[0] + dx, b[1] + dy)
         self.polygon(
-            ((a[0] - dy, a[1] + dx), (a[0] + dy, a[1] - dx), (b[0] + dy, b[1] - dx), (b[0] - dy, b[1] + dx)), colour
+            ((a[0] - dy, a[1] + dx), (a[0] + dy, a[1] - dx), (b[0] + dy, b[1] - dx), (b[0] - dy, b[1] + dx)),
+            colour,
         )
 
-    def path(self, spots: Sequence[Spot], colour: Colour, width: float = 1.0, dash: float | None = None) -> None:
+    def path(
+        self, spots: Sequence[Spot], colour: Colour, width: float = 1.0, dash: float | None = None
+    ) -> None:
         """Draw a closed line through the spots, in dashes of so many pixels if wanted."""
         for a, b in zip(spots, (*spots[1:], spots[0]), strict=True):
             if dash is None:

@@ -53,10 +53,13 @@ def draw_beams(pen: Pen, robot: RobotView) -> None:
         # From a point behind the sensor: it then is as broad as a sensor where it leaves the body.
         foot = (forward - 8.0 * cosine, left - 8.0 * sine)
         rim = [
-            (foot[0] + (8.0 + length) * math.cos(axis + turn), foot[1] + (8.0 + length) * math.sin(axis + turn))
+            (
+                foot[0] + (8.0 + length) * math.cos(axis + turn),
+                foot[1] + (8.0 + length) * math.sin(axis + turn),
+            )
             for turn in (-BEAM, -BEAM / 2, 0.0, BEAM / 2, BEAM)
         ]
-        pen.polygon(placed(robot.pose, (foot, *rim)), palette.INFRA_RED, alpha=round(22 + 190 * strength))
+        pen.polygon(placed(robot.pose, (foot, *rim)), palette.INFRA_RED, alpha=round(22 + 165 * strength))
 
 
 def draw_robot(pen: Pen, robot: RobotView, accent: Colour) -> None:

@@ -1,0 +1,15 @@
+"""The environments' names. Gymnasium loads no entry points: importing the package registers them."""
+
+import gymnasium as gym
+
+_RECALL = "khepera_forage.envs.recall"
+
+
+def register_all() -> None:
+    """Register the recall environments; a second call does nothing."""
+    for name, foods, limit in (("Corridor", 1, 500), ("Rectangle", 2, 700)):
+        for suffix, entry in (("", "BehavioursEnv"), ("Wheels", "WheelsEnv")):
+            env_id = f"khepera_forage/{name}{suffix}-v0"
+            if env_id not in gym.registry:
+                kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
+                gym.register(env_id, entry_point=f"{_RECALL}:{entry}", kwargs=kwargs)

@@ -1,0 +1,341 @@
+"""Teacher and learners in identical corridors, round by round (section 4.5, figure 4.3)."""
+
+import math
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from gymnasium.utils import seeding
+from numpy.typing import NDArray
+from pettingzoo.utils.env import AECEnv
+
+from khepera_forage.envs.checks import FoodTypes, behaviour_number, food_odds, the_arena, whole_number
+from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.envs.placement import training_layout
+from khepera_forage.envs.register import FoodRegister, TypeDraws
+from khepera_forage.envs.rendering import Renderer, View
+from khepera_forage.envs.showing import foods_shown, robot_shown
+from khepera_forage.foraging.following import follow, recover, separated
+from khepera_forage.foraging.scoring import score
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.arena import Arena, Pose, copies
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import World
+
+TEACHER = "teacher_0"
+PATIENCE = 100
+"""Rounds of separation after which an attempt counts as gone wrong: ten seconds. Our decision (5.3.1)."""
+
+
+class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
+    """A teacher forages and shouts; learners hear, do the same, and stay where the teacher is.
+
+    ## Description
+    The training phase of the thesis (4.5). Each robot has its own copy of the arena, at an offset. A round (MultiStep)
+    is one step of every robot, the teacher first; what they command takes effect together, at its end. After a
+    learner's action the environment applies *following* (4.5.2): an arc towards the place where the teacher is. When
+    a learner is separated, the teacher should WAIT, which is silence, and the learner recovers.
+
+    ## Agents
+    `teacher_0`, then `learner_0`, `learner_1`, ...
+
+    ## Action space
+    `Discrete(11)` for every agent: the ten behaviours of table 4.1, and 10 WAIT.
+
+    ## Observation space
+    `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
+    robot_food_distance (pixels of 5 mm, as in `Corridor-v0`), heard (a behaviour; 10 is silence), separated 0/1 (for
+    the teacher: any of its learners).
+
+    ## Rewards
+    +1 for food delivered, -1 for poison brought home, -1/max_cycles a round, each agent its own.
+
+    ## Starting state
+    Every robot and food object on its mark in figure 5.1, as well as an operator can put it there
+    (`Noise.placement_error`).
+
+    ## Episode end
+    Terminated (complete, 5.3) when every robot has delivered its food, or knows it to be poisonous, and is outside
+    its home. Truncated after `max_cycles` rounds, or when a learner has been separated for `patience` rounds.
+
+    ## Info
+    Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
+    them), `score`, `correct`, `steps`, `delivered`, `poison_home`, `complete`, `separated_rounds`, `separations`.
+
+    ## Arguments
+    `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
+    food of all arenas is of one type), `patience`, `render_mode`, `world`.
+    """
+
+    metadata = {  # noqa: RUF012 (PettingZoo's own form)
+        "name": "paired_corridors_v0",
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": 10,
+        "is_parallelizable": True,
+    }
+
+    def __init__(
+        self,
+        num_learners: int = 1,
+        max_cycles: int = 600,
+        arena: Arena | str = "corridor",
+        noise: Noise | None = None,
+        food_types: FoodTypes = None,
+        patience: int = PATIENCE,
+        render_mode: str | None = None,
+        world: World | None = None,
+    ) -> None:
+        super().__init__()
+        learners = whole_number("num_learners", num_learners, 1)
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ValueError(f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}")
+        self.max_cycles = whole_number("max_cycles", max_cycles, 1)
+        self.patience = whole_number("patience", patience, 1)
+        self.render_mode = render_mode
+        self.arenas = copies(the_arena(arena), learners + 1)
+        self._noise = Noise.laboratory() if noise is None else noise
+        self._odds = food_odds(food_types)
+        self._markers = (1,) + (2,) * learners
+        self._sites = [site_of(a) for a in self.arenas]
+        self._offsets = [
+            (site.home_x - self._sites[0].home_x, site.home_y - self._sites[0].home_y) for site in self._sites
+        ]
+        self.world: World = PymunkWorld(self.arenas, self._markers, self._noise) if world is None else world
+        self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
+        self.agents: list[str] = []
+        diagonal = self._sites[0].diagonal
+        low = np.array((0, 0, 0, ARM_RAISED, 0, 0, 0))
+        high = np.array((1, diagonal, 3, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
+        self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
+        self.action_spaces = {a: spaces.Discrete(11) for a in self.possible_agents}
+        self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
+        self._renderer: Renderer | None = None
+        self._foragers: list[Forager] = []
+
+    def observation_space(self, agent: str) -> spaces.Box:
+        """The space of every agent's observations."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Discrete[np.int64]:
+        """The space of every agent's actions."""
+        return self.action_spaces[agent]
+
+    @property
+    def foragers(self) -> list[Forager]:
+        """The robots at their task, the teacher first."""
+        if not self._foragers:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        return self._foragers
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
+        """Start an attempt at a training episode.
+
+        Args:
+            seed: Makes the attempt repeatable, bit for bit.
+            options: None are known.
+
+        Raises:
+            ValueError: An unknown option.
+        """
+        if options:
+            raise ValueError(f"reset option {sorted(options)[0]!r} is unknown; allowed: none")
+        if seed is not None or not hasattr(self, "np_random"):
+            self.np_random, _ = seeding.np_random(seed)
+        places, types, world = self.np_random.spawn(3)
+        layout = training_layout(self.arenas, self._noise, places)
+        self.world.reset(world, layout)
+        count = len(self.arenas[0].foods)
+        draws = TypeDraws(count, self._odds, types)
+        scene = self.world.camera.look()
+        self._foragers = []
+        for i, (robot, site) in enumerate(zip(self.world.robots, self._sites, strict=True)):
+            foods = layout.foods[i * count : (i + 1) * count]
+            register = FoodRegister(site, [(f.x / MM_PER_PIXEL, f.y / MM_PER_PIXEL) for f in foods], draws)
+            forager = Forager(robot, site, self._markers[i], register)
+            forager.perceive(scene)
+            self._foragers.append(forager)
+        n = len(self._foragers)
+        self._actions = [int(Behaviour.WAIT)] * n
+        self._correct = [0] * n
+        self._steps = 0
+        self._separated = [False] * n
+        self._separated_rounds = [0] * n
+        self._separations = [0] * n
+        self.agents = self.possible_agents[:]
+        self.rewards = dict.fromkeys(self.agents, 0.0)
+        self._cumulative_rewards = dict.fromkeys(self.agents, 0.0)
+        self.terminations = dict.fromkeys(self.agents, False)
+        self.truncations = dict.fromkeys(self.agents, False)
+        self._update_separation()
+        self.infos = {agent: self._info(i) for i, agent in enumerate(self.agents)}
+        self.agent_selection = self.agents[0]
+        if self.render_mode == "human":
+            self.render()
+
+    def observe(self, agent: str) -> NDArray[np.int64]:
+        """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
+        i = self._index[agent]
+        presence, home, food_type, arm, food = self.foragers[i].vector
+        diagonal = self._sites[0].diagonal
+        heard = self._actions[0] if i else Behaviour.WAIT
+        apart = self._separated[i] if i else any(self._separated)
+        return np.array((presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64)
+
+    def step(self, action: int | None) -> None:
+        """The selected agent's step; the last agent's ends the round.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+            ValueError: An action that is not one of the eleven.
+        """
+        if not self._foragers:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        if not self.agents:
+            raise ResetNeeded(f"the episode ended after {self._steps} rounds; call reset() to start another")
+        agent = self.agent_selection
+        if self.terminations[agent] or self.truncations[agent]:
+            self._was_dead_step(action)
+            return
+        i = self._index[agent]
+        self._actions[i] = behaviour_number(action, 11, agent)
+        self._cumulative_rewards[agent] = 0.0
+        if i < len(self._foragers) - 1:
+            self._clear_rewards()
+            self.agent_selection = self.possible_agents[i + 1]
+        else:
+            self._round()
+            self.agent_selection = self.agents[0]
+        self._accumulate_rewards()
+
+    def resume_beside(self, agent: str) -> None:
+        """Pause and resume (5.3.1): put a learner where the teacher is, in its own arena, and go on.
+
+        Raises:
+            ValueError: Not a learner, or its arena has no room there.
+        """
+        i = self._index.get(agent, 0)
+        if i == 0:
+            raise ValueError(f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}")
+        x, y, heading = self._teacher_beside(i)
+        self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
+        self._separated_rounds[i] = 0
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
+        if self.render_mode is None:
+            gym.logger.warn("render() without a render_mode; make the environment with render_mode='rgb_array'")
+            return None
+        if self._renderer is None:
+            self._renderer = Renderer(self.render_mode)
+        return self._renderer.draw(self.view())
+
+    def view(self) -> View:
+        """What a picture of the present round shows."""
+        foragers = self.foragers
+        names = [agent.replace("_0", "") if len(foragers) == 2 else agent.replace("_", " ") for agent in self._index]
+        names[0] = "teacher"
+        started = self._steps > 0
+        return View(
+            arenas=self.arenas,
+            robots=tuple(
+                robot_shown(
+                    name,
+                    forager,
+                    self.world,
+                    i,
+                    heard=Behaviour(self._actions[0]) if i and started else None,
+                    executed=Behaviour(self._actions[i]) if started else None,
+                    separated=self._separated[i],
+                )
+                for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
+            ),
+            foods=foods_shown(self.world, foragers),
+            regions=self.world.camera.look().regions,
+            step=self._steps,
+            limit=self.max_cycles,
+            delivered=sum(f.register.delivered_food for f in foragers),
+            title="Training in paired corridors",
+        )
+
+    def close(self) -> None:
+        """Stop the robots and close the window."""
+        self.world.close()
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def _round(self) -> None:
+        """Everybody's commands take effect together."""
+        foragers = self._foragers
+        before = [(f.register.delivered_food, f.register.poison_home) for f in foragers]
+        for i, forager in enumerate(foragers):
+            self._correct[i] += self._actions[i] == forager.state
+            forager.drive(self._motors(i, forager))
+        self.world.advance()
+        scene = self.world.camera.look()
+        for forager in foragers:
+            forager.perceive(scene)
+        self._steps += 1
+        self._update_separation()
+        complete = all(f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers)
+        given_up = self._steps >= self.max_cycles or max(self._separated_rounds) >= self.patience
+        for i, agent in enumerate(self.agents):
+            delivered, poison = before[i]
+            register = foragers[i].register
+            self.rewards[agent] = (
+                (register.delivered_food - delivered) - (register.poison_home - poison) - 1.0 / self.max_cycles
+            )
+            self.terminations[agent] = complete
+            self.truncations[agent] = given_up and not complete
+            self.infos[agent] = self._info(i, complete)
+        if self.render_mode == "human":
+            self.render()
+
+    def _motors(self, i: int, forager: Forager) -> Any:
+        motors = forager.motors_for(self._actions[i])
+        if i == 0:
+            return motors
+        own, (x, y, orientation) = forager.raw, self._teacher_beside(i)
+        if self._separated[i] and self._actions[i] == Behaviour.WAIT:
+            return recover(motors, own.x, own.y, own.orientation, x, y)
+        return follow(motors, own.x, own.y, own.orientation, x, y, orientation)
+
+    def _teacher_beside(self, i: int) -> tuple[float, float, float]:
+        """Where the teacher is, moved into another robot's arena: x and y in pixels, degrees."""
+        teacher, (dx, dy) = self._foragers[0].raw, self._offsets[i]
+        return teacher.x + dx, teacher.y + dy, teacher.orientation
+
+    def _update_separation(self) -> None:
+        for i, forager in enumerate(self._foragers[1:], 1):
+            x, y, _ = self._teacher_beside(i)
+            apart = separated(forager.raw.x, forager.raw.y, x, y)
+            self._separations[i] += apart and not self._separated[i]
+            self._separated_rounds[i] = self._separated_rounds[i] + 1 if apart else 0
+            self._separated[i] = apart
+
+    def _info(self, i: int, complete: bool = False) -> dict[str, Any]:
+        forager = self._foragers[i]
+        register, raw, state = forager.register, forager.raw, int(forager.state)
+        delivered = register.delivered_food
+        return {
+            "state": state,
+            "correct_behaviour": state,
+            "x": raw.x,
+            "y": raw.y,
+            "orientation": raw.orientation,
+            "score": score(self._correct[i], self._steps, delivered, register.deliverable),
+            "correct": self._correct[i],
+            "steps": self._steps,
+            "delivered": delivered,
+            "poison_home": register.poison_home,
+            "complete": int(complete),
+            "separated_rounds": self._separated_rounds[i],
+            "separations": self._separations[i],
+        }
+
+

@@ -1,0 +1,118 @@
+"""The rows that claims are measured on, and the measures they share."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from khepera_forage.experiments.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
+from khepera_forage.experiments.statistics import (
+    RESAMPLES,
+    Estimate,
+    Measure,
+    Replicated,
+    bootstrap,
+    contrast,
+    ratio,
+    replications,
+    tally,
+)
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.arena import CORRIDOR
+
+_R = TypeVar("_R", bound=Replicated)
+
+TRAINING_DISTANCE = math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL
+"""Pixels between food and home in training, always in the corridor (figure 5.1)."""
+NEAR_TRAINING = 6.0
+"""Pixels on either side within which food counts as lying where it lay in training: nearly a food object's width."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All rows of a reproduction under one noise condition, and a generator for the resamples.
+
+    Attributes:
+        recalls: The imitator's.
+        chance: Those of a policy that draws every behaviour uniformly; may be empty.
+        trainings: Attempts at training episodes, under any noise conditions.
+        teachers: Forages of the teacher alone, best run with a limit well above the thesis'.
+        rng: Draws the resamples.
+        resamples: How many.
+    """
+
+    recalls: Sequence[RecallRow]
+    chance: Sequence[RecallRow]
+    trainings: Sequence[TrainingRow]
+    teachers: Sequence[RecallRow]
+    rng: np.random.Generator
+    resamples: int = RESAMPLES
+
+    def cell_scores(self, weights: Mapping[tuple[str, int], float]) -> Estimate:
+        """A weighted sum of the mean scores of cells (arena, episodes), in percentage points."""
+        columns: list[Measure[RecallRow]] = []
+        for arena, episodes in weights:
+            inside = _cell(arena, episodes)
+            columns += [lambda row, inside=inside: row.score * inside(row), inside]  # type: ignore[misc]
+        sums = tally(self.recalls, replications(self.recalls), *columns)
+        return bootstrap(sums, contrast(*weights.values()), self.rng, self.resamples)
+
+    def mean(self, rows: Sequence[_R], top: Measure[_R], bottom: Measure[_R] = lambda row: 1.0) -> Estimate:
+        """The sum of one measure over that of another; by default a mean over the rows."""
+        return bootstrap(tally(rows, replications(rows), top, bottom), ratio, self.rng, self.resamples)
+
+    def difference(
+        self,
+        rows: Sequence[_R],
+        others: Sequence[_R],
+        top: Measure[_R],
+        bottom: Measure[_R] = lambda row: 1.0,
+    ) -> Estimate:
+        """The mean over some rows less that over others, replications kept together."""
+        numbers = replications(rows, others)
+        sums = np.hstack([tally(group, numbers, top, bottom) for group in (rows, others)])
+        return bootstrap(sums, contrast(1.0, -1.0), self.rng, self.resamples)
+
+
+def gather(
+    recalls: Iterable[RecallRow],
+    trainings: Iterable[TrainingRow],
+    teachers: Iterable[RecallRow],
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Evidence:
+    """Sort the rows of a reproduction by what they are evidence of.
+
+    Raises:
+        ValueError: The imitator's rows are of several noise conditions.
+    """
+    rows = list(recalls)
+    imitator = [row for row in rows if row.learner == IMITATOR]
+    conditions = sorted({row.noise for row in imitator})
+    if len(conditions) > 1:
+        raise ValueError(f"recalls of noise conditions {conditions}; allowed: one condition at a time")
+    chance = [row for row in rows if row.learner == RANDOM]
+    return Evidence(imitator, chance, list(trainings), list(teachers), rng, resamples)
+
+
+def of_arena(rows: Iterable[RecallRow], arena: str) -> list[RecallRow]:
+    """The rows of one arena."""
+    return [row for row in rows if row.arena == arena]
+
+
+def foods_where(inside: Callable[[float], bool]) -> Measure[RecallRow]:
+    """Counts the food objects whose distance from home, in pixels, is such."""
+    return lambda row: sum(map(inside, row.food_home_distances))
+
+
+def delivered_where(inside: Callable[[float], bool]) -> Measure[RecallRow]:
+    """Counts those of them that were delivered."""
+    return lambda row: sum(
+        done and inside(d) for d, done in zip(row.food_home_distances, row.food_delivered, strict=True)
+    )
+
+
+def _cell(arena: str, episodes: int) -> Measure[RecallRow]:
+    return lambda row: float((row.arena, row.episodes) == (arena, episodes))
