@@ -27,10 +27,10 @@ class Noise:
     wheel_bias: float = 0.02
     """Standard deviation of a lasting share by which one wheel travels too far. Assumption: the sources' wheel
     diameters differ by 6 % between robots (7.5 to 7.96 mm)."""
-    proximity_gain: float = 0.06
-    """Standard deviation of an infra-red reading, as a share of it. KSIM2 and WSU draw +-10 % uniformly."""
+    proximity_gain: float = 0.1
+    """Largest error of an infra-red reading, as a share of it, uniform in both directions (KSIM2, WSU: 10 %)."""
     proximity_floor: int = 6
-    """Readings with nothing in range are uniform in 0..this (KSIM2, WSU)."""
+    """Readings up to this are noise, uniform in 0..this (KSIM2, WSU)."""
     position_jitter: float = 0.2
     """Standard deviation of a region's centre in pixels of 5 mm. Assumption: a third of a pixel of
     quantisation along an edge, averaged over the region."""

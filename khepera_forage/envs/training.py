@@ -137,13 +137,8 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
         Args:
             seed: Makes the attempt repeatable, bit for bit.
-            options: None are known.
-
-        Raises:
-            ValueError: An unknown option.
+            options: Not used: everybody stands on the marks of figure 5.1.
         """
-        if options:
-            raise ValueError(f"reset option {sorted(options)[0]!r} is unknown; allowed: none")
         if seed is not None or not hasattr(self, "np_random"):
             self.np_random, _ = seeding.np_random(seed)
         places, types, world = self.np_random.spawn(3)

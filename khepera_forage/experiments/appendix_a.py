@@ -1,7 +1,8 @@
 """The thesis' own results: tables A.1 to A.7 as printed, slips included, and what chapter 5 says of them.
 
 The tables print a missing penalty as a dash or, in A.5, as nothing, and A.7 adds a percent sign to the
-others; here it is a dash and a number throughout. All else is verbatim; `slips.py` lists what does not add up.
+others; here it is a dash or a number throughout. All else is verbatim. What does not add up is listed by
+`slips.py`.
 """
 
 from collections.abc import Iterable

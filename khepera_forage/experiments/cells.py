@@ -28,7 +28,7 @@ class CellResult:
     Attributes:
         cell: What was done.
         thesis_printed: The mean score that the table prints, in percent.
-        thesis_score: The mean of the scores printed in its lines; differs from the former where the thesis erred.
+        thesis_score: The mean of the scores printed in its lines: another where the thesis erred.
         thesis_food: Food objects carried home, of `cell.available`.
         score: Our mean score, in percent.
         food: Our food carried home per experiment of the same size.

@@ -78,7 +78,7 @@ class Within:
 
 @dataclass(frozen=True, slots=True)
 class Beyond:
-    """Supported if the whole interval lies on one side beyond a margin around 0, not supported if within it."""
+    """Supported if the whole interval lies on one side beyond a margin around 0, not supported if within."""
 
     margin: float
 

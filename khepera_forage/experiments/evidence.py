@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -27,7 +27,7 @@ _R = TypeVar("_R", bound=Replicated)
 TRAINING_DISTANCE = math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL
 """Pixels between food and home in training, always in the corridor (figure 5.1)."""
 NEAR_TRAINING = 6.0
-"""Pixels on either side within which food counts as lying where it lay in training: nearly a food object's width."""
+"""Pixels on either side within which food counts as lying where it lay in training: nearly its own width."""
 
 
 @dataclass(frozen=True)
@@ -59,21 +59,31 @@ class Evidence:
         sums = tally(self.recalls, replications(self.recalls), *columns)
         return bootstrap(sums, contrast(*weights.values()), self.rng, self.resamples)
 
-    def mean(self, rows: Sequence[_R], top: Measure[_R], bottom: Measure[_R] = lambda row: 1.0) -> Estimate:
-        """The sum of one measure over that of another; by default a mean over the rows."""
-        return bootstrap(tally(rows, replications(rows), top, bottom), ratio, self.rng, self.resamples)
+    def mean(self, sample: "Sample[_R]") -> Estimate:
+        """A mean or a share."""
+        sums = tally(sample.rows, replications(sample.rows), sample.top, sample.bottom)
+        return bootstrap(sums, ratio, self.rng, self.resamples)
 
-    def difference(
-        self,
-        rows: Sequence[_R],
-        others: Sequence[_R],
-        top: Measure[_R],
-        bottom: Measure[_R] = lambda row: 1.0,
-    ) -> Estimate:
-        """The mean over some rows less that over others, replications kept together."""
-        numbers = replications(rows, others)
-        sums = np.hstack([tally(group, numbers, top, bottom) for group in (rows, others)])
+    def difference(self, sample: "Sample[_R]", other: "Sample[_R]") -> Estimate:
+        """One mean less another, replications kept together."""
+        numbers = replications(sample.rows, other.rows)
+        sums = np.hstack([tally(s.rows, numbers, s.top, s.bottom) for s in (sample, other)])
         return bootstrap(sums, contrast(1.0, -1.0), self.rng, self.resamples)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample(Generic[_R]):
+    """The sum of one measure over that of another; by default a mean over the rows."""
+
+    rows: Sequence[_R]
+    top: Measure[_R]
+    bottom: Measure[_R] = lambda row: 1.0
+
+    @property
+    def value(self) -> float:
+        """Over all rows; nan where there are none."""
+        bottom = sum(map(self.bottom, self.rows))
+        return sum(map(self.top, self.rows)) / bottom if bottom else math.nan
 
 
 def gather(
@@ -102,16 +112,16 @@ def of_arena(rows: Iterable[RecallRow], arena: str) -> list[RecallRow]:
     return [row for row in rows if row.arena == arena]
 
 
-def foods_where(inside: Callable[[float], bool]) -> Measure[RecallRow]:
-    """Counts the food objects whose distance from home, in pixels, is such."""
-    return lambda row: sum(map(inside, row.food_home_distances))
+def food_share(
+    rows: Sequence[RecallRow], inside: Callable[[float], bool] = lambda distance: True
+) -> Sample[RecallRow]:
+    """Success: the share of food delivered, of the food whose distance from home in pixels is such."""
 
+    def delivered(row: RecallRow) -> float:
+        places = zip(row.food_home_distances, row.food_delivered, strict=True)
+        return sum(done and inside(distance) for distance, done in places)
 
-def delivered_where(inside: Callable[[float], bool]) -> Measure[RecallRow]:
-    """Counts those of them that were delivered."""
-    return lambda row: sum(
-        done and inside(d) for d, done in zip(row.food_home_distances, row.food_delivered, strict=True)
-    )
+    return Sample(rows, delivered, lambda row: sum(map(inside, row.food_home_distances)))
 
 
 def _cell(arena: str, episodes: int) -> Measure[RecallRow]:

@@ -26,8 +26,8 @@ class ClassifierPolicy:
 
     Attributes:
         classifier: Fitted on state vectors of five columns and behaviours as numbers.
-        sample: Whether a behaviour is drawn with its probability, as with the imitator's confidence levels, or
-            the most probable one executed.
+        sample: Whether a behaviour is drawn with its probability, as with the imitator's confidence levels,
+            or the most probable one executed.
     """
 
     classifier: Classifier

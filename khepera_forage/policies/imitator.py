@@ -1,7 +1,6 @@
 """The learner of the recall phase: nearest neighbour with confidence levels (section 4.6)."""
 
 import math
-from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from numbers import Integral, Real
 from typing import Any, NamedTuple
@@ -15,7 +14,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
-from khepera_forage.policies.votes import PixelVotes, PlainVotes, VoteIndex, Votes, are_pixels
+from khepera_forage.policies.votes import PixelVotes, PlainVotes, VoteIndex, are_pixels
 
 MEMO_SIZE = 32768
 """State vectors remembered, some 15 MB. Of a corridor a policy sees a few thousand distinct ones."""
@@ -34,27 +33,30 @@ class _Memo(NamedTuple):
 class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
     """Does what the teacher did in the most similar situation on record.
 
-    The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if ObjectPresence
-    or FoodType differ, the difference of ArmsHeight by 55, those of RobotHomeDistance and RobotFoodDistance by the
-    diagonal. All experience vectors at exactly the minimum distance vote; the share of a behaviour in the votes is
-    its confidence level (4.6.2). `predict_proba` gives the confidence levels, `predict` the behaviour with the
-    highest (of equals the first in `classes_`), and `act` draws a behaviour with its confidence level as
-    probability, as the thesis' learner did.
+    The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if
+    ObjectPresence or FoodType differ, the difference of ArmsHeight by 55, those of RobotHomeDistance and
+    RobotFoodDistance by the diagonal. All experience vectors at exactly the minimum distance vote; the share of
+    a behaviour in the votes is its confidence level (4.6.2). `predict_proba` gives the confidence levels,
+    `predict` the behaviour with the highest (of equals the first in `classes_`), and `act` draws a behaviour
+    with its confidence level as probability, as the thesis' learner did.
 
-    Whole numbers below 2**40 are compared in integer arithmetic, so that ties are exact; anything else in floats.
-    Rows of other than five columns are no state vectors: there each column is taken for a distance in pixels, and
-    the distance is the sum of the differences by the diagonal. Equal experience vectors are merged into counts.
+    Whole numbers of magnitude below 2**40 are compared in integer arithmetic, so that ties are exact; anything
+    else in floats. Rows of other than five columns are no state vectors: there each column is taken for a
+    distance in pixels, and the distance is the sum of the differences by the diagonal. Equal experience vectors
+    are merged into counts.
 
-    The neighbours of single state vectors are remembered, up to `MEMO_SIZE` of them. They follow from experience,
-    parameters and state vector alone, and are forgotten when one of the former changes, and in a pickle.
+    The neighbours of single state vectors are remembered, up to `MEMO_SIZE` of them. They follow from
+    experience, parameters and state vector alone; they are forgotten when experience or a parameter changes,
+    and never pickled.
 
     Args:
-        diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177 in
-            the rectangle. It can be changed after `fit`, with `set_params`.
-        threshold: At least 0. Above 0 it is the variant that section 4.6.1 tried "with poor results": every vector
-            within the minimum distance plus `threshold` votes. It is taken for the decimal number it is written as:
-            0.1 is one tenth. The thesis' wording allows another reading, in which vectors are appended to the list
-            while the best is still being sought; its outcome depends on the order of the file, this one's does not.
+        diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
+            in the rectangle. It can be changed after `fit`, with `set_params`.
+        threshold: At least 0. Above 0 it is the variant that section 4.6.1 tried "with poor results": every
+            vector within the minimum distance plus `threshold` votes. It is taken for the decimal number it is
+            written as: 0.1 is one tenth. The thesis' wording allows another reading, in which vectors are
+            appended to the list while the best is still being sought; its outcome depends on the order of the
+            file, this one's does not.
 
     Attributes:
         classes_: The labels seen, sorted.
@@ -93,8 +95,8 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
         Args:
             X: As for `fit`.
             y: As for `fit`.
-            classes: All labels that may come. Unlike elsewhere in scikit-learn it need not be given: `classes_`
-                grows by the labels that do come.
+            classes: All labels that may come. Unlike elsewhere in scikit-learn it need not be given:
+                `classes_` grows by the labels that do come.
 
         Raises:
             ValueError: As for `fit`; or a label that is not among `classes`.
@@ -104,8 +106,9 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
     def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
         """The confidence level of each class of `classes_`, one row for each row of `X`."""
         check_is_fitted(self)
+        parameters = self._parameters()
         rows = validate_data(self, X, reset=False).tolist()
-        counts = np.array([votes.counts for votes in self._votes(rows, *self._parameters())], np.float64)
+        counts = np.array([self._index.nearest(row, *parameters).counts for row in rows], np.float64)
         levels: NDArray[np.float64] = counts / counts.sum(axis=1, keepdims=True)
         return levels
 
@@ -127,9 +130,7 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
             ValueError: The observation holds no state vector, or what was learned are not behaviours.
         """
         if not isinstance(rng, np.random.Generator):
-            raise TypeError(
-                f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw behaviours from (4.6.2)"
-            )
+            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw from (4.6.2)")
         return self.neighbours(observation).draw(rng)
 
     def confidence_levels(self, observation: Observation) -> dict[Behaviour, float]:
@@ -151,9 +152,9 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
         vector = state_vector_of(observation)
         found = memo.found.get(vector)
         if found is None:
-            (nearest,) = self._votes([vector], memo.diagonal, memo.exact_threshold)
-            votes = tuple((b, n) for b, n in zip(memo.behaviours, nearest.counts, strict=True) if n)
-            found = Neighbours(votes, sum(nearest.counts), nearest.distance)
+            distance, counts = self._index.nearest(vector, memo.diagonal, memo.exact_threshold)
+            votes = tuple([(b, n) for b, n in zip(memo.behaviours, counts, strict=True) if n])
+            found = Neighbours(votes, sum(counts), distance)
             if len(memo.found) >= MEMO_SIZE:
                 memo.found.clear()
             memo.found[vector] = found
@@ -171,18 +172,6 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
             ) from None
         diagonal, exact_threshold = self._parameters()
         return _Memo(diagonal, self.threshold, exact_threshold, behaviours, {})
-
-    def _votes(self, rows: Sequence[Sequence[Any]], diagonal: int, threshold: Fraction) -> Iterator[Votes]:
-        """The votes on each row, in whole numbers wherever the row and the experience allow."""
-        index, plain = self._index, None
-        for row in rows:
-            if not isinstance(index, PixelVotes):
-                yield index.nearest(row, diagonal, threshold)
-            elif are_pixels(row):
-                yield index.nearest([int(value) for value in row], diagonal, threshold)
-            else:
-                plain = plain or index.plain()
-                yield plain.nearest(row, diagonal, threshold)
 
     def _learn(
         self, data: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, anew: bool

@@ -35,7 +35,7 @@ class Neighbours(NamedTuple):
         return {behaviour: count / self.tied for behaviour, count in self.votes}
 
     def draw(self, rng: np.random.Generator) -> Behaviour:
-        """A behaviour, with its confidence level as probability; takes one number from `rng`, conflict or not."""
+        """A behaviour, with its confidence level as probability. Takes one number from `rng`, always."""
         left = rng.random() * self.tied
         for behaviour, count in self.votes:  # noqa: B007 - the last one looked at is the one drawn
             left -= count

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from operator import index
-from typing import Any, NoReturn, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +32,14 @@ def state_vector_of(observation: Observation) -> StateVector:
     Ranges are not looked at: an environment's spaces state them, and this runs at every step.
 
     Args:
-        observation: A mapping with the five attribute names as keys, or a sequence or one-dimensional array that
-            starts with the five attributes in the order of `StateVector`; what follows them is left out. A value is an
-            integer of Python or NumPy, or an array that holds one.
+        observation: A mapping with the five attribute names as keys, or a sequence or one-dimensional array
+            that starts with the five attributes in the order of `StateVector`; what follows them is left out. A
+            value is an integer of Python or NumPy, or an array that holds one.
 
     Raises:
         ValueError: A key is missing, the sequence is too short, or a value is not one integer.
     """
-    if isinstance(observation, dict) or isinstance(observation, Mapping):  # noqa: SIM101 - the first is 5 times faster
+    if isinstance(observation, Mapping):
         try:
             values: Sequence[Any] = (
                 observation["object_presence"],
@@ -50,7 +50,7 @@ def state_vector_of(observation: Observation) -> StateVector:
             )
         except KeyError as error:
             raise ValueError(
-                f"observation lacks {error.args[0]!r}, it has {list(observation)}; allowed: {StateVector._fields}"
+                f"observation lacks {error.args[0]!r}, it has {list(observation)}; needed: {StateVector._fields}"
             ) from None
     elif isinstance(observation, np.ndarray):
         if observation.ndim != 1:
@@ -63,18 +63,6 @@ def state_vector_of(observation: Observation) -> StateVector:
     if len(values) != 5:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
-        return StateVector(
-            *[v.item() if type(v) is np.ndarray and v.dtype.kind in "iu" else index(v) for v in values]
-        )
+        return StateVector(*[index(v.item() if type(v) is np.ndarray else v) for v in values])
     except (TypeError, ValueError):
-        _complain(values)
-
-
-def _complain(values: Sequence[Any]) -> NoReturn:
-    for name, value in zip(StateVector._fields, values, strict=True):
-        whole = isinstance(value, int | np.integer) or (
-            isinstance(value, np.ndarray) and value.dtype.kind in "iu" and value.size == 1
-        )
-        if not whole:
-            raise ValueError(f"{name} is {value!r}; allowed: one integer")
-    raise AssertionError(values)
+        raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None

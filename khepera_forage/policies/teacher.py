@@ -12,8 +12,8 @@ from khepera_forage.policies.policy import Observation, state_vector_of
 class Teacher:
     """Decides by the tree of figure 4.2 and the IF-THEN rules of 4.4.1; never by chance.
 
-    It only forages. That it shouts what it does and waits for a learner that got separated (4.5) is the business
-    of the training environment.
+    It only forages. That it shouts what it does and waits for a learner that got separated (4.5) is the
+    business of the training environment.
 
     Attributes:
         home_radius: Of the home of the arena foraged in, in pixels of 5 mm; above 0.

@@ -1,11 +1,12 @@
 """Who votes: the experience vectors at the minimum distance from a state vector (section 4.6.1).
 
-`PixelVotes` holds state vectors of whole numbers and counts distances in whole units of 1 / (55 * diagonal), so that
-ties are exact. `PlainVotes` holds any other numbers. Both merge equal vectors into one row with a count for every
-class. An index for millions of vectors (a k-d tree over the two distances of each group) can take the place of
-`PixelVotes`: what the imitator needs of it is `VoteIndex`.
+`PixelVotes` holds state vectors of whole numbers and counts distances in whole units of 1 / (55 * diagonal),
+so that ties are exact. `PlainVotes` holds any other numbers. Both merge equal vectors into one row with a count
+for every class. An index for millions of vectors (a k-d tree over the two distances of each group) can take the
+place of `PixelVotes`: what the imitator needs of it is `VoteIndex` and `plain`.
 """
 
+import operator
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
@@ -68,22 +69,23 @@ class VoteIndex(Protocol):
         ...
 
     def nearest(self, query: Sequence[Any], diagonal: int, threshold: Fraction) -> Votes:
-        """The votes of all vectors within the minimum distance plus `threshold`. At least one vector is held."""
+        """The votes of all vectors within the minimum distance plus `threshold`; there must be a vector."""
         ...
 
 
 class PixelVotes:
     """Votes among state vectors of whole numbers, as `are_pixels` has them.
 
-    Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are left to
-    compare, and a group whose other attributes alone are further away than the best vector so far is never looked
-    at: of the groups, a query mostly needs one.
+    Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are left
+    to compare, and a group whose other attributes alone are further away than the best vector so far is never
+    looked at: of the groups, a query mostly needs one.
     """
 
     def __init__(self, classes: int) -> None:
         self._classes = classes
         self._groups: dict[tuple[int, int, int], Tally] = {}
         self._plans: dict[tuple[int, int, int, int], list[tuple[int, Tally]]] = {}
+        self._plain: PlainVotes | None = None
 
     def add(self, row: Sequence[int], code: int) -> None:
         """See `VoteIndex.add`."""
@@ -93,55 +95,58 @@ class PixelVotes:
             group = self._groups[presence, food_type, arm] = Tally(2, self._classes, np.int64)
             self._plans = {}
         group.add((home, food), code)
+        self._plain = None
 
     def recode(self, columns: Sequence[int], classes: int) -> None:
         """See `VoteIndex.recode`."""
         self._classes = classes
         for group in self._groups.values():
             group.recode(columns, classes)
+        self._plain = None
 
     def plain(self) -> "PlainVotes":
         """The same vectors, to be compared as floats."""
         plain = PlainVotes(5, self._classes)
         for (presence, food_type, arm), group in self._groups.items():
-            for (home, food), counts in zip(group.values.T.tolist(), group.counts.tolist(), strict=True):
+            homes, foods = group.columns
+            for home, food, counts in zip(homes.tolist(), foods.tolist(), group.counts.tolist(), strict=True):
                 for code, times in enumerate(counts):
                     if times:
                         plain.add((presence, home, food_type, arm, food), code, times)
         return plain
 
-    def nearest(self, query: Sequence[int], diagonal: int, threshold: Fraction) -> Votes:
-        """See `VoteIndex.nearest`."""
-        presence, home, food_type, arm, food = query
+    def nearest(self, query: Sequence[float], diagonal: int, threshold: Fraction) -> Votes:
+        """See `VoteIndex.nearest`. A query that is not whole is compared in floats."""
+        if not are_pixels(query):
+            if self._plain is None:
+                self._plain = self.plain()
+            return self._plain.nearest(query, diagonal, threshold)
+        presence, home, food_type, arm, food = map(int, query)
         unit = ARM_SPAN * diagonal
-        slack = (
-            int(threshold * unit) if threshold else 0
-        )  # rounding down is exact: distances are whole numbers
-        plan = self._plans.get((diagonal, presence, food_type, arm)) or self._plan(
-            diagonal, presence, food_type, arm
-        )
-        best = -1
+        slack = int(threshold * unit) if threshold else 0  # rounded down: no distance lies in between
+        kind = (diagonal, presence, food_type, arm)
+        best = None
         seen = []
-        for base, group in plan:
-            if best >= 0 and base > best + slack:
+        for base, group in self._plans.get(kind) or self._plan(*kind):
+            if best is not None and base > best + slack:
                 break
             # Fresh arrays, not buffers kept for all queries: several threads may ask at once.
-            pixels = np.subtract(group.values[0], home)
+            homes, foods = group.columns
+            pixels = np.subtract(homes, home)
             np.absolute(pixels, pixels)
-            other = np.subtract(group.values[1], food)
+            other = np.subtract(foods, food)
             pixels += np.absolute(other, other)
             least = base + ARM_SPAN * int(pixels[pixels.argmin()])
-            if best < 0 or least < best:
+            if best is None or least < best:
                 best = least
             seen.append((base, least, pixels, group))
-        limit = best + slack
-        parts = [
-            group.votes((pixels <= (limit - base) // ARM_SPAN).nonzero()[0])
-            for base, least, pixels, group in seen
-            if least <= limit
-        ]
-        total = parts[0] if len(parts) == 1 else sum(parts[1:], parts[0])
-        return Votes(best / unit, total.tolist())
+        assert best is not None, "no vectors"
+        counts = [0] * self._classes
+        for base, least, pixels, group in seen:
+            if least <= best + slack:
+                chosen = (pixels <= (best + slack - base) // ARM_SPAN).nonzero()[0]
+                counts = list(map(operator.add, counts, group.votes(chosen)))
+        return Votes(best / unit, counts)
 
     def _plan(self, diagonal: int, presence: int, food_type: int, arm: int) -> list[tuple[int, Tally]]:
         """All groups, nearest first, each with the distance that presence, food type and arm make up."""
@@ -150,14 +155,14 @@ class PixelVotes:
             (unit * ((p != presence) + (t != food_type)) + diagonal * abs(a - arm), group)
             for (p, t, a), group in self._groups.items()
         ]
-        plan.sort(key=lambda step: step[0])
+        plan.sort(key=operator.itemgetter(0))
         if len(self._plans) >= MAX_PLANS:
             self._plans = {}
         self._plans[diagonal, presence, food_type, arm] = plan
         return plan
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_plans": {}}
+        return {**self.__dict__, "_plans": {}, "_plain": None}
 
 
 class PlainVotes:
@@ -179,12 +184,12 @@ class PlainVotes:
 
     def nearest(self, query: Sequence[float], diagonal: int, threshold: Fraction) -> Votes:
         """See `VoteIndex.nearest`."""
-        apart = np.abs(self._tally.values - np.array(query, np.float64)[:, None])
+        apart = [np.abs(column - value) for column, value in zip(self._tally.columns, query, strict=True)]
         if len(apart) == 5:
             presence, home, food_type, arm, food = apart
             away = (presence != 0) + 1.0 * (food_type != 0) + arm / ARM_SPAN + (home + food) / diagonal
         else:
-            away = apart.sum(axis=0) / diagonal
+            away = np.sum(apart, axis=0) / diagonal
         best = float(away.min())
         chosen = (away <= best + float(threshold)).nonzero()[0]
-        return Votes(best, self._tally.votes(chosen).tolist())
+        return Votes(best, self._tally.votes(chosen))

@@ -1,13 +1,13 @@
 """Plane geometry of walls: simple polygons as tuples of (x, y) corners."""
 
 import math
-from collections.abc import Sequence
+from functools import lru_cache
 
 Corner = tuple[float, float]
 Segment = tuple[float, float, float, float]
 
 
-def check(name: str, corners: Sequence[Corner]) -> None:
+def check(name: str, corners: tuple[Corner, ...]) -> None:
     """Complain unless the corners make a simple polygon.
 
     Raises:
@@ -27,23 +27,24 @@ def check(name: str, corners: Sequence[Corner]) -> None:
                 raise ValueError(f"{name}: walls {a} and {sides[j]} cross; allowed: a simple polygon")
 
 
-def edges(corners: Sequence[Corner]) -> tuple[Segment, ...]:
+@lru_cache(maxsize=256)
+def edges(corners: tuple[Corner, ...]) -> tuple[Segment, ...]:
     """The sides, each as (x1, y1, x2, y2)."""
     return tuple((*a, *b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True))
 
 
-def area(corners: Sequence[Corner]) -> float:
+def area(corners: tuple[Corner, ...]) -> float:
     """Twice the signed area, positive when the corners run counter-clockwise."""
     return sum(x1 * y2 - x2 * y1 for x1, y1, x2, y2 in edges(corners))
 
 
-def bounds(corners: Sequence[Corner]) -> tuple[float, float, float, float]:
+def bounds(corners: tuple[Corner, ...]) -> tuple[float, float, float, float]:
     """Smallest x and y, largest x and y."""
     xs, ys = [c[0] for c in corners], [c[1] for c in corners]
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def contains(corners: Sequence[Corner], x: float, y: float) -> bool:
+def contains(corners: tuple[Corner, ...], x: float, y: float) -> bool:
     """Whether a point lies inside (a ray to the right crosses an odd number of sides)."""
     inside = False
     for x1, y1, x2, y2 in edges(corners):

@@ -32,11 +32,13 @@ from khepera_forage.worlds.pymunk_gripper import PymunkGripper
 
 _TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
-EXTENT = FINGER_TIP + FOOD_RADIUS
-"""mm: nothing that a robot carries or pushes with its fingers is farther from its centre."""
+_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
+"""A circle around the gripper and what it holds, mm."""
+_PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
+"""Food that a robot may be pushing lies within this of its centre, mm."""
 
-DRAWS = 10
-"""Normal numbers a robot takes each round: two wheels, eight sensors."""
+_HIDDEN_LOW = HIDDEN_BY_ARM[0]
+_HIDDEN_SPAN = HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1
 
 
 class PymunkKhepera:
@@ -81,7 +83,7 @@ class PymunkKhepera:
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._pulses = [0.0, 0.0]
         self._senses: Senses | None = None
-        self._draws: list[float] = [0.0] * DRAWS
+        self._sensor_draws: list[float] = [0.5] * 8
         self._forward = 0.0
         self._survey()
 
@@ -123,13 +125,21 @@ class PymunkKhepera:
         self._senses = None
         self._survey()
 
-    def begin_round(self, draws: list[float]) -> float:
-        """Fix this round's wheel travel; returns how far any point of the robot can get in it, in mm."""
-        self._draws = draws
+    def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> float:
+        """Fix this round's wheel travel and the noise of the sensors at its end.
+
+        Args:
+            wheel_draws: Two standard normal numbers.
+            sensor_draws: Eight uniform ones.
+
+        Returns:
+            How far any point of the robot can get in the round, in mm.
+        """
+        self._sensor_draws = sensor_draws
         left, right, _, _ = self._command
         slip = self._noise.wheel_slip
-        left_speed = left * SPEED_UNIT * (self._left_share + slip * draws[0])
-        right_speed = right * SPEED_UNIT * (self._right_share + slip * draws[1])
+        left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
+        right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
         self._forward = (left_speed + right_speed) / 2
         turn = (right_speed - left_speed) / WHEEL_BASE
         self._wheels.angular_velocity = turn
@@ -145,7 +155,7 @@ class PymunkKhepera:
         self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
         gripper = self.gripper
         _, _, arm, jaw = self._command
-        if arm != gripper.arm or jaw != gripper.jaw:
+        if arm != gripper.arm or (jaw != gripper.jaw and (gripper.held is None or jaw > gripper.jaw)):
             gripper.move(arm, jaw, dt, self.foods, self.others)
 
     def end_round(self) -> None:
@@ -156,16 +166,29 @@ class PymunkKhepera:
         self._survey()
 
     def _survey(self) -> None:
-        x, y = self.body.position
-        nearest = math.inf
+        """Which walls are in range, and how much room there is before anything can touch one."""
+        body = self.body
+        x, y = body.position
+        angle = body.angle
+        tip_x = x + _GRIPPER_AHEAD * math.cos(angle)
+        tip_y = y + _GRIPPER_AHEAD * math.sin(angle)
+        pushing = False
+        for food in self.foods:
+            if food is not self.gripper.held:
+                food_x, food_y = food.body.position
+                pushing = pushing or (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2
+        room = math.inf
         near = []
         for wall in self._walls:
             d = distance(x, y, wall)
             if d < REACH:
                 near.append(wall)
-            nearest = min(nearest, d)
+            if d < room + RADIUS:
+                room = min(d - (_PUSHED if pushing else RADIUS), room)
+            if d < _GRIPPER_AHEAD + _GRIPPER_RADIUS + room:
+                room = min(distance(tip_x, tip_y, wall) - _GRIPPER_RADIUS, room)
         self._near_walls = near
-        self._room = nearest - EXTENT
+        self._room = room
 
     def _read(self) -> Senses:
         gripper = self.gripper
@@ -199,19 +222,16 @@ class PymunkKhepera:
 
     def _noisy(self, clean: list[float], blocked: bool) -> tuple[int, int, int, int, int, int, int, int]:
         gain, floor = self._noise.proximity_gain, self._noise.proximity_floor
-        low, high = HIDDEN_BY_ARM
+        draws = self._sensor_draws
         readings = []
         for i in range(8):
-            draw = self._draws[i + 2]
             if blocked and i < 6:
-                readings.append(
-                    int((low + high) / 2 + (max(-1.0, min(1.0, draw / 2)) if gain else 0.0) * 3.5 + 0.5)
-                )
+                readings.append(int(_HIDDEN_LOW + (_HIDDEN_SPAN * draws[i] if gain else _HIDDEN_SPAN / 2)))
                 continue
-            reading = clean[i] * (1.0 + gain * draw)
+            reading = clean[i] * (1.0 + gain * (2.0 * draws[i] - 1.0))
             if reading <= floor:
-                # A normal number's cumulative share is uniform: no second generator for the floor.
-                reading = floor * 0.5 * (1.0 + math.erf(draw * 0.7071067811865476)) if floor else reading
-            readings.append(int(max(0.0, min(float(MAX_READING), reading)) + 0.5))
+                readings.append(int((floor + 1) * draws[i]) if floor else int(reading))
+            else:
+                readings.append(int(reading) if reading < MAX_READING else MAX_READING)
         a, b, c, d, e, f, g, h = readings
         return a, b, c, d, e, f, g, h

@@ -13,7 +13,7 @@ from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Arena, Point, Pose
 from khepera_forage.worlds.draws import Draws
 from khepera_forage.worlds.pymunk_food import PymunkFood
-from khepera_forage.worlds.pymunk_khepera import DRAWS, PymunkKhepera
+from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
 from khepera_forage.worlds.world import FoodPlace, Layout
 
 SUBSTEPS = 5
@@ -71,8 +71,9 @@ class PymunkWorld:
         homes = [self._arena_of("robot", start, RADIUS) for start in layout.starts]
         plates = [self._arena_of("food", food, FOOD_RADIUS) for food in layout.foods]
         _check_apart(layout)
-        wheels, draws, camera = rng.spawn(3)
-        self._draws = Draws(draws, DRAWS * len(self._markers))
+        biases, wheels, sensors, camera = rng.spawn(4)
+        self._wheel_draws = Draws(wheels.standard_normal, 2 * len(self._markers))
+        self._sensor_draws = Draws(sensors.random, 8 * len(self._markers))
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
         for arena in self.arenas:
@@ -82,7 +83,7 @@ class PymunkWorld:
                 wall.filter = layers.WALL
                 space.add(wall)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
-        bias = self.noise.wheel_bias * wheels.standard_normal((len(homes), 2))
+        bias = self.noise.wheel_bias * biases.standard_normal((len(homes), 2))
         self.robots = tuple(
             PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])))
             for start, arena, b in zip(layout.starts, homes, bias, strict=True)
@@ -94,19 +95,17 @@ class PymunkWorld:
                 for other, its in zip(self.robots, homes, strict=True)
                 if its is home and other is not robot
             ]
-        for robot in self.robots:
-            robot.begin_round([0.0] * DRAWS)
         self.camera.reset(camera)
 
     def advance(self) -> None:
         """One round of 0.1 s."""
         if not self.robots:
             raise RuntimeError("advance() before reset()")
-        draws = self._draws.next()
+        wheel_draws, sensor_draws = self._wheel_draws.next(), self._sensor_draws.next()
         substeps = SUBSTEPS
         robots = self.robots
         for i, robot in enumerate(robots):
-            travel = robot.begin_round(draws[i * DRAWS : (i + 1) * DRAWS])
+            travel = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
             if robot.room() < travel:
                 substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
         dt = CONTROL_PERIOD / substeps

@@ -256,7 +256,7 @@ def test_odd_views_are_drawn(renderer: Renderer) -> None:
 
 
 def test_bad_arguments_are_named(renderer: Renderer) -> None:
-    with pytest.raises(ValueError, match="'ansi'.*rgb_array"):
+    with pytest.raises(ValueError, match=r"'ansi'.*rgb_array"):
         Renderer("ansi")  # type: ignore[arg-type]
     for fps in (0, -1, float("nan"), float("inf")):
         with pytest.raises(ValueError, match="fps"):
@@ -362,7 +362,8 @@ sys.modules["pygame"] = sys.modules["PIL"] = None
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from khepera_forage.envs.rendering import Renderer, save_gif
-for missing in (lambda: Renderer("rgb_array"), lambda: save_gif([np.zeros((2, 2, 3), np.uint8)], "never.gif")):
+frame = np.zeros((2, 2, 3), np.uint8)
+for missing in (lambda: Renderer("rgb_array"), lambda: save_gif([frame], "never.gif")):
     try:
         missing()
     except DependencyNotInstalled as error:

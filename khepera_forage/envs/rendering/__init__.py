@@ -1,4 +1,4 @@
-"""Pictures of the environments: what is shown (`View`), who draws it (`Renderer`), and films of it (`save_gif`).
+"""Pictures of the environments: what is shown (`View`), who draws it (`Renderer`), films of it (`save_gif`).
 
 Importing this needs neither pygame nor Pillow; drawing does (`pip install khepera-forage[render]`).
 """

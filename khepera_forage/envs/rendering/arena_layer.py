@@ -51,19 +51,24 @@ class ArenaLayer:
         """Draw the arenas in their place of the picture."""
         pen = self._pen
         pen.surface.blit(self._ground, (0, 0))
-        for robot in view.robots:
+        shown = [
+            (robot, accent)
+            for robot, accent in zip(view.robots, accents, strict=True)
+            if all(math.isfinite(part) for part in robot.pose)
+        ]
+        for robot, _ in shown:
             draw_marker(pen, robot)
             draw_beams(pen, robot)
         for food in sorted(view.foods, key=lambda f: f.lifted):
             draw_food(pen, food)
-        for robot, accent in zip(view.robots, accents, strict=True):
+        for robot, accent in shown:
             draw_robot(pen, robot, accent)
         for region in view.regions:
             draw_region(pen, region)
         on.blit(pen.shrunk(), self._layout.arena[:2])
         if len(view.robots) > 1:
             on.set_clip(self._layout.arena)
-            for robot, accent in zip(view.robots, accents, strict=True):
+            for robot, accent in shown:
                 self._tag(on, robot, accent)
             on.set_clip(None)
 
@@ -103,7 +108,7 @@ class ArenaLayer:
 
 
 def draw_food(pen: Pen, food: FoodView) -> None:
-    """A disc whose colour and sign tell its type; off the floor above its shadow, with a tick once delivered."""
+    """A disc whose colour and sign tell its type; lifted above its shadow, with a tick once delivered."""
     x, y = food.x, food.y
     if food.lifted:
         pen.polygon(around((x + LIFT, y - LIFT), FOOD_RADIUS, 40), palette.WHEEL, alpha=70)
@@ -121,7 +126,7 @@ def draw_food(pen: Pen, food: FoodView) -> None:
 
 
 def draw_region(pen: Pen, region: Region) -> None:
-    """What the camera reports: an outline, its centre marked, and a stroke towards its orientation if it has one."""
+    """What the camera reports: an outline, its centre marked, a stroke towards its orientation if any."""
     colour = palette.FOUND if region.found else palette.LOST
     x, y = region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL
     pose = Pose(x, y, math.radians(region.orientation))

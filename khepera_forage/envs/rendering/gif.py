@@ -3,14 +3,19 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
-COLOURS = 128
-"""In the palette that all frames share: enough for our flat colours and their edges, and half the bytes of 256."""
+if TYPE_CHECKING:
+    import PIL.Image
+
+FLAT = 96
+"""Colours of the palette kept exactly, the most frequent ones: all large surfaces are among them."""
+SAMPLE = 16
+"""Frames from which the palette is made."""
 
 
 def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], fps: float = 10.0) -> Path:
@@ -30,23 +35,22 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
     """
     _check(frames, fps)
     try:
-        from PIL import Image
+        import PIL.Image
     except ImportError as error:
         raise DependencyNotInstalled(
             "Pillow is not installed; films need it: pip install khepera-forage[render]"
         ) from error
     path = Path(path)
-    pictures = [Image.fromarray(np.ascontiguousarray(frame)) for frame in frames]
-    palette = _palette(pictures)
+    palette = _palette([frames[i] for i in _spread(len(frames))])
     # One palette and no dithering: what stands still is then equal from frame to frame, and costs no bytes.
-    pictures = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    pictures = (_picture(f).quantize(palette=palette, dither=PIL.Image.Dither.NONE) for f in frames)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        pictures[0].save(
+        next(pictures).save(
             partial,
             format="GIF",
             save_all=True,
-            append_images=pictures[1:],
+            append_images=pictures,
             duration=max(2, round(100 / fps)) * 10,
             loop=0,
             optimize=True,
@@ -77,13 +81,26 @@ def _check(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
             )
 
 
-def _palette(pictures: Sequence[Any]) -> Any:
-    """A palette of all the film: from up to eight of its frames, evenly spread, side by side."""
-    from PIL import Image
+def _picture(frame: NDArray[np.uint8]) -> "PIL.Image.Image":
+    import PIL.Image
 
-    chosen = [pictures[i * (len(pictures) - 1) // 7] for i in range(8)] if len(pictures) > 8 else pictures
-    width, height = chosen[0].size
-    sheet = Image.new("RGB", (width, height * len(chosen)))
-    for row, picture in enumerate(chosen):
-        sheet.paste(picture, (0, row * height))
-    return sheet.quantize(colors=COLOURS, dither=Image.Dither.NONE)
+    return PIL.Image.fromarray(np.ascontiguousarray(frame))
+
+
+def _spread(count: int) -> list[int]:
+    """At most `SAMPLE` of so many frames, evenly spread, the first among them."""
+    chosen = min(count, SAMPLE)
+    return [i * count // chosen for i in range(chosen)]
+
+
+def _palette(frames: Sequence[NDArray[np.uint8]]) -> "PIL.Image.Image":
+    """One palette for all the film: its most frequent colours as they are, and the rest by median cut."""
+    import PIL.Image
+
+    sheet = _picture(np.concatenate(frames))
+    counts = cast("list[tuple[int, tuple[int, int, int]]]", sheet.getcolors(sheet.width * sheet.height))
+    flat = [part for _, colour in sorted(counts, reverse=True)[:FLAT] for part in colour]
+    cut = sheet.quantize(colors=256 - FLAT, dither=PIL.Image.Dither.NONE).getpalette() or []
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette((flat + cut)[: 3 * 256])
+    return palette

@@ -24,7 +24,7 @@ MIDDLE = FOOTER / 2
 
 
 def draw_key(width: int, panels: bool, lettering: Lettering) -> pygame.Surface:
-    """A strip with all signs, in one line as far as it is wide enough; those of panels only if there are panels."""
+    """A strip with all signs, in one line as far as it fits; those of panels only if there are any."""
     pen = Pen((width, FOOTER), SCALE, 0.0, FOOTER / SCALE)
     pen.surface.fill(palette.PAPER)
     entries = [*_food_signs(pen), *_camera_signs(pen)]

@@ -15,7 +15,7 @@ KEPT = 3000
 FINER = 4
 """How many times finer boxes are drawn before they are shrunk."""
 LARGER = 3
-"""How many times larger text is drawn: pygame's font, drawn small, has its letters at whole pixels, unevenly."""
+"""How many times larger text is drawn: drawn small, letters stand at whole pixels, unevenly."""
 
 
 class Lettering:

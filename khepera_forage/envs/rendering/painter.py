@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.rendering import palette
 from khepera_forage.envs.rendering.arena_layer import ArenaLayer
 from khepera_forage.envs.rendering.key import draw_key
-from khepera_forage.envs.rendering.layout import FOOTER, GAP, HEADER, Layout, arrange
+from khepera_forage.envs.rendering.layout import FOOTER, GAP, Layout, arrange
 from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.panel import Panel

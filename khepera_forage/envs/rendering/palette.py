@@ -1,4 +1,4 @@
-"""Colours of the pictures. Those that carry a meaning are of the Okabe-Ito set, made for colour-blind readers."""
+"""Colours of the pictures; those of food are of the Okabe-Ito set, made for colour-blind readers."""
 
 from khepera_forage.foraging.states import FoodType
 

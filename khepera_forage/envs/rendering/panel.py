@@ -90,7 +90,7 @@ class Panel:
         self._write(note, right, y, LABEL, palette.FADED, "right")
 
     def _decision(self, left: float, right: float, y: float) -> None:
-        """State, what was heard, and what is executed: marked when it is neither heard nor the state's own."""
+        """State, heard, executed: the last marked when it is not what was heard, or not the state's own."""
         robot, u = self.robot, self.layout.text
         heard = robot.heard
         said = "–" if heard is None else "Silence" if heard == Behaviour.WAIT else phrase(heard.name)

@@ -76,7 +76,7 @@ class Renderer:
         return None
 
     def close(self) -> None:
-        """Close the window and let go of all surfaces; a later `draw` begins anew. A second call does nothing."""
+        """Close the window and let go of all surfaces; a second call does nothing, and `draw` begins anew."""
         window, self._window, self._painter = self._window, None, None
         if window is not None:
             window.close()

@@ -11,7 +11,8 @@ class RobotView(NamedTuple):
     """One robot: its body as it truly is, what it senses, and what it decides.
 
     Attributes:
-        pose: True place (mm) and heading (radians).
+        pose: True place (mm) and heading (radians); not finite where nobody knows it: only its panel is then
+            drawn.
         holes: In its marker: 1 on the teacher, 2 on a learner.
         arm: 255 (down) to 215 (raised).
         jaw: 200 (open) to 0 (closed).
