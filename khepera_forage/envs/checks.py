@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.worlds.arena import ARENAS, Arena
 
-FoodTypes = str | FoodType | Mapping[Any, float] | None
+FoodOdds = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
 
 _DRAWABLE = (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)
@@ -46,7 +46,7 @@ def motor_action(action: Any) -> NDArray[np.float64]:
     return values
 
 
-def food_odds(food_types: FoodTypes) -> tuple[float, float, float]:
+def food_odds(food_types: FoodOdds) -> tuple[float, float, float]:
     """Odds of PICKABLE, PUSHABLE and POISONOUS, adding up to 1.
 
     Raises:

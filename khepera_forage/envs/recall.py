@@ -9,10 +9,10 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.checks import FoodTypes, behaviour_number, food_odds, motor_action, the_arena, whole_number
+from khepera_forage.envs.checks import FoodOdds, behaviour_number, food_odds, motor_action, the_arena, whole_number
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import given_layout
-from khepera_forage.envs.register import FoodRegister, TypeDraws
+from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import Renderer, View
 from khepera_forage.envs.showing import foods_shown, robot_shown
 from khepera_forage.foraging.scoring import penalty, score
@@ -41,7 +41,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         foods: int = 1,
         limit: int = 500,
         noise: Noise | None = None,
-        food_types: FoodTypes = None,
+        food_types: FoodOdds = None,
         render_mode: str | None = None,
         world: World | None = None,
     ) -> None:
@@ -89,7 +89,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         register = FoodRegister(
             self._site,
             [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in self.layout.foods],
-            TypeDraws(self.foods, self._odds, types),
+            FoodTypes(self.foods, self._odds, types),
         )
         self._forager = Forager(self.world.robots[0], self._site, MARKER, register)
         self._forager.perceive(self.world.camera.look())

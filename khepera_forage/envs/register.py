@@ -19,25 +19,28 @@ _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
 
 
-class TypeDraws:
-    """One type a food object, drawn when it is first asked for; corresponding food of paired arenas shares it.
+class FoodTypes:
+    """The types of the food objects: drawn when an object is first identified, and known from then on.
+
+    Corresponding food of paired arenas shares one draw: what the teacher has identified, the learner knows too.
 
     Args:
         count: Number of food objects in each arena.
         odds: Odds of PICKABLE, PUSHABLE and POISONOUS.
         rng: Their own generator.
+
+    Attributes:
+        known: Type of each object as far as it is identified.
     """
 
     def __init__(self, count: int, odds: tuple[float, float, float], rng: np.random.Generator) -> None:
         # All uniform numbers are taken at once: which object is identified first changes no type.
         self._types = [drawn_type(float(u), odds[0], odds[1]) for u in rng.random(count)]
+        self.known = [FoodType.UNKNOWN] * count
 
-    def __len__(self) -> int:
-        return len(self._types)
-
-    def draw(self, index: int) -> FoodType:
-        """The type of an object, from now on known to whoever asked."""
-        return self._types[index]
+    def identify(self, index: int) -> None:
+        """From now on the type of this object is known."""
+        self.known[index] = self._types[index]
 
 
 class FoodRegister:
@@ -49,20 +52,23 @@ class FoodRegister:
         types: Shared by corresponding arenas.
 
     Attributes:
-        known: Type of each object as far as it is identified.
         delivered: Whether each object has been brought home.
         settled: Labels of regions that are no candidates for nearest food.
     """
 
-    def __init__(self, site: Site, places: Sequence[tuple[float, float]], types: TypeDraws) -> None:
+    def __init__(self, site: Site, places: Sequence[tuple[float, float]], types: FoodTypes) -> None:
         self._site = site
         self._types = types
         self._places = list(places)
         self._objects: dict[int, int] = {}
         self._held: int | None = None
-        self.known = [FoodType.UNKNOWN] * len(places)
         self.delivered = [False] * len(places)
         self.settled: set[int] = set()
+
+    @property
+    def known(self) -> list[FoodType]:
+        """Type of each object as far as it is identified."""
+        return self._types.known
 
     @property
     def type_in_gripper(self) -> FoodType:
@@ -110,7 +116,7 @@ class FoodRegister:
                 self._held = self._nearest(gripper, range(len(self._places)))
             self._places[self._held] = gripper
             if self.known[self._held] == FoodType.UNKNOWN and explored(before, after, applied):
-                self.known[self._held] = self._types.draw(self._held)
+                self._types.identify(self._held)
         else:
             self._held = None
         self._tie(scene)
@@ -143,7 +149,7 @@ class FoodRegister:
             self._places[k] = region.x, region.y
             if not self.delivered[k] and at_home(region.x, region.y, site.home_x, site.home_y, site.home_radius):
                 self.delivered[k] = True
-                self.known[k] = self._types.draw(k)
+                self._types.identify(k)
         for label in [label for label in labels if label not in live]:
             del labels[label]
 

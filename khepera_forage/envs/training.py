@@ -11,10 +11,10 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
-from khepera_forage.envs.checks import FoodTypes, behaviour_number, food_odds, the_arena, whole_number
+from khepera_forage.envs.checks import FoodOdds, behaviour_number, food_odds, the_arena, whole_number
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import training_layout
-from khepera_forage.envs.register import FoodRegister, TypeDraws
+from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import Renderer, View
 from khepera_forage.envs.showing import foods_shown, robot_shown
 from khepera_forage.foraging.following import follow, recover, separated
@@ -85,7 +85,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         max_cycles: int = 600,
         arena: Arena | str = "corridor",
         noise: Noise | None = None,
-        food_types: FoodTypes = None,
+        food_types: FoodOdds = None,
         patience: int = PATIENCE,
         render_mode: str | None = None,
         world: World | None = None,
@@ -145,7 +145,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         layout = training_layout(self.arenas, self._noise, places)
         self.world.reset(world, layout)
         count = len(self.arenas[0].foods)
-        draws = TypeDraws(count, self._odds, types)
+        draws = FoodTypes(count, self._odds, types)
         scene = self.world.camera.look()
         self._foragers = []
         for i, (robot, site) in enumerate(zip(self.world.robots, self._sites, strict=True)):

@@ -35,15 +35,15 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
 
     The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if
     ObjectPresence or FoodType differ, the difference of ArmsHeight by 55, those of RobotHomeDistance and
-    RobotFoodDistance by the diagonal. All experience vectors at exactly the minimum distance vote; the share of
-    a behaviour in the votes is its confidence level (4.6.2). `predict_proba` gives the confidence levels,
+    RobotFoodDistance by the diagonal. All experience vectors at exactly the minimum distance vote; the share
+    of a behaviour in the votes is its confidence level (4.6.2). `predict_proba` gives the confidence levels,
     `predict` the behaviour with the highest (of equals the first in `classes_`), and `act` draws a behaviour
     with its confidence level as probability, as the thesis' learner did.
 
-    Whole numbers of magnitude below 2**40 are compared in integer arithmetic, so that ties are exact; anything
-    else in floats. Rows of other than five columns are no state vectors: there each column is taken for a
-    distance in pixels, and the distance is the sum of the differences by the diagonal. Equal experience vectors
-    are merged into counts.
+    Whole numbers of magnitude below 2**40 are compared in integer arithmetic, so that ties are exact;
+    anything else in floats. Rows of other than five columns are no state vectors: there each column is taken
+    for a distance in pixels, and the distance is the sum of the differences by the diagonal. Equal experience
+    vectors are merged into counts.
 
     The neighbours of single state vectors are remembered, up to `MEMO_SIZE` of them. They follow from
     experience, parameters and state vector alone; they are forgotten when experience or a parameter changes,

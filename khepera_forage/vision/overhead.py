@@ -62,9 +62,9 @@ class OverheadCamera:
       region whose centre is outside the picture is not seen.
 
     What was seen becomes tracks by the rule of `retracking`. A place is visible to that rule when food lying
-    there would be inside the picture, clear of every marker by five standard deviations of the jitter (no
-    last place is known better: with less, food just gone under the rim of a marker is taken for vanished),
-    and not touching food that is under a loss (whatever hides that also hides the floor around it).
+    there would be clear of every marker by five standard deviations of the jitter (no last place is known
+    better: with less, food just gone under the rim of a marker is taken for vanished) and would not touch
+    food that is under a loss (whatever hides that also hides the floor around it).
 
     Every random number comes from a generator spawned at the reset, and every frame uses the same count of
     them whatever is hidden or lost: the same seed gives the same scenes, bit for bit, and one size of noise
@@ -191,9 +191,7 @@ class OverheadCamera:
         return Detection(x, y, 0, 0, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES)
 
     def _visible(self, x: float, y: float) -> bool:
-        """Whether food at a place (pixels) would have shown in this frame."""
-        if not in_picture(x, y):
-            return False
+        """Whether food at a place in the picture (pixels) would have shown in this frame."""
         x, y = x * MM_PER_PIXEL, y * MM_PER_PIXEL
         clear = FOOD_RADIUS + _SURE * self._noise.position_jitter * MM_PER_PIXEL
         return not under_plate(x, y, clear, self._plates) and all(

@@ -89,16 +89,16 @@ def _tracked(label: int, detection: Detection) -> Region:
 
 
 def _obvious(regions: Sequence[Region], detections: Sequence[Detection]) -> list[Detection | None] | None:
-    """What shows each region, if every detection is near one tracked region and no two near the same.
+    """What shows each region, if every detection is near one region of its kind and no two are near the same.
 
-    Most frames are so, and then the general rule of `_assigned` must come to the same: this is for speed.
+    Most frames are so, and the general rule of `_assigned` then comes to the same: this is for speed.
     """
     shown: list[Detection | None] = [None] * len(regions)
     for detection in detections:
         x, y, holes = detection.x, detection.y, detection.holes
         near = -1
         for i, region in enumerate(regions):
-            if region.holes == holes and region.found:
+            if region.holes == holes:
                 dx, dy = region.x - x, region.y - y
                 if dx * dx + dy * dy <= _GATE_SQUARED:
                     if near >= 0:

@@ -81,7 +81,6 @@ def test_frame_is_a_fresh_array(renderer: Renderer) -> None:
     assert first.ndim == 3
     assert first.shape[2] == 3
     assert first.flags.writeable
-    assert first.flags.owndata or first.base is None or not isinstance(first.base, memoryview)
     kept = first.copy()
     second = picture(renderer, VIEW)
     assert not np.shares_memory(first, second)
@@ -392,7 +391,7 @@ def test_a_film_reads_back(renderer: Renderer, tmp_path: Path) -> None:
         for number, frame in enumerate(frames):
             film.seek(number)
             error = np.abs(np.asarray(film.convert("RGB")).astype(int) - frame)
-            assert error.mean() < 1.5
+            assert error.mean() < 0.5
             assert (error.max(axis=2) > 60).mean() < 0.001
 
 

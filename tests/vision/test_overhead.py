@@ -254,6 +254,13 @@ def test_reversals_are_as_frequent_as_stated_and_last_one_frame() -> None:
     assert abs((share[1:] & share[:-1]).mean() - 0.05**2) < 5 * math.sqrt(0.0025 / frames)
 
 
+def test_reversals_are_independent_of_losses() -> None:
+    frames, noise = 10_000, replace(NONE, reversal_rate=0.1, loss_rate_one_hole=0.1, loss_rounds=1.0)
+    camera = camera_over(Stage(((400.0, 300.0, 0.0, 1),)), noise)
+    shown = [only(s, 1).orientation for s in film(camera, frames) if only(s, 1).found]
+    assert abs(np.mean(np.array(shown) == 180) - 0.1) < 5 * math.sqrt(0.1 * 0.9 / len(shown))
+
+
 # ---------------------------------------------------------------- losses and cables
 
 
@@ -367,6 +374,14 @@ def test_same_generator_same_scenes() -> None:
     assert films[0] != films[2]
     cameras[0].reset(np.random.default_rng(5))
     assert list(film(cameras[0], 400)) == films[0]
+
+
+def test_a_reset_forgets_the_tracks() -> None:
+    stage = Stage(((500.0, 500.0, 0.0, 1),), ((620.0, 500.0),))
+    camera = camera_over(stage)
+    stage.truth = Truth(((1000.0, 500.0, 0.0, 2),), ((990.0, 500.0),))
+    camera.reset(np.random.default_rng(0))
+    assert [(r.label, r.holes) for r in camera.look().regions] == [(0, 2)]
 
 
 def test_a_generator_used_for_two_resets_gives_two_films() -> None:

@@ -279,11 +279,23 @@ def test_several_lost_learners_are_each_taken_for_the_nearest() -> None:
 
 def test_a_lost_learner_does_not_take_the_marker_of_one_that_passes_its_last_place() -> None:
     tracks = Tracks()
-    tracks.update([seen(100, 90, 2), seen(120, 80, 2)], never_asked)
-    scene = tracks.update([seen(120, 80, 2)], everywhere)
-    for x in range(117, 80, -3):
-        scene = tracks.update([seen(x, 85, 2)], everywhere)
+    tracks.update([seen(100, 90, 2), seen(117, 89, 2)], never_asked)
+    tracks.update([seen(117, 89, 2)], everywhere)
+    for x in range(113, 80, -4):
+        scene = tracks.update([seen(x, 89, 2)], everywhere)
         assert [(r.label, r.x, r.found) for r in scene.regions] == [(0, 100, False), (1, x, True)]
+
+
+def test_nor_in_a_frame_that_shows_something_new_as_well() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90, 2), seen(105, 89, 2)], never_asked)
+    tracks.update([seen(105, 89, 2)], everywhere)
+    scene = tracks.update([seen(101, 89, 2), seen(300, 300)], everywhere)
+    assert [(r.label, r.x, r.found) for r in scene.regions] == [
+        (0, 100, False),
+        (1, 101, True),
+        (2, 300, True),
+    ]
 
 
 def test_a_learner_that_reappears_is_not_taken_for_one_that_was_just_lost() -> None:
@@ -298,10 +310,18 @@ def test_a_learner_that_reappears_is_not_taken_for_one_that_was_just_lost() -> N
 
 def test_touching_foods_are_not_taken_for_each_other() -> None:
     tracks = Tracks()
-    tracks.update([seen(100, 90), seen(107, 80)], never_asked)
-    left, right = tracks.update([seen(107, 80)], nowhere).regions
+    tracks.update([seen(100, 90), seen(107, 90)], never_asked)
+    left, right = tracks.update([seen(107, 90)], nowhere).regions
     assert (left.found, left.x, right.found, right.x) == (False, 100, True, 107)
-    assert [r.label for r in tracks.update([seen(107, 80)], everywhere).regions] == [1]
+    assert [r.label for r in tracks.update([seen(107, 90)], everywhere).regions] == [1]
+
+
+def test_food_beside_the_place_of_hidden_food_is_another() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90)], never_asked)
+    tracks.update([], nowhere)
+    regions = tracks.update([seen(107, 90)], nowhere).regions
+    assert [(r.label, r.x, r.found) for r in regions] == [(0, 100, False), (1, 107, True)]
 
 
 def test_two_candidates_within_the_gate_go_to_the_nearest() -> None:
@@ -309,6 +329,13 @@ def test_two_candidates_within_the_gate_go_to_the_nearest() -> None:
     tracks.update([seen(100, 100), seen(104, 90)], never_asked)
     scene = tracks.update([seen(101, 100), seen(104, 91)], never_asked)
     assert [(r.label, r.x, r.y) for r in scene.regions] == [(0, 101, 100), (1, 104, 91)]
+
+
+@pytest.mark.parametrize(("x", "label"), [(101, 0), (103, 1)])
+def test_one_candidate_for_two_tracks_continues_the_nearest(x: float, label: int) -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 100), seen(104, 100)], never_asked)
+    assert [(r.label, r.x) for r in tracks.update([seen(x, 100)], everywhere).regions] == [(label, x)]
 
 
 def test_reset_forgets_everything() -> None:

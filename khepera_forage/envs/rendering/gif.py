@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import PIL.Image
 
-FLAT = 96
-"""Colours of the palette kept exactly, the most frequent ones: all large surfaces are among them."""
+APART = 10
+"""Colours of the palette differ by at least this much in red, green or blue."""
 SAMPLE = 16
 """Frames from which the palette is made."""
 
@@ -94,13 +94,19 @@ def _spread(count: int) -> list[int]:
 
 
 def _palette(frames: Sequence[NDArray[np.uint8]]) -> "PIL.Image.Image":
-    """One palette for all the film: its most frequent colours as they are, and the rest by median cut."""
+    """One palette for all the film: its most frequent colours, exactly, but none that nearly repeats another.
+
+    A median cut would spend most entries on half-tones of letters, and shift the flat colours.
+    """
     import PIL.Image
 
     sheet = _picture(np.concatenate(frames))
     counts = cast("list[tuple[int, tuple[int, int, int]]]", sheet.getcolors(sheet.width * sheet.height))
-    flat = [part for _, colour in sorted(counts, reverse=True)[:FLAT] for part in colour]
-    cut = sheet.quantize(colors=256 - FLAT, dither=PIL.Image.Dither.NONE).getpalette() or []
+    left = np.array([colour for _, colour in sorted(counts, reverse=True)], np.int16)
+    chosen: list[int] = []
+    while len(left) and len(chosen) < 3 * 256:
+        chosen.extend(left[0].tolist())
+        left = left[np.abs(left - left[0]).max(axis=1) >= APART]
     palette = PIL.Image.new("P", (1, 1))
-    palette.putpalette((flat + cut)[: 3 * 256])
+    palette.putpalette(chosen)
     return palette

@@ -1,7 +1,6 @@
 """Where everything goes: the arenas on the left, one panel a robot beside them, all as large as fits."""
 
 import math
-from collections.abc import Iterator
 from typing import NamedTuple
 
 from khepera_forage.worlds.arena import Arena
@@ -20,7 +19,7 @@ SURROUNDINGS = 30.0
 """mm of surroundings shown outside the walls."""
 
 WIDE_PANEL = (430, 350)
-"""Size of a panel of two columns at text scale 1; panels are never drawn lower than this, in proportion."""
+"""Size of a panel of two columns at text scale 1; if there is room it is made higher, never lower."""
 TALL_PANEL = (296, 540)
 """Size of a panel of one column."""
 TEXT_SCALES = (1.2, 1.15, 1.1, 1.05, 1.0, 0.95, 0.9, 0.85, 0.8)
@@ -77,56 +76,66 @@ def arrange(arenas: tuple[Arena, ...], robots: int) -> Layout:
     bounds = [arena.bounds for arena in arenas]
     x1, y1 = min(b[0] for b in bounds), min(b[1] for b in bounds)
     x2, y2 = max(b[2] for b in bounds), max(b[3] for b in bounds)
-    ground = (x2 - x1 + 2 * SURROUNDINGS, y2 - y1 + 2 * SURROUNDINGS)
-    corner = (x1 - SURROUNDINGS, y2 + SURROUNDINGS)
-    upwards = bounds[-1][1] > bounds[0][1]
-    return max(_candidates(ground, corner, upwards, robots), key=lambda candidate: candidate[0])[1]
+    ground = _Ground(
+        x2 - x1 + 2 * SURROUNDINGS,
+        y2 - y1 + 2 * SURROUNDINGS,
+        x1 - SURROUNDINGS,
+        y2 + SURROUNDINGS,
+        upwards=bounds[-1][1] > bounds[0][1],
+    )
+    candidates = (
+        _fitted(ground, robots, across, columns, text)
+        for text in TEXT_SCALES
+        for columns in (2, 1)
+        for across in range(1, max(robots, 1) + 1)
+    )
+    return max(candidates, key=lambda candidate: candidate[0])[1]
 
 
-def _candidates(
-    ground: tuple[float, float], corner: tuple[float, float], upwards: bool, robots: int
-) -> Iterator[tuple[float, Layout]]:
-    """Every arrangement with its worth."""
-    for text in TEXT_SCALES if robots else (1.0,):
-        for inner, (width, height) in ((2, WIDE_PANEL), (1, TALL_PANEL)):
-            for across in range(1, max(robots, 1) + 1):
-                down = math.ceil(robots / across)
-                # The panels' block, with the gap that sets it apart from the arenas.
-                block = (
-                    across * (round(width * text) + GAP) if robots else 0,
-                    down * (round(height * text) + GAP),
-                )
-                yield _fitted(ground, corner, upwards, robots, across, inner, text, block)
+class _Ground(NamedTuple):
+    """All arenas with their surroundings, in mm, and whether the later ones stand above the earlier."""
+
+    width: float
+    height: float
+    west: float
+    north: float
+    upwards: bool
 
 
-def _fitted(
-    ground: tuple[float, float],
-    corner: tuple[float, float],
-    upwards: bool,
-    robots: int,
-    across: int,
-    inner: int,
-    text: float,
-    block: tuple[int, int],
-) -> tuple[float, Layout]:
-    room = WIDEST - 2 * GAP - block[0]
-    scale = max(0.2, min(LARGEST_SCALE, room / ground[0], max(TALLEST, block[1] - GAP) / ground[1]))
-    shown = (round(ground[0] * scale), round(ground[1] * scale))
-    body = max(shown[1], block[1] - GAP)
-    width, height = 2 * GAP + shown[0] + block[0], HEADER + body + FOOTER
+def _fitted(ground: _Ground, robots: int, across: int, columns: int, text: float) -> tuple[float, Layout]:
+    """The arrangement with so many panels side by side, of so many columns each, and what it is worth."""
     down = math.ceil(robots / across)
-    card = (block[0] // across - GAP, (body - (down - 1) * GAP) // max(down, 1)) if robots else (0, 0)
-    west = GAP + shown[0] + GAP
+    panel = [round(side * text) for side in (WIDE_PANEL if columns == 2 else TALL_PANEL)]
+    # Room for the panels, with the gap that sets them apart from the arenas.
+    aside = across * (panel[0] + GAP) if robots else 0
+    needed = down * (panel[1] + GAP) - GAP
+    room = WIDEST - 2 * GAP - aside
+    scale = max(0.2, min(LARGEST_SCALE, room / ground.width, max(TALLEST, needed) / ground.height))
+    shown = (round(ground.width * scale), round(ground.height * scale))
+    body = max(shown[1], needed)
+    width, height = 2 * GAP + shown[0] + aside, HEADER + body + FOOTER
+    tall = (body - (down - 1) * GAP) // max(down, 1)
     slots = [
-        Box(west + i % across * (card[0] + GAP), HEADER + i // across * (card[1] + GAP), *card)
+        Box(
+            2 * GAP + shown[0] + i % across * (panel[0] + GAP),
+            HEADER + i // across * (tall + GAP),
+            panel[0],
+            tall,
+        )
         for i in range(robots)
     ]
-    # In one column beside arenas that are stacked upwards, every panel then stands beside its own arena.
-    panels = tuple(reversed(slots) if upwards and across == 1 else slots)
-    arena = Box(GAP, HEADER + (body - shown[1]) // 2, *shown)
-    layout = Layout((width + width % 2, height + height % 2), arena, scale, *corner, panels, inner, text)
-    used = (shown[0] * shown[1] + (block[0] - across * GAP) * (block[1] - down * GAP)) / (
-        (width - 2 * GAP) * body
+    layout = Layout(
+        size=(width + width % 2, height + height % 2),
+        arena=Box(GAP, HEADER + (body - shown[1]) // 2, *shown),
+        scale=scale,
+        west=ground.west,
+        north=ground.north,
+        # In one column beside arenas that are stacked upwards, every panel then stands beside its own arena.
+        panels=tuple(reversed(slots) if ground.upwards and across == 1 else slots),
+        columns=columns,
+        text=text,
     )
+    used = (shown[0] * shown[1] + across * down * panel[0] * panel[1]) / ((width - 2 * GAP) * body)
+    # Beyond the limits a picture quickly loses worth, but with many robots some picture there must be.
     excess = max(width / WIDEST, 1.0) * max(body / TALLEST, 1.0)
     return min(text, 1.1) * scale * used / excess**4, layout

@@ -53,7 +53,7 @@ class Panel:
         left, right = self.box.left + PAD * u, self.box.left + self.box.width - PAD * u
         bottom = self.box.top + self.box.height - (PAD + 24) * u
         self._title(left, right, self.box.top + 22 * u)
-        self._decision(left, right, self.box.top + 46 * u)
+        self._decision(left, self.box.top + 46 * u)
         self._rule(left, right, self.box.top + 104 * u)
         top = self.box.top + 119 * u
         if self.layout.columns == 2:
@@ -63,7 +63,7 @@ class Panel:
             self._behaviours(middle + 10 * u, right, top, bottom - 12 * u)
         else:
             self._vector(left, right, top)
-            # Beside the 121 above it, the two lists share what height there is.
+            # What height the state vector leaves, the bars and the behaviours share.
             behaviours = bottom - max((24 + 10 * ROW) * u, 0.56 * (bottom - top - 121 * u))
             self._infra_red(left, right, top + 107 * u, behaviours - 14 * u)
             self._behaviours(left, right, behaviours, bottom - 12 * u)
@@ -72,59 +72,67 @@ class Panel:
 
     def _title(self, left: float, right: float, y: float) -> None:
         """Name, warnings, and the note as far as it fits."""
-        u = self.layout.text
-        self.letters.dot(self.on, left + 6 * u, y, 6 * u, self.accent)
-        name = self.letters.fitted(self.robot.name, 23 * u, (right - left) * 0.5)
-        self._write(name, left + 19 * u, y, 23)
-        x = left + 31 * u + self.letters.width(name, 23 * u)
-        for shown, text, ink, fill in (
-            (self.robot.separated, "separated", palette.WARNING, palette.WARNING_FILL),
-            (not self.robot.tracked, "lost by camera", palette.LOST, palette.LOST_FILL),
-        ):
-            if shown:
-                width = self.letters.width(text, LABEL * u) + 14 * u
-                self.letters.box(self.on, (x, y - 9 * u, width, 18 * u), fill, 9 * u)
-                self._write(text, x + 7 * u, y, LABEL, ink)
-                x += width + 6 * u
-        note = self.letters.fitted(self.robot.note, LABEL * u, right - x)
-        self._write(note, right, y, LABEL, palette.FADED, "right")
-
-    def _decision(self, left: float, right: float, y: float) -> None:
-        """State, heard, executed: the last marked when it is not what was heard, or not the state's own."""
         robot, u = self.robot, self.layout.text
-        heard = robot.heard
-        said = "–" if heard is None else "Silence" if heard == Behaviour.WAIT else phrase(heard.name)
+        warnings = [
+            (text, ink, fill, self.letters.width(text, LABEL * u) + 14 * u)
+            for shown, text, ink, fill in (
+                (robot.separated, "separated", palette.WARNING, palette.WARNING_FILL),
+                (not robot.tracked, "lost", palette.LOST, palette.LOST_FILL),
+            )
+            if shown
+        ]
+        room = right - left - 19 * u - sum(width + 8 * u for *_, width in warnings)
+        name = self.letters.fitted(robot.name, 23 * u, room)
+        self.letters.dot(self.on, left + 6 * u, y, 6 * u, self.accent)
+        self._write(name, left + 19 * u, y, 23)
+        x = left + 29 * u + self.letters.width(name, 23 * u)
+        for text, ink, fill, width in warnings:
+            self.letters.box(self.on, (x, y - 9 * u, width, 18 * u), fill, 9 * u)
+            self._write(text, x + 7 * u, y, LABEL, ink)
+            x += width + 6 * u
+        self._write(
+            self.letters.fitted(robot.note, LABEL * u, right - x), right, y, LABEL, palette.FADED, "right"
+        )
+
+    def _decision(self, left: float, y: float) -> None:
+        """State, heard, executed: marked where the last is not what was heard, or not the state's own."""
+        robot, u = self.robot, self.layout.text
+        state = "–" if robot.state is None else phrase(robot.state.name)
+        silent = robot.heard == Behaviour.WAIT
+        heard = "–" if robot.heard is None else "Silence" if silent else phrase(robot.heard.name)
         column = left + 80 * u
-        for row, (label, text) in enumerate(
-            (("State", "–" if robot.state is None else phrase(robot.state.name)), ("Heard", said))
+        for label, text, differs in (
+            ("State", state, self._not_own()),
+            ("Heard", heard, self._not_heard()),
         ):
-            self._write(label, left, y + row * 20 * u, LABEL, palette.FADED)
-            self._write(text, column, y + row * 20 * u, VALUE)
-        y += 40 * u
+            self._write(label, left, y, LABEL, palette.FADED)
+            self._write(text, column, y, VALUE)
+            if differs:
+                beside = column + self.letters.width(text, VALUE * u) + 11 * u
+                self._write("differs", beside, y, LABEL, palette.WARNING)
+            y += 20 * u
         self._write("Executed", left, y, LABEL, palette.FADED)
         if robot.executed is None:
             self._write("–", column, y, VALUE)
             return
-        differs = self._differs()
-        ink, fill = (palette.WARNING, palette.WARNING_FILL) if differs else (palette.CARD, self.accent)
         text = phrase(robot.executed.name)
-        width = self.letters.width(text, VALUE * u) + 16 * u
-        self.letters.box(
-            self.on, (column - 8 * u, y - 10 * u, width, 20 * u), fill, 6 * u, ink if differs else None
-        )
-        self._write(text, column, y, VALUE, ink)
-        room = right - column - width
-        self._write(self.letters.fitted(differs, LABEL * u, room), column + width, y, LABEL, palette.WARNING)
+        box = (column - 8 * u, y - 10 * u, self.letters.width(text, VALUE * u) + 16 * u, 20 * u)
+        if self._not_own() or self._not_heard():
+            self.letters.box(self.on, box, palette.WARNING_FILL, 6 * u, palette.WARNING)
+            self._write(text, column, y, VALUE, palette.WARNING)
+        else:
+            self.letters.box(self.on, box, self.accent, 6 * u)
+            self._write(text, column, y, VALUE, palette.CARD)
 
-    def _differs(self) -> str:
-        """What the executed behaviour is not, in words; empty when all agree."""
-        robot = self.robot
-        unlike = []
-        if robot.heard is not None and robot.heard != robot.executed:
-            unlike.append("heard")
-        if robot.state is not None and behaviour_for(robot.state) != robot.executed:
-            unlike.append("state's own")
-        return f"≠ {', '.join(unlike)}" if unlike else ""
+    def _not_own(self) -> bool:
+        """Whether something else is executed than the state's own behaviour."""
+        state, executed = self.robot.state, self.robot.executed
+        return state is not None and executed is not None and behaviour_for(state) != executed
+
+    def _not_heard(self) -> bool:
+        """Whether something else is executed than what was heard."""
+        heard, executed = self.robot.heard, self.robot.executed
+        return heard is not None and executed is not None and heard != executed
 
     def _vector(self, left: float, right: float, y: float) -> None:
         """The state vector (4.3), an attribute a line."""
@@ -157,6 +165,7 @@ class Panel:
         self._heading("BEHAVIOUR", left, y)
         if robot.confidence is not None:
             self._write("confidence", right, y, HEADING, palette.FADED, "right")
+        fill = palette.WARNING if self._not_own() or self._not_heard() else self.accent
         own = None if robot.state is None else behaviour_for(robot.state)
         pitch = (bottom - y - 8 * u) / 10
         bar = (right - 74 * u, right - 33 * u)
@@ -167,7 +176,7 @@ class Panel:
             ink = palette.INK
             if behaviour == robot.executed:
                 ink = palette.CARD
-                self.letters.box(self.on, pill, palette.WARNING if self._differs() else self.accent, 5 * u)
+                self.letters.box(self.on, pill, fill, 5 * u)
             elif behaviour == robot.heard:
                 self.letters.box(self.on, pill, palette.CARD, 5 * u, palette.INK)
             if behaviour == own:

@@ -2,9 +2,9 @@
 
 import math
 
-from khepera_forage.experiments.claim import Above, AtMost, Claim, judged, number, percent
+from khepera_forage.experiments.claims.claim import Above, AtMost, Claim, judged, number, percent
+from khepera_forage.experiments.claims.evidence import Evidence, Sample, of_arena
 from khepera_forage.experiments.design import LABORATORY, NO_LOSSES, THESIS
-from khepera_forage.experiments.evidence import Evidence, Sample, of_arena
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
 from khepera_forage.experiments.statistics import bootstrap_quantile
 

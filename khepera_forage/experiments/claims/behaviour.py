@@ -1,8 +1,7 @@
 """Claims about what the learner does: where food must lie, and the behaviour 'orient with food' (5.4.1.2)."""
 
-from khepera_forage.experiments.claim import Above, Beyond, Claim, judged, percent, percent_change
-from khepera_forage.experiments.claims_learning import SECTION
-from khepera_forage.experiments.evidence import (
+from khepera_forage.experiments.claims.claim import Above, Beyond, Claim, judged, percent, percent_change
+from khepera_forage.experiments.claims.evidence import (
     NEAR_TRAINING,
     TRAINING_DISTANCE,
     Evidence,
@@ -10,6 +9,7 @@ from khepera_forage.experiments.evidence import (
     food_share,
     of_arena,
 )
+from khepera_forage.experiments.claims.learning import SECTION
 from khepera_forage.experiments.rows import RecallRow
 from khepera_forage.foraging.states import State
 

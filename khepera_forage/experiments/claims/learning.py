@@ -1,7 +1,7 @@
 """Claims about learning: more training helps, ever less, also in another arena (5.4.1.2, 5.4.2.2, 5.5)."""
 
 from khepera_forage.experiments import appendix_a
-from khepera_forage.experiments.claim import (
+from khepera_forage.experiments.claims.claim import (
     Above,
     Claim,
     Within,
@@ -11,14 +11,14 @@ from khepera_forage.experiments.claim import (
     percent_change,
     points,
 )
-from khepera_forage.experiments.evidence import Evidence, Sample, food_share, of_arena
+from khepera_forage.experiments.claims.evidence import Evidence, Sample, food_share, of_arena
 
 SECTION = {"corridor": "5.4.1.2", "rectangle": "5.4.2.2"}
 FIRST = {"corridor": 3, "rectangle": 5}
 """Episodes after which the early gain is measured: the second cell of each arena."""
-_percent = number("%", 1)
 COMPARABLE = 10.0
 """Points of score up to which two arenas compare; the thesis' own arenas are 7 to 9 points apart."""
+_percent = number("%", 1)
 
 
 def improves(evidence: Evidence, arena: str) -> Claim:
@@ -72,7 +72,7 @@ def generalises(evidence: Evidence) -> Claim:
         Above(0.0),
         percent_change,
         f"{percent(table.collected / table.available)} of the food, chance not measured",
-        f"After ten episodes in the corridor it brings home {percent(learned.value)} of the rectangle's food; "
+        f"After ten episodes in the corridor it brings home {percent(learned.value)} of the food; "
         f"behaviours drawn at random bring {percent(chance.value)}.",
     )
 

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from khepera_forage.experiments import claims_behaviour, claims_learning, claims_time
-from khepera_forage.experiments.claim import Claim
-from khepera_forage.experiments.evidence import gather
+from khepera_forage.experiments.claims import behaviour, learning, time
+from khepera_forage.experiments.claims.claim import Claim, Verdict
+from khepera_forage.experiments.claims.evidence import gather
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
 from khepera_forage.experiments.statistics import RESAMPLES
+
+__all__ = ["Claim", "Verdict", "claims"]
 
 ARENAS = ("corridor", "rectangle")
 
@@ -34,16 +36,16 @@ def claims(
     """
     evidence = gather(recalls, trainings, teachers, rng, resamples)
     return [
-        *(claims_learning.improves(evidence, arena) for arena in ARENAS),
-        *(claims_learning.gain_shrinks(evidence, arena) for arena in ARENAS),
-        claims_learning.generalises(evidence),
-        claims_learning.comparable(evidence),
-        *(claims_behaviour.areas(evidence, arena) for arena in ARENAS),
-        *(claims_behaviour.around_training(evidence, arena) for arena in ARENAS),
-        *(claims_behaviour.ghost_orient(evidence, arena) for arena in ARENAS),
-        claims_behaviour.failures_by_orient(evidence),
-        claims_behaviour.rest_is_correct(evidence),
-        claims_time.losses_cost_attempts(evidence),
-        claims_time.frequent_without_losses(evidence),
-        *(claims_time.limit_is_enough(evidence, arena) for arena in ARENAS),
+        *(learning.improves(evidence, arena) for arena in ARENAS),
+        *(learning.gain_shrinks(evidence, arena) for arena in ARENAS),
+        learning.generalises(evidence),
+        learning.comparable(evidence),
+        *(behaviour.areas(evidence, arena) for arena in ARENAS),
+        *(behaviour.around_training(evidence, arena) for arena in ARENAS),
+        *(behaviour.ghost_orient(evidence, arena) for arena in ARENAS),
+        behaviour.failures_by_orient(evidence),
+        behaviour.rest_is_correct(evidence),
+        time.losses_cost_attempts(evidence),
+        time.frequent_without_losses(evidence),
+        *(time.limit_is_enough(evidence, arena) for arena in ARENAS),
     ]
