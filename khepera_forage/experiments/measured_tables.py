@@ -150,8 +150,8 @@ def state_table(evidence: Evidence) -> Table:
     return Table(
         "states",
         "Where the learner goes wrong",
-        "By the state that the teacher would see: share of all steps, share of these that were wrong, and the "
-        "number of failed recalls that went wrong most often there.",
+        "By the state that the teacher would see: share of all steps, share of these that were wrong, and "
+        "the number of failed recalls that went wrong most often there.",
         (
             Column("arena"),
             Column("state"),

@@ -256,7 +256,7 @@ def test_odd_views_are_drawn(renderer: Renderer) -> None:
 
 def test_bad_arguments_are_named(renderer: Renderer) -> None:
     with pytest.raises(ValueError, match=r"'ansi'.*rgb_array"):
-        Renderer("ansi")  # type: ignore[arg-type]
+        Renderer("ansi")
     for fps in (0, -1, float("nan"), float("inf")):
         with pytest.raises(ValueError, match="fps"):
             Renderer("rgb_array", fps)

@@ -85,7 +85,8 @@ class ArenaLayer:
             pen.ring(home, arena.home_radius, palette.HOME_EDGE, 1.5)
             for obstacle in arena.obstacles:
                 pen.polygon(obstacle, palette.WALL)
-            column, row = self._layout.pixel(*home)
+            # Low in the circle: food is put down near its middle.
+            column, row = self._layout.pixel(home[0], home[1] - 0.72 * arena.home_radius)
             self._lettering.write(
                 pen.surface,
                 "HOME",

@@ -2,7 +2,7 @@
 
 import importlib
 import os
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from khepera_forage.envs.rendering.painter import Painter
     from khepera_forage.envs.rendering.window import Window
 
-Mode = Literal["rgb_array", "human"]
+MODES = ("rgb_array", "human")
 
 
 class Renderer:
@@ -34,18 +34,18 @@ class Renderer:
         DependencyNotInstalled: pygame is missing.
     """
 
-    def __init__(self, mode: Mode, fps: float = 10) -> None:
-        if mode not in get_args(Mode):
-            raise ValueError(f"render mode is {mode!r}; allowed: {', '.join(map(repr, get_args(Mode)))}")
+    def __init__(self, mode: str, fps: float = 10) -> None:
+        if mode not in MODES:
+            raise ValueError(f"render mode is {mode!r}; allowed: {', '.join(map(repr, MODES))}")
         if not 0 < fps < float("inf"):
             raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames a second")
         _require_pygame()
-        self.mode: Mode = mode
+        self.mode = mode
         self.fps = fps
         self._painter: Painter | None = None
         self._window: Window | None = None
 
-    def __reduce__(self) -> tuple[type["Renderer"], tuple[Mode, float]]:
+    def __reduce__(self) -> tuple[type["Renderer"], tuple[str, float]]:
         return type(self), (self.mode, self.fps)
 
     @property

@@ -1,0 +1,182 @@
+"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis' points beside ours, and a figure of what noise costs.
+
+Drawn with matplotlib's figure objects, so that no window system and no global state is involved.
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from khepera_forage.experiments.cells import CellResult
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
+"""Blue and vermilion of Okabe and Ito, told apart by colour-blind readers."""
+DPI = 150
+_SHIFT = 0.2
+"""Episodes by which our marks stand left, and the thesis' right, of their number of episodes."""
+
+
+def fig_5_2(results: Sequence[CellResult]) -> "Figure":
+    """Average scores in the corridor against the number of training episodes."""
+    return _score_figure(results, "corridor", "Figure 5.2: recall score in the corridor")
+
+
+def fig_5_3(results: Sequence[CellResult]) -> "Figure":
+    """Food carried home in the corridor, of 20."""
+    return _food_figure(results, "corridor", 20, "Figure 5.3: food carried home in the corridor")
+
+
+def fig_5_5(results: Sequence[CellResult]) -> "Figure":
+    """Average scores in the rectangle against the number of training episodes."""
+    return _score_figure(results, "rectangle", "Figure 5.5: recall score in the rectangle")
+
+
+def fig_5_6(results: Sequence[CellResult]) -> "Figure":
+    """Food carried home in the rectangle, of 24."""
+    return _food_figure(results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle")
+
+
+def noise_figure(table: Table) -> "Figure":
+    """Score and attempts under each source of noise, from the noise table of one cell.
+
+    Raises:
+        ValueError: A table of several cells.
+    """
+    names, cells, scores, _, _, attempts, _ = zip(*table.rows, strict=True)
+    if len(set(cells)) > 1:
+        raise ValueError(f"noise of cells {sorted(set(map(str, cells)))}; allowed: one cell")
+    figure = new_figure(8.0, 1.6 + 0.36 * len(names))
+    left, right = figure.subplots(1, 2, sharey=True)
+    places = np.arange(len(names))[::-1]
+    for axes, estimates, label in (
+        (left, scores, f"mean score of recall episodes (%)\n{cells[0]} episodes"),
+        (right, attempts, "attempts for one complete\ntraining episode"),
+    ):
+        for place, estimate in zip(places, estimates, strict=True):
+            assert isinstance(estimate, Estimate)
+            mark(axes, estimate.value, place, estimate, OURS, level=True)
+        axes.axvline(estimates[0].value, color=GREY, lw=1, ls=":", zorder=1)
+        axes.set_xlabel(label)
+        axes.grid(axis="x", color="0.9")
+        axes.margins(x=0.08)
+    left.set_yticks(places, [str(name) for name in names])
+    left.set_ylim(-0.6, len(names) - 0.4)
+    right.tick_params(axis="y", length=0)
+    figure.suptitle("What each of the laboratory's troubles costs")
+    figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
+    return figure
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty figure of this size in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure as PNG."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=DPI, facecolor="white")
+
+
+def _score_figure(results: Sequence[CellResult], arena: str, title: str) -> "Figure":
+    figure, axes = _episode_axes(title)
+    for result in (r for r in results if r.cell.arena == arena):
+        x = result.cell.episodes
+        _experiments(axes, x - _SHIFT, result.scores)
+        mark(axes, x - _SHIFT, result.score.value, result.score, OURS)
+        axes.plot(x + _SHIFT, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
+    axes.set_ylim(0, 100)
+    axes.set_yticks(range(0, 101, 10))
+    axes.set_ylabel("average score of recall episodes (%)")
+    _legend(axes)
+    return figure
+
+
+def _food_figure(results: Sequence[CellResult], arena: str, maximum: int, title: str) -> "Figure":
+    figure, axes = _episode_axes(title)
+    width = 0.36
+    for result in (r for r in results if r.cell.arena == arena):
+        x = result.cell.episodes
+        scale = maximum / result.cell.available
+        food = Estimate(*(scale * value for value in result.food))
+        thesis = scale * result.thesis_food
+        axes.bar(x - _SHIFT, food.value, width, color=OURS, alpha=0.35, zorder=1)
+        axes.bar(x + _SHIFT, thesis, width, color=THESIS, alpha=0.35, zorder=1)
+        _experiments(axes, x - _SHIFT, [scale * count for count in result.foods])
+        mark(axes, x - _SHIFT, food.value, food, OURS)
+        axes.plot(x + _SHIFT, thesis, "D", color=THESIS, ms=8, mec="white", zorder=4)
+    axes.set_ylim(0, maximum * 1.02)
+    axes.set_yticks(range(0, maximum + 1, 4))
+    axes.set_ylabel(f"food objects carried home (of {maximum})")
+    _legend(axes)
+    return figure
+
+
+def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
+    figure = new_figure(6.4, 4.4)
+    axes = figure.subplots()
+    axes.set_title(title)
+    axes.set_xlabel("number of training episodes")
+    axes.set_xlim(0, 12)
+    axes.set_xticks(range(0, 13, 2))
+    axes.set_xticks((1, 3, 5), minor=True)
+    axes.grid(axis="y", color="0.9")
+    axes.set_axisbelow(True)
+    return figure, axes
+
+
+def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
+    """Single experiments as faint dots, spread sideways in a fixed pattern."""
+    if not values:
+        return
+    spread = 0.13 * np.sin(2.4 * np.arange(len(values)))
+    fade = max(0.08, min(0.5, 8 / len(values)))
+    axes.scatter(x + spread, values, s=9, color=OURS, alpha=fade, lw=0, zorder=2)
+
+
+def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False) -> None:
+    """An estimate as a dot with its interval as a bar, upright or level."""
+    if not math.isfinite(estimate.value):
+        return
+    axes.plot(x, y, "o", color=colour, ms=7, mec="white", zorder=5)
+    if math.isfinite(estimate.low):
+        ends = np.array([[estimate.value - estimate.low], [estimate.high - estimate.value]]).clip(min=0)
+        xerr, yerr = (ends, None) if level else (None, ends)
+        axes.errorbar([x], [y], xerr=xerr, yerr=yerr, fmt="none", color=colour, capsize=4, lw=1.8, zorder=4)
+
+
+def _legend(axes: "Axes") -> None:
+    from matplotlib.lines import Line2D
+
+    axes.legend(
+        handles=[
+            Line2D([], [], marker="D", color=THESIS, ls="", ms=8, mec="white", label="thesis"),
+            Line2D(
+                [],
+                [],
+                marker="o",
+                color=OURS,
+                ls="-",
+                ms=7,
+                mec="white",
+                label="ours, mean and 95 % interval",
+            ),
+            Line2D([], [], marker="o", color=OURS, ls="", ms=4, alpha=0.4, label="ours, single experiments"),
+        ],
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.14),
+        ncols=3,
+        frameon=False,
+        fontsize=8,
+    )

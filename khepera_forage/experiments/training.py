@@ -1,0 +1,158 @@
+"""The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.experience import Experience, ExperienceWriter
+from khepera_forage.experiments.rows import TrainingRow
+from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.policies import Listener, Teacher
+from khepera_forage.policies.listener import HEARD
+
+MAX_ATTEMPTS = 200
+"""Attempts after which a training counts as hopeless. Our decision."""
+
+Record = Callable[[StateVector, Behaviour], None]
+Watch = Callable[[], object]
+
+
+class Attempt(NamedTuple):
+    """What came of one attempt at a training episode.
+
+    Attributes:
+        complete: Whether all robots delivered and left home (5.3).
+        rounds: MultiSteps it took.
+        separations: Times a learner got separated.
+        resumed: Times the learner was put beside the teacher (pause and resume).
+        reason: Why it is incomplete; empty for a complete one.
+    """
+
+    complete: bool
+    rounds: int
+    separations: int
+    resumed: int
+    reason: str
+
+
+class HopelessTraining(RuntimeError):  # noqa: N818 (it is a finding, as much as an error)
+    """No attempt at a training episode was complete."""
+
+
+def attempt(
+    env: TrainingEnv, seed: int, record: Record, resume: bool = False, watch: Watch | None = None
+) -> Attempt:
+    """One attempt: the teacher forages and shouts, the learner hears, records, and does the same.
+
+    Args:
+        env: The paired corridors; with several learners, the first one's experience is recorded.
+        seed: Of the attempt.
+        record: Gets the first learner's state vector with each behaviour it hears, as it hears it.
+        resume: Pause and resume (5.3.1): a learner that is about to be given up is put beside the teacher.
+        watch: Called after every round.
+    """
+    teacher, listener = Teacher(env.foragers_home_radius), Listener()
+    env.reset(seed=seed)
+    last = env.possible_agents[-1]
+    resumed = 0
+    while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
+        for agent in env.possible_agents:
+            observation = env.observe(agent)
+            policy = teacher if agent == TEACHER else listener
+            if agent == "learner_0" and observation[HEARD] != Behaviour.WAIT:
+                record(StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD])))
+            env.step(int(policy.act(observation)))
+            if agent == last and watch is not None:
+                watch()
+        if resume:
+            for agent in env.possible_agents[1:]:
+                if env.infos[agent]["separated_rounds"] == env.patience - 1:
+                    env.resume_beside(agent)
+                    resumed += 1
+    complete = env.terminations[TEACHER]
+    infos = [env.infos[agent] for agent in env.possible_agents]
+    rounds = infos[0]["steps"]
+    reason = "" if complete else "separated" if rounds < env.max_cycles else "out of time"
+    return Attempt(complete, rounds, sum(info["separations"] for info in infos), resumed, reason)
+
+
+def train(
+    env: TrainingEnv,
+    seed: np.random.SeedSequence,
+    noise: str = "laboratory",
+    replication: int = 0,
+    file: int = 1,
+    path: Path | None = None,
+    resume: bool = False,
+    watch: Watch | None = None,
+) -> tuple[Experience, list[TrainingRow]]:
+    """Demonstrate "as if it was the first time" until an episode is complete (5.2); incomplete ones are forgotten.
+
+    Args:
+        env: The paired corridors.
+        seed: Of the training; every attempt gets a seed of its own from it.
+        noise: Name of the noise condition, for the rows.
+        replication: For the rows.
+        file: Number of the experience file, for the rows.
+        path: Where to write the experience as it happens; what is forgotten is removed from it again.
+        resume: Pause and resume (5.3.1).
+        watch: Called after every round.
+
+    Returns:
+        The experience of the complete episode, and one row an attempt.
+
+    Raises:
+        HopelessTraining: `MAX_ATTEMPTS` attempts were incomplete.
+        FileExistsError: There is a file at `path`.
+    """
+    rows = []
+    for number, attempt_seed in enumerate(seed.generate_state(MAX_ATTEMPTS).tolist(), 1):
+        vectors: list[StateVector] = []
+        behaviours: list[Behaviour] = []
+        arena = env.arenas[0].name
+        writer = None if path is None else ExperienceWriter(path, arena=arena, seed=attempt_seed)
+
+        def record(
+            vector: StateVector,
+            behaviour: Behaviour,
+            vectors: list[StateVector] = vectors,
+            behaviours: list[Behaviour] = behaviours,
+            writer: ExperienceWriter | None = writer,
+        ) -> None:
+            vectors.append(vector)
+            behaviours.append(behaviour)
+            if writer is not None:
+                writer.append(vector, behaviour)
+
+        result = attempt(env, attempt_seed, record, resume, watch)
+        if writer is not None:
+            writer.close()
+        rows.append(
+            TrainingRow(
+                replication=replication,
+                file=file,
+                attempt=number,
+                seed=attempt_seed,
+                noise=noise,
+                complete=result.complete,
+                rounds=result.rounds,
+                vectors=len(vectors),
+                separations=result.separations,
+                reason=result.reason,
+            )
+        )
+        if result.complete:
+            return Experience(vectors, behaviours, arena=arena, seed=attempt_seed), rows
+        if path is not None:
+            path.unlink()
+    raise HopelessTraining(f"none of {MAX_ATTEMPTS} attempts at a training episode was complete")
+
+
+def arrays(experiences: list[Experience]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """State vectors and behaviours of several files together, such as g135."""
+    parts = [experience.arrays() for experience in experiences]
+    return np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts])
