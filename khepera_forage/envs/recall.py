@@ -63,6 +63,16 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """Confidence level of each behaviour, shown beside the picture; whoever decides may set it."""
 
     @property
+    def home_radius(self) -> int:
+        """Of the home, in pixels."""
+        return self._site.home_radius
+
+    @property
+    def diagonal(self) -> int:
+        """Of the arena, in pixels."""
+        return self._site.diagonal
+
+    @property
     def forager(self) -> Forager:
         """The robot at its task."""
         if self._forager is None:

@@ -76,9 +76,14 @@ class FoodRegister:
         return FoodType.UNKNOWN if self._held is None else self.known[self._held]
 
     @property
+    def collected(self) -> list[bool]:
+        """Whether each object has been brought home and is not poisonous."""
+        return [d and k != FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True)]
+
+    @property
     def delivered_food(self) -> int:
         """Objects brought home that are not poisonous."""
-        return sum(d and k != FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
+        return sum(self.collected)
 
     @property
     def poison_home(self) -> int:

@@ -126,6 +126,11 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         return self.action_spaces[agent]
 
     @property
+    def home_radius(self) -> int:
+        """Of every home, in pixels."""
+        return self._sites[0].home_radius
+
+    @property
     def foragers(self) -> list[Forager]:
         """The robots at their task, the teacher first."""
         if not self._foragers:

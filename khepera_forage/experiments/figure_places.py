@@ -31,8 +31,8 @@ def fig_5_4(recalls: Sequence[RecallRow]) -> "Figure":
         recalls: Rows of the imitator in the corridor; others are left out.
     """
     foods = food_places(recalls)
-    figure = new_figure(11.0, 3.7)
-    left, right = figure.subplots(1, 2, width_ratios=(2.0, 1.0))
+    figure = new_figure(11.0, 3.9)
+    left, right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
     _map(figure, left, foods)
     _curve(right, foods)
     figure.suptitle("Figure 5.4: success by where the food lay in the corridor")
@@ -76,19 +76,23 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
             color="white" if share[i, j] < _PALE else "black",
         )
     axes.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, fill=False, lw=2, clip_on=False))
-    axes.add_patch(Circle((0, 0), CORRIDOR.home_radius, fill=False, lw=1.5, ls="--", label="home"))
+    axes.add_patch(Circle((0, 0), CORRIDOR.home_radius, fill=False, lw=1.5, ls="--"))
+    axes.text(0, 0, "home", ha="center", va="center", fontsize=9)
     marks = (("food in training", "*", CORRIDOR.foods[0]), ("start in training", ">", CORRIDOR.start))
     for label, marker, place in marks:
         at = (place.x - home.x, place.y - home.y)
-        axes.plot(*at, marker, color=THESIS, ms=14, mec="white", label=label)
+        axes.plot(*at, marker, mfc="none", mec=THESIS, mew=2, ms=20, label=label)
     axes.set_aspect("equal")
     axes.set_xlim(x1, x2)
     axes.set_ylim(y1, y2)
     axes.set_xlabel("along the corridor, from the centre of the home (mm)")
     axes.set_ylabel("across (mm)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=3, frameon=False, fontsize=8)
-    bar = figure.colorbar(picture, ax=axes, location="top", shrink=0.6, aspect=40)
-    bar.set_label("food brought home (%); numbers: food objects", fontsize=8)
+    axes.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False, fontsize=8, markerscale=0.6
+    )
+    bar = figure.colorbar(picture, ax=axes, location="top", shrink=0.5, aspect=30)
+    bar.set_label("food brought home (%); numbers: food objects", fontsize=9)
+    bar.ax.tick_params(labelsize=8)
 
 
 def _curve(axes: "Axes", foods: Floats) -> None:
@@ -102,7 +106,7 @@ def _curve(axes: "Axes", foods: Floats) -> None:
     axes.text(radius / 2, 50, "home", color=GREY, ha="center", va="center", fontsize=8)
     axes.set_xlim(0, None)
     axes.set_ylim(0, 100)
-    axes.set_xlabel("food's distance from home (pixels of 5 mm)")
-    axes.set_ylabel("brought home (%), 95 % Wilson interval")
+    axes.set_xlabel("food's distance from home (pixels of 5 mm)\nbars: 95 % Wilson intervals")
+    axes.set_ylabel("food brought home (%)")
     axes.grid(axis="y", color="0.9")
     axes.set_axisbelow(True)

@@ -49,6 +49,7 @@ def recall(
     episodes: int = 0,
     file_id: str = "-",
     number: int = 0,
+    experience_size: int = 0,
     watch: Watch | None = None,
 ) -> RecallRow:
     """Forage alone until all food is home or time runs out.
@@ -63,6 +64,7 @@ def recall(
         episodes: Training episodes the policy had, for the row.
         file_id: The thesis' name of its training files, for the row.
         number: Of the recall with these files, for the row.
+        experience_size: Experience vectors the policy had, for the row.
         watch: Called after the reset and after every step.
     """
     draws = np.random.default_rng((seed, 1))
@@ -96,7 +98,6 @@ def recall(
         over = terminated or truncated
     if watch is not None:
         watch()
-    register = env.forager.register
     start = env.layout.starts[0]
     x, y, heading = _in_arena(env.arena, start.x, start.y, start.heading)
     foods = [_in_arena(env.arena, food.x, food.y) for food in env.layout.foods]
@@ -119,7 +120,7 @@ def recall(
         poison_home=info["poison_home"],
         food_x=tuple(food[0] for food in foods),
         food_y=tuple(food[1] for food in foods),
-        food_delivered=tuple(register.brought),
+        food_delivered=tuple(env.forager.register.collected),
         start_x=x,
         start_y=y,
         start_heading=heading,
@@ -128,7 +129,7 @@ def recall(
         orient_ghost=ghosts,
         ties=ties,
         conflicts=conflicts,
-        experience_size=0 if imitator is None else imitator.n_vectors_,
+        experience_size=experience_size,
     )
 
 

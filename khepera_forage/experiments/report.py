@@ -55,9 +55,11 @@ def write_report(
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
     noise = measured_tables.noise_table(noise_rows, evidence)
+    judged = claims(recalls, trainings, teachers, for_claims, resamples)
     tables = [
         thesis_tables.cell_table(results),
-        thesis_tables.claim_table(claims(recalls, trainings, teachers, for_claims, resamples)),
+        thesis_tables.claim_table(judged),
+        thesis_tables.rule_table(judged),
         noise,
         measured_tables.training_table(evidence),
         measured_tables.teacher_table(evidence),
@@ -89,7 +91,7 @@ def _page(tables: Sequence[Table], evidence: Evidence) -> str:
     """The page: figures stand behind the table they belong to."""
     pictures = {
         "cells": ("figure_5_2", "figure_5_3", "figure_5_5", "figure_5_6"),
-        "claims": ("figure_5_4",),
+        "rules": ("figure_5_4",),
         "noise": ("noise",),
     }
     count = len(replications(evidence.recalls))

@@ -19,11 +19,13 @@ class Column:
         name: Its heading, with the unit.
         digits: After the decimal point, in Markdown; CSV has six significant figures throughout.
         estimate: Whether its values are estimates, each with an interval.
+        page: Whether it stands in Markdown too; all stand in CSV.
     """
 
     name: str
     digits: int = 1
     estimate: bool = False
+    page: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +53,10 @@ class Table:
 
     def markdown(self) -> str:
         """Heading, note and table."""
-        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i in range(len(self.columns))]
-        lines = [[c.name for c in self.columns], ["---:" if right else "---" for right in numeric]]
-        lines += [[_shown(v, c) for v, c in zip(row, self.columns, strict=True)] for row in self.rows]
+        shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
+        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
+        lines = [[column.name for _, column in shown], ["---:" if right else "---" for right in numeric]]
+        lines += [[_shown(row[i], column) for i, column in shown] for row in self.rows]
         body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
         return f"## {self.title}\n\n{self.note}\n\n{body}\n"
 

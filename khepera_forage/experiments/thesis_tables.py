@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from khepera_forage.experiments.cells import CellResult
 from khepera_forage.experiments.claims import Claim
 from khepera_forage.experiments.slips import slips
+from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table, Value
 
 
@@ -62,10 +63,40 @@ def claim_table(claims: Sequence[Claim]) -> Table:
         "claims",
         "The thesis' claims",
         "Each claim with its effect, a 95 % interval over replications, and the verdict of a rule that was "
-        "fixed before there were data. An interval that reaches across the rule's threshold leaves the claim "
-        "undecided.",
-        tuple(map(Column, ("claim", "section", "effect", "thesis", "rule", "verdict", "what was measured"))),
-        [(c.name, c.thesis_section, c.effect, c.thesis, c.rule, c.verdict.value, c.sentence) for c in claims],
+        "fixed before there were data: see below by number. An interval that reaches across the rule's threshold "
+        "leaves the claim undecided.",
+        (
+            Column("no."),
+            Column("claim"),
+            Column("section"),
+            Column("effect [95 %]"),
+            Column("value", estimate=True, page=False),
+            Column("in the thesis"),
+            Column("verdict"),
+        ),
+        [
+            (
+                i,
+                c.name,
+                c.thesis_section,
+                c.effect,
+                Estimate(c.value, c.low, c.high),
+                c.thesis,
+                c.verdict.value,
+            )
+            for i, c in enumerate(claims, 1)
+        ],
+    )
+
+
+def rule_table(claims: Sequence[Claim]) -> Table:
+    """What was measured for each claim, and the rule of its verdict."""
+    return Table(
+        "rules",
+        "What was measured, and the rules of the verdicts",
+        "By number of the claim.",
+        (Column("no."), Column("rule"), Column("what was measured")),
+        [(i, c.rule, c.sentence) for i, c in enumerate(claims, 1)],
     )
 
 

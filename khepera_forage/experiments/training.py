@@ -55,7 +55,7 @@ def attempt(
         resume: Pause and resume (5.3.1): a learner that is about to be given up is put beside the teacher.
         watch: Called after every round.
     """
-    teacher, listener = Teacher(env.foragers_home_radius), Listener()
+    teacher, listener = Teacher(env.home_radius), Listener()
     env.reset(seed=seed)
     last = env.possible_agents[-1]
     resumed = 0

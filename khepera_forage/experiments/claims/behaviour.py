@@ -40,8 +40,8 @@ def areas(evidence: Evidence, arena: str) -> Claim:
         Beyond(AREA_MARGIN),
         percent_change,
         "most of the times in area 2, rarely in area 1",
-        f"{_share(nearer)} brought home where it lay nearer to home than the {TRAINING_DISTANCE:.0f} pixels "
-        f"of training, {_share(further)} where it lay further.",
+        f"Brought home: {_share(nearer)} nearer to home than the {TRAINING_DISTANCE:.0f} pixels of training, "
+        f"{_share(further)} further away.",
     )
 
 
@@ -57,8 +57,8 @@ def around_training(evidence: Evidence, arena: str) -> Claim:
         Above(0.0),
         percent_change,
         "trained in one set-up, it fails where food lies otherwise",
-        f"{_share(near)} brought home where it lay within {NEAR_TRAINING:.0f} pixels of the training "
-        f"distance, {_share(other)} elsewhere.",
+        f"Brought home: {_share(near)} within {NEAR_TRAINING:.0f} pixels of the training distance, "
+        f"{_share(other)} elsewhere.",
     )
 
 

@@ -1,14 +1,51 @@
 """A claim of the thesis, its measured effect, and the rule that turns one into a verdict."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
 from khepera_forage.experiments.statistics import Estimate
 
-Show = Callable[[float], str]
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """How an effect is written.
+
+    Attributes:
+        suffix: The unit.
+        form: Of the number, as in `format`.
+        scale: What the number is multiplied with.
+    """
+
+    suffix: str
+    form: str = ".0f"
+    scale: float = 1.0
+
+    def __call__(self, value: float) -> str:
+        """A number with its unit; a dash for nan."""
+        number = self._number(value)
+        return number if number == "-" else f"{number} {self.suffix}"
+
+    def estimate(self, estimate: Estimate) -> str:
+        """A value with its interval in brackets, or without if there is none."""
+        value, low, high = map(self._number, estimate)
+        return self(estimate.value) if low == "-" else f"{value} [{low}, {high}] {self.suffix}"
+
+    def _number(self, value: float) -> str:
+        if math.isnan(value):
+            return "-"
+        if value == 0:
+            return "0"
+        return f"{self.scale * value:{self.form}}" if math.isfinite(value) else "∞"
+
+
+points = Unit("points", "+.1f")
+"""Percentage points of the score."""
+percent = Unit("%", scale=100.0)
+"""A share."""
+percent_change = Unit("points", "+.0f", 100.0)
+"""A difference of two shares, in percentage points."""
 
 
 class Verdict(StrEnum):
@@ -26,7 +63,7 @@ class Rule(Protocol):
         """The verdict; undecided without an interval."""
         ...
 
-    def text(self, show: Show) -> str:
+    def text(self, show: Unit) -> str:
         """The rule in words."""
         ...
 
@@ -41,7 +78,7 @@ class Above:
         """The verdict."""
         return _verdict(estimate.low > self.threshold, estimate.high < self.threshold)
 
-    def text(self, show: Show) -> str:
+    def text(self, show: Unit) -> str:
         """The rule in words."""
         return f"supported above {show(self.threshold)}, not supported below"
 
@@ -56,7 +93,7 @@ class AtMost:
         """The verdict."""
         return _verdict(estimate.high <= self.threshold, estimate.low > self.threshold)
 
-    def text(self, show: Show) -> str:
+    def text(self, show: Unit) -> str:
         """The rule in words."""
         return f"supported up to {show(self.threshold)}, not supported above"
 
@@ -71,7 +108,7 @@ class Within:
         """The verdict."""
         return _verdict(_inside(estimate, self.margin), _beyond(estimate, self.margin))
 
-    def text(self, show: Show) -> str:
+    def text(self, show: Unit) -> str:
         """The rule in words."""
         return f"supported between {show(-self.margin)} and {show(self.margin)}, not supported beyond"
 
@@ -86,7 +123,7 @@ class Beyond:
         """The verdict."""
         return _verdict(_beyond(estimate, self.margin), _inside(estimate, self.margin))
 
-    def text(self, show: Show) -> str:
+    def text(self, show: Unit) -> str:
         """The rule in words."""
         return f"supported beyond {show(-self.margin)} or {show(self.margin)}, not supported between"
 
@@ -121,40 +158,11 @@ class Claim:
 
 
 def judged(
-    name: str, section: str, estimate: Estimate, rule: Rule, show: Show, thesis: str, sentence: str
+    name: str, section: str, estimate: Estimate, rule: Rule, show: Unit, thesis: str, sentence: str
 ) -> Claim:
     """A claim with the verdict of its rule on an estimate."""
-    value, low, high = estimate
-    effect = show(value) if math.isnan(low) else f"{show(value)} [{show(low)}, {show(high)}]"
-    return Claim(
-        name, section, effect, value, low, high, thesis, rule.text(show), rule.judge(estimate), sentence
-    )
-
-
-def points(value: float) -> str:
-    """Percentage points of the score, with sign."""
-    return _number(value, "+.1f", " points")
-
-
-def percent(share: float) -> str:
-    """A share in percent."""
-    return _number(100 * share, ".0f", " %")
-
-
-def percent_change(difference: float) -> str:
-    """A difference of two shares in percentage points, with sign."""
-    return _number(100 * difference, "+.0f", " points")
-
-
-def number(unit: str, digits: int = 0) -> Show:
-    """A number with a unit."""
-    return lambda value: _number(value, f".{digits}f", f" {unit}")
-
-
-def _number(value: float, form: str, unit: str) -> str:
-    if math.isnan(value):
-        return "-"
-    return f"{value:{form}}{unit}" if math.isfinite(value) else f"more{unit} than were allowed"
+    effect = show.estimate(estimate)
+    return Claim(name, section, effect, *estimate, thesis, rule.text(show), rule.judge(estimate), sentence)
 
 
 def _inside(estimate: Estimate, margin: float) -> bool:

@@ -4,9 +4,9 @@ from khepera_forage.experiments import appendix_a
 from khepera_forage.experiments.claims.claim import (
     Above,
     Claim,
+    Unit,
     Within,
     judged,
-    number,
     percent,
     percent_change,
     points,
@@ -18,7 +18,7 @@ FIRST = {"corridor": 3, "rectangle": 5}
 """Episodes after which the early gain is measured: the second cell of each arena."""
 COMPARABLE = 10.0
 """Points of score up to which two arenas compare; the thesis' own arenas are 7 to 9 points apart."""
-_percent = number("%", 1)
+_percent = Unit("%", ".4g")
 
 
 def improves(evidence: Evidence, arena: str) -> Claim:

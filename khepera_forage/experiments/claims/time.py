@@ -2,12 +2,13 @@
 
 import math
 
-from khepera_forage.experiments.claims.claim import Above, AtMost, Claim, judged, number, percent
+from khepera_forage.experiments.claims.claim import Above, AtMost, Claim, Unit, judged, percent
 from khepera_forage.experiments.claims.evidence import Evidence, Sample, of_arena
 from khepera_forage.experiments.design import LABORATORY, NO_LOSSES, THESIS
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
 from khepera_forage.experiments.statistics import bootstrap_quantile
 
+SECTION = {"corridor": "5.4.1.1", "rectangle": "5.4.2.1"}
 FREQUENT = 0.5
 """Share of attempts from which complete episodes are achieved "quite frequently"."""
 ENOUGH = 0.95
@@ -24,7 +25,7 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
     """Whether an episode becomes complete is mainly a matter of tracking."""
     laboratory = attempts_per_episode(evidence, LABORATORY)
     without = attempts_per_episode(evidence, NO_LOSSES)
-    show = number("attempts", 2)
+    show = Unit("attempts", ".2f")
     return judged(
         "Tracking losses cost attempts at a complete training episode",
         "5.3.1",
@@ -59,12 +60,12 @@ def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
     rows = of_arena(evidence.teachers, arena)
     estimate = bootstrap_quantile(rows, steps_needed, ENOUGH, evidence.rng, evidence.resamples)
     within = Sample(rows, lambda row: steps_needed(row) <= limit)
-    show = number("steps")
+    show = Unit("steps")
     steps = sorted(map(steps_needed, rows))
     median = steps[(len(steps) - 1) // 2] if steps else math.nan
     return judged(
         f"{limit} steps are enough to forage ({arena})",
-        "5.4, 5.4.2.1",
+        SECTION[arena],
         estimate,
         AtMost(limit),
         show,

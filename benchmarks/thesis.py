@@ -1,0 +1,14 @@
+"""The thesis' experiments, replicated: the same as `khepera-forage reproduce`.
+
+    python benchmarks/thesis.py --help
+"""
+
+import argparse
+import sys
+
+from khepera_forage.experiments import reproduce
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    reproduce.add_arguments(parser)
+    sys.exit(reproduce.run(parser.parse_args()))

@@ -1,0 +1,56 @@
+"""`khepera-forage train`: experience files g1.csv, g2.csv, ... as in the thesis (5.3)."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from khepera_forage.envs.training import PATIENCE, TrainingEnv
+from khepera_forage.experiments import training
+from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.experiments.rows import TrainingRow
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument("--episodes", type=int, default=10, help="complete training episodes, a file each (10)")
+    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same files (0)")
+    parser.add_argument("--out", type=Path, default=Path("experience"), help="folder for g1.csv, ... (experience)")
+    parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
+    parser.add_argument("--num-learners", type=int, default=1, help="in as many corridors; the first records (1)")
+    parser.add_argument("--patience", type=int, default=PATIENCE, help=f"rounds of separation borne ({PATIENCE})")
+    parser.add_argument(
+        "--resume", action="store_true", help="pause and resume: put a lost learner beside the teacher"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Train, and say what it took.
+
+    Raises:
+        ValueError: A number that is out of range.
+        FileExistsError: An experience file is there already.
+    """
+    if arguments.episodes < 1:
+        raise ValueError(f"--episodes is {arguments.episodes}; allowed: at least 1")
+    env = TrainingEnv(
+        num_learners=arguments.num_learners, food_types=arguments.food_type, patience=arguments.patience
+    )
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    paths = [arguments.out / f"g{number}.csv" for number in range(1, arguments.episodes + 1)]
+    for path in paths:
+        if path.exists():
+            raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
+    rows: list[TrainingRow] = []
+    seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
+    for number, (path, seed) in enumerate(
+        tqdm(list(zip(paths, seeds, strict=True)), unit="episode", disable=not sys.stderr.isatty()), 1
+    ):
+        experience, attempts = training.train(env, seed, file=number, path=path, resume=arguments.resume)
+        rows += attempts
+        print(f"{path}: {len(experience)} experience vectors, {len(attempts)} attempt(s), {attempts[-1].rounds} rounds")
+    write_rows(arguments.out / "attempts.csv", TrainingRow, rows)
+    env.close()
+    return 0

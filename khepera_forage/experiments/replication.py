@@ -1,0 +1,155 @@
+"""The thesis' whole design, replicated: work that can be done in any order, on any number of cores (5.4)."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.experiments.design import (
+    FILES,
+    LABORATORY,
+    NO_LOSSES,
+    THESIS,
+    Cell,
+    Subset,
+    noise_conditions,
+)
+from khepera_forage.experiments.recalling import recall, recall_env
+from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.experiments.training import arrays, train
+from khepera_forage.noise import Noise
+from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
+from khepera_forage.policies.uniform import UniformPolicy
+
+TEACHER_LIMIT_FACTOR = 3
+"""The teacher is given this many times the thesis' limits, to see whether those are enough."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Rows of one piece of work."""
+
+    recalls: tuple[RecallRow, ...] = ()
+    trainings: tuple[TrainingRow, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Replication:
+    """Ten new training files, and the recalls of some cells with them.
+
+    Attributes:
+        seed: Of the whole reproduction.
+        number: Of the replication.
+        noise: Name of the noise condition, in training and recall.
+        cells: Which tables of appendix A.
+    """
+
+    seed: int
+    number: int
+    noise: str = LABORATORY
+    cells: tuple[Cell, ...] = THESIS
+
+    def run(self) -> Outcome:
+        """Train, recall, and return the rows."""
+        conditions = noise_conditions()
+        noise = conditions[self.noise]
+        seeds = np.random.SeedSequence(self.seed, spawn_key=(self.number, list(conditions).index(self.noise)))
+        training, recalling = seeds.spawn(2)
+        files, trainings = self._train(noise, training)
+        recalls = tuple(self._recalls(noise, files, recalling))
+        return Outcome(recalls, tuple(trainings))
+
+    def _train(
+        self, noise: Noise, seeds: np.random.SeedSequence
+    ) -> tuple[list[Experience], list[TrainingRow]]:
+        env = TrainingEnv(noise=noise)
+        files, rows = [], []
+        needed = max((f for cell in self.cells for s in cell.subsets for f in s.files), default=FILES)
+        for file, seed in enumerate(seeds.spawn(needed), 1):
+            experience, attempts = train(env, seed, self.noise, self.number, file)
+            files.append(experience)
+            rows += attempts
+        env.close()
+        return files, rows
+
+    def _recalls(
+        self, noise: Noise, files: Sequence[Experience], seeds: np.random.SeedSequence
+    ) -> Iterator[RecallRow]:
+        for cell, cell_seeds in zip(self.cells, seeds.spawn(len(self.cells)), strict=True):
+            env = recall_env(cell.arena, noise)
+            numbers = iter(cell_seeds.generate_state(cell.size).tolist())
+            for subset in cell.subsets:
+                imitator, size = self._imitator(subset, files, env.diagonal)
+                for i in range(cell.recalls):
+                    yield recall(
+                        env,
+                        imitator,
+                        next(numbers),
+                        noise=self.noise,
+                        replication=self.number,
+                        episodes=cell.episodes,
+                        file_id=subset.name,
+                        number=i,
+                        experience_size=size,
+                    )
+            env.close()
+
+    @staticmethod
+    def _imitator(
+        subset: Subset, files: Sequence[Experience], diagonal: int
+    ) -> tuple[NearestNeighbourImitator, int]:
+        vectors, behaviours = arrays([files[f - 1] for f in subset.files])
+        return NearestNeighbourImitator(diagonal=diagonal).fit(vectors, behaviours), len(behaviours)
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """The teacher alone, or a policy that draws its behaviours: a block of forages under the laboratory's noise.
+
+    Attributes:
+        seed: Of the whole reproduction.
+        number: Of the block; it stands for a replication.
+        learner: `teacher` or `random`.
+        arena: `corridor` or `rectangle`.
+        forages: How many.
+    """
+
+    seed: int
+    number: int
+    learner: str
+    arena: str
+    forages: int
+
+    def run(self) -> Outcome:
+        """Forage, and return the rows."""
+        limit = next(cell.limit for cell in THESIS if cell.arena == self.arena)
+        if self.learner == TEACHER:
+            limit *= TEACHER_LIMIT_FACTOR
+        env = recall_env(self.arena, limit=limit)
+        policy: Policy = Teacher(env.home_radius) if self.learner == TEACHER else UniformPolicy()
+        key = (self.number, 1000 + (self.learner == RANDOM), len(self.arena))
+        seeds = np.random.SeedSequence(self.seed, spawn_key=key).generate_state(self.forages).tolist()
+        rows = tuple(
+            recall(env, policy, seed, learner=self.learner, replication=self.number, number=i)
+            for i, seed in enumerate(seeds)
+        )
+        env.close()
+        return Outcome(rows)
+
+
+@dataclass(frozen=True, slots=True)
+class Attempts:
+    """Ten training files under another noise condition, for their attempts alone (5.3.1)."""
+
+    seed: int
+    number: int
+    noise: str = NO_LOSSES
+
+    def run(self) -> Outcome:
+        """Train, and return the rows."""
+        return Outcome(trainings=Replication(self.seed, self.number, self.noise, ()).run().trainings)
+
+
+Work = Replication | Baseline | Attempts
