@@ -28,6 +28,8 @@ def site_of(arena: Arena) -> Site:
 class Forager:
     """Perception and motors of one robot in its own arena.
 
+    What it perceives is of the last round: `raw`, `vector`, and the `state` that the teacher would classify it as.
+
     Args:
         robot: The body.
         site: Its arena.
@@ -43,6 +45,7 @@ class Forager:
         self.own: Region
         self.raw: RawData
         self.vector: StateVector
+        self.state: State
         self.senses: Senses = robot.sense()
         self.applied: Motors = robot.drive(Motors(0, 0, self.senses.arm, self.senses.jaw))
 
@@ -51,13 +54,8 @@ class Forager:
         return own_region(scene, self.site, self.holes) is not None
 
     @property
-    def state(self) -> State:
-        """What the teacher would classify the present state vector as."""
-        return classify(self.vector, self.site.home_radius)
-
-    @property
     def correct_behaviour(self) -> Behaviour:
-        """What the teacher would do."""
+        """What the teacher would do now."""
         return behaviour_for(self.state)
 
     def motors_for(self, behaviour: int) -> Motors:
@@ -80,3 +78,4 @@ class Forager:
         food = nearest_food(scene, self.site, own.x, own.y, register.settled)
         self.raw = perceive(self.senses, own, food, register.type_in_gripper, self.site)
         self.vector = state_vector(self.raw, self.site.diagonal)
+        self.state = classify(self.vector, self.site.home_radius)

@@ -54,6 +54,9 @@ class FoodRegister:
     Attributes:
         delivered: Whether each object has been brought home.
         settled: Labels of regions that are no candidates for nearest food.
+        delivered_food: Objects brought home that are not poisonous.
+        poison_home: Poisonous objects brought home.
+        deliverable: Objects that are not known to be poisonous.
     """
 
     def __init__(self, site: Site, places: Sequence[tuple[float, float]], types: FoodTypes) -> None:
@@ -62,8 +65,13 @@ class FoodRegister:
         self._places = list(places)
         self._objects: dict[int, int] = {}
         self._held: int | None = None
+        # Objects that were in the gripper since they were last seen: they may turn up under another label.
+        self._carried: set[int] = set()
         self.delivered = [False] * len(places)
         self.settled: set[int] = set()
+        self._told: object = None
+        self.delivered_food = self.poison_home = 0
+        self.deliverable = len(places)
 
     @property
     def known(self) -> list[FoodType]:
@@ -81,24 +89,20 @@ class FoodRegister:
         return [d and k != FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True)]
 
     @property
-    def delivered_food(self) -> int:
-        """Objects brought home that are not poisonous."""
-        return sum(self.collected)
-
-    @property
-    def poison_home(self) -> int:
-        """Poisonous objects brought home."""
-        return sum(d and k == FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
-
-    @property
-    def deliverable(self) -> int:
-        """Objects that are not known to be poisonous."""
-        return sum(k != FoodType.POISONOUS for k in self.known)
-
-    @property
     def finished(self) -> bool:
         """Whether every object is delivered or known to be poisonous."""
-        return all(d or k == FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True))
+        return self.delivered_food == self.deliverable
+
+    def _count(self) -> None:
+        poisonous = [k == FoodType.POISONOUS for k in self.known]
+        self.delivered_food = sum(self.collected)
+        self.poison_home = sum(d and p for d, p in zip(self.delivered, poisonous, strict=True))
+        self.deliverable = len(poisonous) - sum(poisonous)
+        self.settled = {
+            label
+            for label, k in self._objects.items()
+            if self.delivered[k] or (poisonous[k] and k != self._held)
+        }
 
     def object_of(self, label: int) -> int | None:
         """Number of the food object that a region shows, if it is tied to one."""
@@ -120,16 +124,16 @@ class FoodRegister:
             if self._held is None:
                 self._held = self._nearest(gripper, range(len(self._places)))
             self._places[self._held] = gripper
+            self._carried.add(self._held)
             if self.known[self._held] == FoodType.UNKNOWN and explored(before, after, applied):
                 self._types.identify(self._held)
         else:
             self._held = None
         self._tie(scene)
-        self.settled = {
-            label
-            for label, k in self._objects.items()
-            if self.delivered[k] or (self.known[k] == FoodType.POISONOUS and k != self._held)
-        }
+        told = (self._held, tuple(self.known), tuple(self.delivered), tuple(self._objects.items()))
+        if told != self._told:
+            self._told = told
+            self._count()
 
     def _tie(self, scene: Scene) -> None:
         """Tie new regions to objects, follow them, and see which lie at home."""
@@ -143,14 +147,15 @@ class FoodRegister:
             if not region.found:
                 continue
             if region.label not in labels:
-                seen = {labels[r.label] for r in scene.regions if r.found and r.label in labels}
-                unseen = [k for k in range(len(self._places)) if k not in seen]
-                if not unseen:
+                tied = {labels[r.label] for r in scene.regions if r.label in labels} - self._carried
+                free = [k for k in range(len(self._places)) if k not in tied]
+                if not free:
                     continue
-                labels[region.label] = self._nearest((region.x, region.y), unseen)
+                labels[region.label] = self._nearest((region.x, region.y), free)
             k = labels[region.label]
             if k == self._held:
                 continue
+            self._carried.discard(k)
             self._places[k] = region.x, region.y
             if not self.delivered[k] and at_home(region.x, region.y, site.home_x, site.home_y, site.home_radius):
                 self.delivered[k] = True

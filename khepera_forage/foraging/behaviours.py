@@ -60,6 +60,8 @@ _DEEP = 7.0
 """Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
 _AROUND_HOME = 6.0
 """Pixels by which a searching robot passes its home."""
+_SQUARE = 40.0
+"""Degrees of detour from which the home counts as squarely in the way."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 _OBSTACLE = 150
@@ -78,7 +80,7 @@ def command(behaviour: int, raw: RawData) -> Motors:
     if behaviour == Behaviour.SEARCH_FOR_FOOD:
         return _search(raw)
     if behaviour == Behaviour.MOVE_SLOWLY:
-        return _approach(raw, SLOW)
+        return _approach(raw, SLOW, _detour(raw))
     if behaviour == Behaviour.ORIENT_WITH_FOOD:
         return _orient(raw)
     if behaviour == Behaviour.EXPLORE_FOOD:
@@ -104,10 +106,7 @@ def wait(raw: RawData) -> Motors:
 
 
 def _search(raw: RawData) -> Motors:
-    if raw.arm >= ARM_ON_FLOOR:
-        # Clear of what may lie between the fingers, such as poison.
-        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
-    if not raw.food_seen:
+    if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
         # Turning uncovers what the robot's own marker hides.
         return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
     return _approach(raw, FAST, _detour(raw))
@@ -115,7 +114,9 @@ def _search(raw: RawData) -> Motors:
 
 def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
     """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
-    if raw.food_seen and math.hypot(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR:
+    near = raw.food_seen and math.hypot(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR
+    if near or raw.arm >= ARM_ON_FLOOR:
+        # First clear of what may lie between the fingers, such as poison.
         return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
     left, right = _steer(raw, _bearing(raw, raw.food_x, raw.food_y) + aside if raw.food_seen else 0.0, speed)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
@@ -136,7 +137,9 @@ def _orient(raw: RawData) -> Motors:
     if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
         return Motors(-RETREAT, -RETREAT, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
-        back = -CREEP if distance < _CLEAR else 0.0
+        # An arm that stops just above the floor has come down on something: back off that too.
+        stalled = raw.arm == ARM_ON_FLOOR - 1
+        back = -CREEP if distance < _CLEAR or stalled else 0.0
         turn = _clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
     if abs(error) > _AIMED:
@@ -166,11 +169,15 @@ def _go_home(raw: RawData) -> Motors:
 
 
 def _avoid_home(raw: RawData) -> Motors:
-    away = _bearing(raw, 2 * raw.x - raw.home_x, 2 * raw.y - raw.home_y)
-    if abs(away) > 90.0 and not (raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0):
+    away = math.degrees(math.atan2(raw.y - raw.home_y, raw.x - raw.home_x))
+    # Behind the home there is no way out: out means its open side.
+    out = raw.home_opening + _clip(turn_to(away, raw.home_opening), 80.0)
+    error = turn_to(out, raw.orientation)
+    blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
+    if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
         # Facing the home, with what was released in front of it, a robot leaves backwards.
         return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = _steer(raw, away, SLOW)
+    left, right = _steer(raw, error, SLOW)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
@@ -201,7 +208,7 @@ def _detour(raw: RawData) -> float:
     hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
     fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
     home, food = math.hypot(hx, hy), math.hypot(fx, fy)
-    if home <= raw.home_radius or food == 0.0:
+    if not raw.food_seen or home <= raw.home_radius or food == 0.0:
         return 0.0
     along = (hx * fx + hy * fy) / food
     aside = math.degrees(math.atan2(hx * fy - hy * fx, hx * fx + hy * fy))
@@ -211,7 +218,7 @@ def _detour(raw: RawData) -> float:
     # Past the side nearer to the food, unless the home stands against a wall there.
     opening = math.radians(turn_to(raw.home_opening, math.degrees(math.atan2(hy, hx))))
     side = math.copysign(1.0, aside)
-    if side * math.sin(opening) < -0.6:
+    if berth - abs(aside) > _SQUARE and side * math.sin(opening) < -0.6:
         side = -side
     return math.copysign(berth, side) - aside
 

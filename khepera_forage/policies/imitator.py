@@ -53,8 +53,8 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
         diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
             in the rectangle. It can be changed after `fit`, with `set_params`.
         threshold: At least 0. Above 0 it is the variant that section 4.6.1 tried "with poor results": every
-            vector within the minimum distance plus `threshold` votes. It is taken for the decimal number it is
-            written as: 0.1 is one tenth. The thesis' wording allows another reading, in which vectors are
+            vector within the minimum distance plus `threshold` votes. It is taken for the decimal number it
+            is written as: 0.1 is one tenth. The thesis' wording allows another reading, in which vectors are
             appended to the list while the best is still being sought; its outcome depends on the order of the
             file, this one's does not.
 

@@ -26,5 +26,7 @@ class Listener:
             ValueError: Not an observation of the training environment.
         """
         if isinstance(observation, dict) or len(observation) != SEPARATED + 1:
-            raise ValueError(f"observation is {observation!r}; allowed: seven integers of a training environment")
+            raise ValueError(
+                f"observation is {observation!r}; allowed: seven integers of a training environment"
+            )
         return Behaviour(int(observation[HEARD]))

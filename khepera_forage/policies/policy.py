@@ -33,7 +33,7 @@ def state_vector_of(observation: Observation) -> StateVector:
 
     Args:
         observation: A mapping with the five attribute names as keys, or a sequence or one-dimensional array
-            that starts with the five attributes in the order of `StateVector`; what follows them is left out. A
+            that starts with the five attributes in the order of `StateVector`; what follows is left out. A
             value is an integer of Python or NumPy, or an array that holds one.
 
     Raises:
@@ -49,8 +49,9 @@ def state_vector_of(observation: Observation) -> StateVector:
                 observation["robot_food_distance"],
             )
         except KeyError as error:
+            needed = ", ".join(StateVector._fields)
             raise ValueError(
-                f"observation lacks {error.args[0]!r}, it has {list(observation)}; needed: {StateVector._fields}"
+                f"observation lacks {error}, it has {list(observation)}; needed: {needed}"
             ) from None
     elif isinstance(observation, np.ndarray):
         if observation.ndim != 1:

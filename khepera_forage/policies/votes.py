@@ -1,9 +1,9 @@
 """Who votes: the experience vectors at the minimum distance from a state vector (section 4.6.1).
 
 `PixelVotes` holds state vectors of whole numbers and counts distances in whole units of 1 / (55 * diagonal),
-so that ties are exact. `PlainVotes` holds any other numbers. Both merge equal vectors into one row with a count
-for every class. An index for millions of vectors (a k-d tree over the two distances of each group) can take the
-place of `PixelVotes`: what the imitator needs of it is `VoteIndex` and `plain`.
+so that ties are exact. `PlainVotes` holds any other numbers. Both merge equal vectors into one row with a
+count for every class. An index for millions of vectors (a k-d tree over the two distances of each group) can
+take the place of `PixelVotes`: what the imitator needs of it is `VoteIndex` and `plain`.
 """
 
 import operator
@@ -76,9 +76,9 @@ class VoteIndex(Protocol):
 class PixelVotes:
     """Votes among state vectors of whole numbers, as `are_pixels` has them.
 
-    Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are left
-    to compare, and a group whose other attributes alone are further away than the best vector so far is never
-    looked at: of the groups, a query mostly needs one.
+    Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are
+    left to compare, and a group whose other attributes alone are further away than the best vector so far is
+    never looked at: of the groups, a query mostly needs one.
     """
 
     def __init__(self, classes: int) -> None:

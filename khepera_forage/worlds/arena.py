@@ -127,9 +127,14 @@ class Arena:
 
 
 def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
-    """An arena and its copies side by side, the narrow way, with `gap` mm between their walls.
+    """An arena and its copies side by side the narrow way, then in further rows, with `gap` mm between their walls.
 
     The gap keeps a marker of one from covering the floor of the next.
+
+    Args:
+        arena: The original, which is the first.
+        count: How many arenas in all.
+        gap: In mm.
 
     Raises:
         ValueError: Fewer than one arena, or a negative gap.
@@ -140,8 +145,11 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
         raise ValueError(f"gap between arenas is {gap!r} mm; allowed: at least 0")
     x1, y1, x2, y2 = arena.bounds
     width, height = x2 - x1, y2 - y1
-    dx, dy = (0.0, height + gap) if height <= width else (width + gap, 0.0)
-    return tuple(arena.shifted(i * dx, i * dy) for i in range(count))
+    dx, dy = width + gap, height + gap
+    # As many rows or columns as 2.4 m of the thesis' laboratory floor hold.
+    abreast = max(1, int((2400.0 + gap) / min(dx, dy)))
+    places = (divmod(i, abreast) for i in range(count))
+    return tuple(arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places)
 
 
 def _box(length: float, width: float) -> tuple[Point, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-_BLOCK = 1024
+_BLOCK = 512
 
 
 class Draws:

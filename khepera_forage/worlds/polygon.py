@@ -69,3 +69,11 @@ def _cross(a: Segment, b: Segment) -> bool:
         return (s[2] - s[0]) * (y - s[1]) - (s[3] - s[1]) * (x - s[0])
 
     return side(a, b[0], b[1]) * side(a, b[2], b[3]) <= 0 and side(b, a[0], a[1]) * side(b, a[2], a[3]) <= 0
+
+
+def line_of(segment: Segment) -> tuple[float, float, float]:
+    """The line through a segment as a unit normal (x, y) and an offset: normal . point = offset on it."""
+    x1, y1, x2, y2 = segment
+    length = math.hypot(x2 - x1, y2 - y1)
+    normal_x, normal_y = (y1 - y2) / length, (x2 - x1) / length
+    return normal_x, normal_y, normal_x * x1 + normal_y * y1

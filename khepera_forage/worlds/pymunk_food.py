@@ -13,11 +13,17 @@ FLOOR_FRICTION = 0.3 * MASS * 9810.0
 
 
 class PymunkFood:
-    """One food object: on the floor, or lifted off it."""
+    """One food object: on the floor, or lifted off it.
+
+    Attributes:
+        place: Where its centre was at the end of the last round, in mm.
+        lifted: Whether it is off the floor.
+    """
 
     def __init__(self, space: pymunk.Space, place: Point) -> None:
         self.body = pymunk.Body(MASS, pymunk.moment_for_circle(MASS, 0, FOOD_RADIUS))
         self.body.position = place
+        self.place: tuple[float, float] = place
         self.shape = pymunk.Circle(self.body, FOOD_RADIUS)
         self.shape.friction = 0.2
         self._slide = pymunk.PivotJoint(space.static_body, self.body, (0, 0), (0, 0))
@@ -33,3 +39,8 @@ class PymunkFood:
         self.shape.filter = layers.LIFTED_FOOD if lifted else layers.FOOD
         self._slide.max_force = 0.0 if lifted else FLOOR_FRICTION
         self._spin.max_force = 0.0 if lifted else FLOOR_FRICTION * FOOD_RADIUS * 2 / 3
+
+    def end_round(self) -> None:
+        """Take down where it is now."""
+        x, y = self.body.position
+        self.place = x, y

@@ -26,7 +26,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, REACH, cast
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Pose
-from khepera_forage.worlds.polygon import Segment, distance
+from khepera_forage.worlds.polygon import Segment, distance, line_of
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_gripper import PymunkGripper
 
@@ -36,6 +36,10 @@ _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
+_PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
+"""Encoder pulses a round at one speed unit."""
+# The property's own function: setting it by name costs twice as much, five times a round.
+_set_velocity = pymunk.Body.velocity.fset
 
 _HIDDEN_LOW = HIDDEN_BY_ARM[0]
 _HIDDEN_SPAN = HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1
@@ -75,23 +79,18 @@ class PymunkKhepera:
         pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
         space.add(self.body, shape, self._wheels, pull, twist)
         self.gripper = PymunkGripper(space, self.body)
+        self.pose = pose
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
-        self._walls = walls
+        self._walls = [(wall, *line_of(wall)) for wall in walls]
         self._noise = noise
         self._left_share, self._right_share = 1.0 + bias[0], 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
-        self._pulses = [0.0, 0.0]
+        self._left_pulses = self._right_pulses = 0.0
         self._senses: Senses | None = None
         self._sensor_draws: list[float] = [0.5] * 8
         self._forward = 0.0
         self._survey()
-
-    @property
-    def pose(self) -> Pose:
-        """Where the robot truly is."""
-        x, y = self.body.position
-        return Pose(x, y, self.body.angle)
 
     def sense(self) -> Senses:
         """What the robot senses now; the same until the world advances."""
@@ -133,7 +132,7 @@ class PymunkKhepera:
             sensor_draws: Eight uniform ones.
 
         Returns:
-            How far any point of the robot can get in the round, in mm.
+            How far any point of the robot can get in the round, in mm; 0 if there is no wall to touch within that.
         """
         self._sensor_draws = sensor_draws
         left, right, _, _ = self._command
@@ -143,61 +142,67 @@ class PymunkKhepera:
         self._forward = (left_speed + right_speed) / 2
         turn = (right_speed - left_speed) / WHEEL_BASE
         self._wheels.angular_velocity = turn
-        return (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
-
-    def room(self) -> float:
-        """mm between the walls and the farthest that the robot's gripper and food reach."""
-        return self._room
+        if not self._forward:
+            self._wheels.velocity = 0.0, 0.0
+        travel = (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
+        return 0.0 if self._has_room(travel) else travel
 
     def push(self, dt: float) -> None:
         """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
-        angle = self.body.angle
-        self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
+        forward = self._forward
+        if forward:
+            angle = self.body.angle
+            _set_velocity(self._wheels, (forward * math.cos(angle), forward * math.sin(angle)))
         gripper = self.gripper
         _, _, arm, jaw = self._command
         if arm != gripper.arm or (jaw != gripper.jaw and (gripper.held is None or jaw > gripper.jaw)):
             gripper.move(arm, jaw, dt, self.foods, self.others)
 
     def end_round(self) -> None:
-        """Count the wheels' pulses and look where the walls are now."""
-        self._pulses[0] += self._command.left * SPEED_UNIT * CONTROL_PERIOD / PULSE
-        self._pulses[1] += self._command.right * SPEED_UNIT * CONTROL_PERIOD / PULSE
+        """Count the wheels' pulses and look where the robot and the walls are now."""
+        left, right, _, _ = self._command
+        self._left_pulses += left * _PULSES
+        self._right_pulses += right * _PULSES
         self._senses = None
         self._survey()
 
     def _survey(self) -> None:
-        """Which walls are in range, and how much room there is before anything can touch one."""
+        """Where the robot is, and which walls are in range of its sensors."""
         body = self.body
         x, y = body.position
         angle = body.angle
-        tip_x = x + _GRIPPER_AHEAD * math.cos(angle)
-        tip_y = y + _GRIPPER_AHEAD * math.sin(angle)
-        pushing = False
+        self.pose = Pose(x, y, angle)
+        # The distance from a wall's line is cheap, and mostly shows that the wall is out of range.
+        self._near_walls = [
+            wall
+            for wall, normal_x, normal_y, offset in self._walls
+            if abs(normal_x * x + normal_y * y - offset) < REACH and distance(x, y, wall) < REACH
+        ]
+
+    def _has_room(self, travel: float) -> bool:
+        """Whether neither the robot nor what it moves can touch a wall if no point of it gets further than this."""
+        x, y, angle = self.pose
+        reach = RADIUS
         for food in self.foods:
             if food is not self.gripper.held:
-                food_x, food_y = food.body.position
-                pushing = pushing or (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2
-        room = math.inf
-        near = []
-        for wall in self._walls:
-            d = distance(x, y, wall)
-            if d < REACH:
-                near.append(wall)
-            if d < room + RADIUS:
-                room = min(d - (_PUSHED if pushing else RADIUS), room)
-            if d < _GRIPPER_AHEAD + _GRIPPER_RADIUS + room:
-                room = min(distance(tip_x, tip_y, wall) - _GRIPPER_RADIUS, room)
-        self._near_walls = near
-        self._room = room
+                food_x, food_y = food.place
+                if (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2:
+                    reach = _PUSHED
+        tip_x, tip_y = x + _GRIPPER_AHEAD * math.cos(angle), y + _GRIPPER_AHEAD * math.sin(angle)
+        for wall, normal_x, normal_y, offset in self._walls:
+            if abs(normal_x * x + normal_y * y - offset) < _PUSHED + travel and (
+                distance(x, y, wall) < reach + travel or distance(tip_x, tip_y, wall) < _GRIPPER_RADIUS + travel
+            ):
+                return False
+        return True
 
     def _read(self) -> Senses:
         gripper = self.gripper
-        body = self.body
-        x, y = body.position
+        x, y, angle = self.pose
         blocked = gripper.arm >= ARM_ON_FLOOR
         discs = []
         for food in self.foods:
-            fx, fy = food.body.position
+            fx, fy = food.place
             if (fx - x) ** 2 + (fy - y) ** 2 < (REACH + FOOD_RADIUS) ** 2 and not food.lifted:
                 discs.append((fx, fy, FOOD_RADIUS))
         for other in self.others:
@@ -205,7 +210,6 @@ class PymunkKhepera:
             if (ox - x) ** 2 + (oy - y) ** 2 < (REACH + RADIUS) ** 2:
                 discs.append((ox, oy, RADIUS))
         if self._near_walls or discs:
-            angle = body.angle
             clean = cast(
                 x, y, math.cos(angle), math.sin(angle), self._near_walls, discs, first=6 if blocked else 0
             )
@@ -213,8 +217,8 @@ class PymunkKhepera:
             clean = [0.0] * 8
         return Senses(
             self._noisy(clean, blocked),
-            int(self._pulses[0]),
-            int(self._pulses[1]),
+            int(self._left_pulses),
+            int(self._right_pulses),
             int(gripper.arm + 0.5),
             int(gripper.jaw + 0.5),
             PRESENT if gripper.interrupted(self.foods) else 0,

@@ -9,6 +9,8 @@ import pymunk
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
 from khepera_forage.vision.overhead import OverheadCamera, Truth
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Arena, Point, Pose
 from khepera_forage.worlds.draws import Draws
@@ -39,6 +41,14 @@ class PymunkWorld:
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
+        x2, y2 = max(arena.bounds[2] for arena in arenas), max(arena.bounds[3] for arena in arenas)
+        x1, y1 = min(arena.bounds[0] for arena in arenas), min(arena.bounds[1] for arena in arenas)
+        width, height = PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL
+        if x1 < 0 or y1 < 0 or x2 > width or y2 > height:
+            raise ValueError(
+                f"arenas reach from ({x1:g}, {y1:g}) to ({x2:g}, {y2:g}) mm; "
+                f"allowed: (0, 0) to ({width:g}, {height:g}), what the camera sees"
+            )
         if not markers or any(holes not in (1, 2) for holes in markers):
             raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
         self.arenas = tuple(arenas)
@@ -46,11 +56,7 @@ class PymunkWorld:
         self.foods: tuple[PymunkFood, ...] = ()
         self.robots: tuple[PymunkKhepera, ...] = ()
         self._markers = tuple(markers)
-        xs = [arena.bounds for arena in self.arenas]
-        anchor = (
-            (min(b[0] for b in xs) + max(b[2] for b in xs)) / 2,
-            (min(b[1] for b in xs) + max(b[3] for b in xs)) / 2,
-        )
+        anchor = (x1 + x2) / 2, (y1 + y2) / 2
         self.camera = OverheadCamera(self._truth, self.noise, anchor)
         self._space = pymunk.Space()
 
@@ -106,14 +112,15 @@ class PymunkWorld:
         robots = self.robots
         for i, robot in enumerate(robots):
             travel = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
-            if robot.room() < travel:
-                substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
+            substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
         dt = CONTROL_PERIOD / substeps
         step = self._space.step
         for _ in range(substeps):
             for robot in robots:
                 robot.push(dt)
             step(dt)
+        for food in self.foods:
+            food.end_round()
         for robot in robots:
             robot.end_round()
         self.camera.expose()
@@ -124,7 +131,7 @@ class PymunkWorld:
 
     def food_places(self) -> tuple[FoodPlace, ...]:
         """Where the food truly is."""
-        return tuple(FoodPlace(*food.body.position, food.lifted) for food in self.foods)
+        return tuple(FoodPlace(*food.place, food.lifted) for food in self.foods)
 
     def place(self, robot: int, pose: Pose) -> None:
         """Put a robot down elsewhere, with what it holds.
@@ -141,11 +148,8 @@ class PymunkWorld:
             robot.close()
 
     def _truth(self) -> Truth:
-        markers = []
-        for robot, holes in zip(self.robots, self._markers, strict=True):
-            x, y = robot.body.position
-            markers.append((x, y, robot.body.angle, holes))
-        return Truth(tuple(markers), tuple([tuple(food.body.position) for food in self.foods]))
+        markers = [(*robot.pose, holes) for robot, holes in zip(self.robots, self._markers, strict=True)]
+        return Truth(tuple(markers), tuple([food.place for food in self.foods]))
 
     def _arena_of(self, what: str, place: Sequence[float], radius: float) -> Arena:
         point = Point(place[0], place[1])
