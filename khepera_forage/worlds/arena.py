@@ -73,7 +73,7 @@ class Arena:
     @property
     def segments(self) -> tuple[tuple[float, float, float, float], ...]:
         """All walls as line segments (x1, y1, x2, y2)."""
-        return tuple(s for corners in (self.walls, *self.obstacles) for s in polygon.edges(corners))
+        return polygon.all_edges((self.walls, *self.obstacles))
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

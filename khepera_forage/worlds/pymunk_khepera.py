@@ -36,6 +36,8 @@ _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
+_STRAIGHT = 0.2
+"""Radians a second up to which a robot counts as driving straight: a degree in a round."""
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
 # The property's own function: setting it by name costs twice as much, five times a round.
@@ -90,6 +92,7 @@ class PymunkKhepera:
         self._senses: Senses | None = None
         self._sensor_draws: list[float] = [0.5] * 8
         self._forward = 0.0
+        self._steering = False
         self._survey()
 
     def sense(self) -> Senses:
@@ -142,21 +145,36 @@ class PymunkKhepera:
         self._forward = (left_speed + right_speed) / 2
         turn = (right_speed - left_speed) / WHEEL_BASE
         self._wheels.angular_velocity = turn
-        if not self._forward:
-            self._wheels.velocity = 0.0, 0.0
+        # On an all but straight way one direction, that of the middle of the round, does for all of it.
+        self._steering = self._forward != 0.0 and abs(turn) > _STRAIGHT
+        if not self._steering:
+            self._point_wheels(self.pose.heading + turn * CONTROL_PERIOD / 2)
         travel = (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
         return 0.0 if self._has_room(travel) else travel
 
-    def push(self, dt: float) -> None:
-        """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
-        forward = self._forward
-        if forward:
-            angle = self.body.angle
-            _set_velocity(self._wheels, (forward * math.cos(angle), forward * math.sin(angle)))
+    @property
+    def busy(self) -> bool:
+        """Whether wheels, arm or jaw want to be moved along within the round."""
         gripper = self.gripper
         _, _, arm, jaw = self._command
-        if arm != gripper.arm or (jaw != gripper.jaw and (gripper.held is None or jaw > gripper.jaw)):
+        return (
+            self._steering
+            or arm != gripper.arm
+            or (jaw != gripper.jaw and (gripper.held is None or jaw > gripper.jaw))
+        )
+
+    def push(self, dt: float) -> None:
+        """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
+        if self._steering:
+            self._point_wheels(self.body.angle)
+        _, _, arm, jaw = self._command
+        gripper = self.gripper
+        if arm != gripper.arm or jaw != gripper.jaw:
             gripper.move(arm, jaw, dt, self.foods, self.others)
+
+    def _point_wheels(self, heading: float) -> None:
+        forward = self._forward
+        _set_velocity(self._wheels, (forward * math.cos(heading), forward * math.sin(heading)))
 
     def end_round(self) -> None:
         """Count the wheels' pulses and look where the robot and the walls are now."""

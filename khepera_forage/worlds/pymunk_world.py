@@ -115,8 +115,9 @@ class PymunkWorld:
             substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
         dt = CONTROL_PERIOD / substeps
         step = self._space.step
+        busy = [robot for robot in robots if robot.busy]
         for _ in range(substeps):
-            for robot in robots:
+            for robot in busy:
                 robot.push(dt)
             step(dt)
         for food in self.foods:
