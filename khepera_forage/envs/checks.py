@@ -28,7 +28,9 @@ def behaviour_number(action: Any, count: int, agent: str = "") -> int:
     if isinstance(action, numbers.Integral) and not isinstance(action, bool) and 0 <= int(action) < count:
         return int(action)
     who = f" of {agent}" if agent else ""
-    raise ValueError(f"action{who} is {action!r}; allowed: a whole number from 0 to {count - 1}, one behaviour each")
+    raise ValueError(
+        f"action{who} is {action!r}; allowed: a whole number from 0 to {count - 1}, one behaviour each"
+    )
 
 
 def motor_action(action: Any) -> NDArray[np.float64]:

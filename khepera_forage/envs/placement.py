@@ -37,7 +37,9 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
     """
     x1, y1, x2, y2 = arena.bounds
     for _ in range(_TRIES):
-        start = Pose(float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)), float(rng.uniform(-math.pi, math.pi)))
+        start = Pose(
+            float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)), float(rng.uniform(-math.pi, math.pi))
+        )
         if not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
             continue
         places: list[Point] = []
@@ -52,7 +54,9 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
                 places.append(place)
                 if len(places) == foods:
                     return Layout((start,), tuple(places))
-    raise ValueError(f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger")
+    raise ValueError(
+        f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
+    )
 
 
 def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], rng: np.random.Generator) -> Layout:
@@ -106,11 +110,16 @@ def training_layout(arenas: Sequence[Arena], noise: Noise, rng: np.random.Genera
             error = noise.placement_error
             start = Pose(arena.start.x + error * dx, arena.start.y + error * dy, turn)
             moved = rng.standard_normal((len(arena.foods), 2)).tolist()
-            places = [Point(f.x + error * ex, f.y + error * ey) for f, (ex, ey) in zip(arena.foods, moved, strict=True)]
+            places = [
+                Point(f.x + error * ex, f.y + error * ey)
+                for f, (ex, ey) in zip(arena.foods, moved, strict=True)
+            ]
             if arena.clearance(start) >= RADIUS and all(arena.clearance(p) >= FOOD_RADIUS for p in places):
                 break
         else:
-            raise ValueError(f"{arena.name}: start or food too near a wall for a placement error of {error:g} mm")
+            raise ValueError(
+                f"{arena.name}: start or food too near a wall for a placement error of {error:g} mm"
+            )
         starts.append(start)
         foods += places
     return Layout(tuple(starts), tuple(foods))

@@ -9,7 +9,14 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.checks import FoodOdds, behaviour_number, food_odds, motor_action, the_arena, whole_number
+from khepera_forage.envs.checks import (
+    FoodOdds,
+    behaviour_number,
+    food_odds,
+    motor_action,
+    the_arena,
+    whole_number,
+)
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import given_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
@@ -46,7 +53,9 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         world: World | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ValueError(f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}")
+            raise ValueError(
+                f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}"
+            )
         self.arena = the_arena(arena)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
@@ -137,10 +146,12 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self.render()
         return self._observation(forager), reward, terminated, truncated, self._info(forager)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
         if self.render_mode is None:
-            gym.logger.warn("render() without a render_mode; make the environment with render_mode='rgb_array'")
+            gym.logger.warn(
+                "render() without a render_mode; make the environment with render_mode='rgb_array'"
+            )
             return None
         if self._renderer is None:
             self._renderer = Renderer(self.render_mode)
@@ -326,7 +337,9 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
             arm=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
             jaw=spaces.Box(JAW_CLOSED, JAW_OPEN, (1,), np.int64),
             object_presence=spaces.Discrete(flag),
-            pose=spaces.Box(np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64),
+            pose=spaces.Box(
+                np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64
+            ),
             tracked=spaces.Discrete(flag),
             food_seen=spaces.Discrete(flag),
             food=spaces.Box(-place, place, (2,), np.float64),

@@ -157,7 +157,9 @@ class FoodRegister:
                 continue
             self._carried.discard(k)
             self._places[k] = region.x, region.y
-            if not self.delivered[k] and at_home(region.x, region.y, site.home_x, site.home_y, site.home_radius):
+            if not self.delivered[k] and at_home(
+                region.x, region.y, site.home_x, site.home_y, site.home_radius
+            ):
                 self.delivered[k] = True
                 self._types.identify(k)
         for label in [label for label in labels if label not in live]:

@@ -72,7 +72,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     food of all arenas is of one type), `patience`, `render_mode`, `world`.
     """
 
-    metadata = {  # noqa: RUF012 (PettingZoo's own form)
+    metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
         "name": "paired_corridors_v0",
         "render_modes": ["human", "rgb_array"],
         "render_fps": 10,
@@ -93,7 +93,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ValueError(f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}")
+            raise ValueError(
+                f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}"
+            )
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
         self.patience = whole_number("patience", patience, 1)
         self.render_mode = render_mode
@@ -184,7 +186,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         diagonal = self._sites[0].diagonal
         heard = self._actions[0] if i else Behaviour.WAIT
         apart = self._separated[i] if i else any(self._separated)
-        return np.array((presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64)
+        return np.array(
+            (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64
+        )
 
     def step(self, action: int | None) -> None:
         """The selected agent's step; the last agent's ends the round.
@@ -220,7 +224,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         """
         i = self._index.get(agent, 0)
         if i == 0:
-            raise ValueError(f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}")
+            raise ValueError(
+                f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
+            )
         x, y, heading = self._teacher_beside(i)
         self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
         self._separated_rounds[i] = 0
@@ -228,7 +234,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
         if self.render_mode is None:
-            gym.logger.warn("render() without a render_mode; make the environment with render_mode='rgb_array'")
+            gym.logger.warn(
+                "render() without a render_mode; make the environment with render_mode='rgb_array'"
+            )
             return None
         if self._renderer is None:
             self._renderer = Renderer(self.render_mode)
@@ -237,7 +245,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def view(self) -> View:
         """What a picture of the present round shows."""
         foragers = self.foragers
-        names = [agent.replace("_0", "") if len(foragers) == 2 else agent.replace("_", " ") for agent in self._index]
+        names = [
+            agent.replace("_0", "") if len(foragers) == 2 else agent.replace("_", " ")
+            for agent in self._index
+        ]
         names[0] = "teacher"
         started = self._steps > 0
         return View(
@@ -282,13 +293,17 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             forager.perceive(scene)
         self._steps += 1
         self._update_separation()
-        complete = all(f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers)
+        complete = all(
+            f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers
+        )
         given_up = self._steps >= self.max_cycles or max(self._separated_rounds) >= self.patience
         for i, agent in enumerate(self.agents):
             delivered, poison = before[i]
             register = foragers[i].register
             self.rewards[agent] = (
-                (register.delivered_food - delivered) - (register.poison_home - poison) - 1.0 / self.max_cycles
+                (register.delivered_food - delivered)
+                - (register.poison_home - poison)
+                - 1.0 / self.max_cycles
             )
             self.terminations[agent] = complete
             self.truncations[agent] = given_up and not complete
@@ -337,5 +352,3 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             "separated_rounds": self._separated_rounds[i],
             "separations": self._separations[i],
         }
-
-

@@ -5,12 +5,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from khepera_forage.experiments.design import LABORATORY, THESIS, Cell, noise_conditions
 from khepera_forage.experiments.replication import Attempts, Baseline, Outcome, Replication, Work
-from khepera_forage.experiments.report import write_report
+from khepera_forage.experiments.report import PAGE, write_report
 from khepera_forage.experiments.row_files import RowWriter
 from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 
@@ -65,7 +66,9 @@ def reproduce(seed: int, replications: int, out: Path, jobs: int = -1, quick: bo
     ):
         # Results come in the order of the work, so that the files are the same on any machine.
         running = Parallel(n_jobs=jobs, return_as="generator")(delayed(_run)(piece) for piece in work)
-        for outcome in tqdm(running, total=len(work), desc="thesis", unit="piece", disable=not sys.stderr.isatty()):
+        for outcome in tqdm(
+            running, total=len(work), desc="thesis", unit="piece", disable=not sys.stderr.isatty()
+        ):
             recalls.write(*outcome.recalls)
             trainings.write(*outcome.trainings)
             outcomes.append(outcome)
@@ -75,19 +78,22 @@ def reproduce(seed: int, replications: int, out: Path, jobs: int = -1, quick: bo
 def report(out: Path, outcomes: Sequence[Outcome], seed: int) -> Path:
     """Tables and figures of finished work."""
     rows = [row for outcome in outcomes for row in outcome.recalls]
-    return write_report(
+    write_report(
         out,
         recalls=[r for r in rows if r.noise == LABORATORY and r.learner != TEACHER],
         trainings=[row for outcome in outcomes for row in outcome.trainings],
         teachers=[r for r in rows if r.learner == TEACHER],
         noise_rows=[r for r in rows if r.episodes == 10],
-        seed=seed,
+        rng=np.random.default_rng(seed),
     )
+    return out / PAGE
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `khepera-forage reproduce` and `benchmarks/thesis.py`."""
-    parser.add_argument("--replications", type=int, default=None, help=f"of the whole design ({REPLICATIONS})")
+    parser.add_argument(
+        "--replications", type=int, default=None, help=f"of the whole design ({REPLICATIONS})"
+    )
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same rows (0)")
     parser.add_argument("--out", type=Path, default=Path("results/thesis"), help="folder (results/thesis)")
     parser.add_argument("--jobs", type=int, default=-1, help="processes; -1 is one a core (-1)")

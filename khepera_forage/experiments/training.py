@@ -12,7 +12,7 @@ from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.experiments.rows import TrainingRow
 from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies import Listener, Teacher
-from khepera_forage.policies.listener import HEARD
+from khepera_forage.policies.policy import HEARD
 
 MAX_ATTEMPTS = 200
 """Attempts after which a training counts as hopeless. Our decision."""

@@ -1,14 +1,12 @@
 """The learner in training: it does what it hears (section 4.5)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from khepera_forage.foraging.states import Behaviour
-from khepera_forage.policies.policy import Observation
-
-HEARD, SEPARATED = 5, 6
-"""Where a training observation has what is heard and whether robots are separated."""
+from khepera_forage.policies.policy import HEARD, SEPARATED, Observation
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +23,7 @@ class Listener:
         Raises:
             ValueError: Not an observation of the training environment.
         """
-        if isinstance(observation, dict) or len(observation) != SEPARATED + 1:
+        if isinstance(observation, Mapping) or len(observation) != SEPARATED + 1:
             raise ValueError(
                 f"observation is {observation!r}; allowed: seven integers of a training environment"
             )

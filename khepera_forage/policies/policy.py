@@ -13,6 +13,10 @@ Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
 """What the recall environments show (a mapping) or the training environment (seven integers in a row)."""
 
 
+HEARD, SEPARATED = 5, 6
+"""Where an observation of the training environment has what is heard, and whether robots are separated."""
+
+
 class Policy(Protocol):
     """Who decides what a robot does next."""
 

@@ -1,11 +1,12 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from khepera_forage.foraging.states import Behaviour, behaviour_for, classify
-from khepera_forage.policies.policy import Observation, state_vector_of
+from khepera_forage.policies.policy import SEPARATED, Observation, state_vector_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +30,16 @@ class Teacher:
             raise ValueError(f"home_radius is {self.home_radius!r} pixels; allowed: above 0")
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour for the state that the observed state vector stands for.
+        """The behaviour for the state that the observed state vector stands for; WAIT for a separated learner.
 
         Args:
-            observation: What the robot perceives; see `state_vector_of`.
+            observation: What the robot perceives; see `state_vector_of`. That of the training environment has
+                seven integers, the last of which says whether a learner is separated.
             rng: Not used.
 
         Raises:
             ValueError: The observation holds no state vector.
         """
+        if not isinstance(observation, dict | Mapping) and len(observation) > SEPARATED:
+            return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), self.home_radius))

@@ -149,7 +149,9 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
     # As many rows or columns as 2.4 m of the thesis' laboratory floor hold.
     abreast = max(1, int((2400.0 + gap) / min(dx, dy)))
     places = (divmod(i, abreast) for i in range(count))
-    return tuple(arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places)
+    return tuple(
+        arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places
+    )
 
 
 def _box(length: float, width: float) -> tuple[Point, ...]:

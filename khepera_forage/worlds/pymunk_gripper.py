@@ -9,7 +9,6 @@ from collections.abc import Sequence
 import pymunk
 
 from khepera_forage.robots.khepera import (
-    ARM_DOWN,
     ARM_ON_FLOOR,
     ARM_RAISED,
     ARM_SPEED,

@@ -19,13 +19,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
     add_policy_arguments(parser)
     parser.add_argument("--episodes", type=int, default=10, help="recall episodes (10)")
-    parser.add_argument("--out", type=Path, default=Path("results/recall.csv"), help="rows (results/recall.csv)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("results/recall.csv"), help="rows (results/recall.csv)"
+    )
 
 
 def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     """Who forages, where, and with which seed."""
     parser.add_argument(
-        "--experience", type=Path, nargs="+", metavar="FILE", help="experience files; without any, the teacher"
+        "--experience",
+        type=Path,
+        nargs="+",
+        metavar="FILE",
+        help="experience files; without any, the teacher",
     )
     parser.add_argument("--arena", choices=("corridor", "rectangle"), default="corridor", help="(corridor)")
     parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")

@@ -15,12 +15,20 @@ from khepera_forage.experiments.rows import TrainingRow
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
-    parser.add_argument("--episodes", type=int, default=10, help="complete training episodes, a file each (10)")
+    parser.add_argument(
+        "--episodes", type=int, default=10, help="complete training episodes, a file each (10)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same files (0)")
-    parser.add_argument("--out", type=Path, default=Path("experience"), help="folder for g1.csv, ... (experience)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("experience"), help="folder for g1.csv, ... (experience)"
+    )
     parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
-    parser.add_argument("--num-learners", type=int, default=1, help="in as many corridors; the first records (1)")
-    parser.add_argument("--patience", type=int, default=PATIENCE, help=f"rounds of separation borne ({PATIENCE})")
+    parser.add_argument(
+        "--num-learners", type=int, default=1, help="in as many corridors; the first records (1)"
+    )
+    parser.add_argument(
+        "--patience", type=int, default=PATIENCE, help=f"rounds of separation borne ({PATIENCE})"
+    )
     parser.add_argument(
         "--resume", action="store_true", help="pause and resume: put a lost learner beside the teacher"
     )
@@ -50,7 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
     ):
         experience, attempts = training.train(env, seed, file=number, path=path, resume=arguments.resume)
         rows += attempts
-        print(f"{path}: {len(experience)} experience vectors, {len(attempts)} attempt(s), {attempts[-1].rounds} rounds")
+        print(
+            f"{path}: {len(experience)} experience vectors, {len(attempts)} attempt(s), {attempts[-1].rounds} rounds"
+        )
     write_rows(arguments.out / "attempts.csv", TrainingRow, rows)
     env.close()
     return 0

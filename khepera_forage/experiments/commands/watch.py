@@ -36,8 +36,12 @@ def run(arguments: argparse.Namespace) -> int:
     mode = "human" if arguments.out is None else "rgb_array"
     frames: list[NDArray[np.uint8]] = []
     if arguments.phase == "training":
-        pair = TrainingEnv(num_learners=arguments.num_learners, food_types=arguments.food_type, render_mode=mode)
-        result = training.attempt(pair, arguments.seed, lambda v, b: None, watch=_camera(pair, frames, arguments))
+        pair = TrainingEnv(
+            num_learners=arguments.num_learners, food_types=arguments.food_type, render_mode=mode
+        )
+        result = training.attempt(
+            pair, arguments.seed, lambda v, b: None, watch=_camera(pair, frames, arguments)
+        )
         pair.close()
         print(f"{'complete' if result.complete else result.reason} after {result.rounds} rounds")
     else:
