@@ -72,7 +72,9 @@ def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
         ExperienceError: A value that cannot be.
     """
     if not arena or arena != arena.strip() or not arena.isprintable():
-        raise ExperienceError(f"arena is {arena!r}; allowed: a printable name on one line, no space around it")
+        raise ExperienceError(
+            f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
+        )
     try:
         header = Header(arena, None if seed is None else index(seed), index(episodes))
     except TypeError:

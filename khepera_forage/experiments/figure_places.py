@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TILE = 50.0
-"""Millimetres along a side of the map's tiles."""
+"""Millimetres along a side of the map's tiles, about."""
 BIN = 8.0
 """Pixels of distance from home that share a point of the curve: 40 mm."""
 _PALE = 55.0
@@ -59,7 +59,7 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
 
     home = CORRIDOR.home
     x1, y1, x2, y2 = (a - b for a, b in zip(CORRIDOR.bounds, (*home, *home), strict=True))
-    edges = np.append(np.arange(x1, x2, TILE), x2), np.append(np.arange(y1, y2, TILE), y2)
+    edges = [np.linspace(a, b, round((b - a) / TILE) + 1) for a, b in ((x1, x2), (y1, y2))]
     x, y = MM_PER_PIXEL * foods[:, 0], MM_PER_PIXEL * foods[:, 1]
     counts = np.histogram2d(x, y, edges)[0]
     done = np.histogram2d(x, y, edges, weights=foods[:, 2])[0]
@@ -87,9 +87,7 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
     axes.set_ylim(y1, y2)
     axes.set_xlabel("along the corridor, from the centre of the home (mm)")
     axes.set_ylabel("across (mm)")
-    axes.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False, fontsize=8, markerscale=0.6
-    )
+    figure.legend(loc="outside lower left", ncols=2, frameon=False, fontsize=8, markerscale=0.6)
     bar = figure.colorbar(picture, ax=axes, location="top", shrink=0.5, aspect=30)
     bar.set_label("food brought home (%); numbers: food objects", fontsize=9)
     bar.ax.tick_params(labelsize=8)

@@ -63,8 +63,8 @@ def claim_table(claims: Sequence[Claim]) -> Table:
         "claims",
         "The thesis' claims",
         "Each claim with its effect, a 95 % interval over replications, and the verdict of a rule that was "
-        "fixed before there were data: see below by number. An interval that reaches across the rule's threshold "
-        "leaves the claim undecided.",
+        "fixed before there were data: see below by number. An interval that reaches across the rule's "
+        "threshold leaves the claim undecided.",
         (
             Column("no."),
             Column("claim"),

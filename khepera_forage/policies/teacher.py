@@ -13,8 +13,7 @@ from khepera_forage.policies.policy import SEPARATED, Observation, state_vector_
 class Teacher:
     """Decides by the tree of figure 4.2 and the IF-THEN rules of 4.4.1; never by chance.
 
-    It only forages. That it shouts what it does and waits for a learner that got separated (4.5) is the
-    business of the training environment.
+    In training it waits, in silence, for a learner that got separated (4.5).
 
     Attributes:
         home_radius: Of the home of the arena foraged in, in pixels of 5 mm; above 0.
@@ -41,5 +40,7 @@ class Teacher:
             ValueError: The observation holds no state vector.
         """
         if not isinstance(observation, dict | Mapping) and len(observation) > SEPARATED:
-            return Behaviour.WAIT
+            # What follows the state vector in training: what is heard, and whether a learner is separated.
+            if observation[SEPARATED]:
+                return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), self.home_radius))

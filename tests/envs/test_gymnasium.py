@@ -1,0 +1,134 @@
+"""What Gymnasium and its users expect of the recall environments."""
+
+import json
+import pickle
+import subprocess
+import sys
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import khepera_forage
+from khepera_forage.envs.registration import register_all
+
+IDS = [f"khepera_forage/{name}-v0" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
+
+
+def rollout(env_id: str, seed: int, steps: int = 60) -> list[object]:
+    """Everything that comes out of an environment under its own random actions."""
+    env = gym.make(env_id)
+    env.action_space.seed(seed)
+    observation, info = env.reset(seed=seed)
+    out: list[object] = [plain(observation), plain(info)]
+    for _ in range(steps):
+        observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        out += [plain(observation), reward, terminated, truncated, plain(info)]
+        if terminated or truncated:
+            break
+    env.close()
+    return out
+
+
+def plain(values: dict[str, object]) -> dict[str, object]:
+    return {key: np.asarray(value).tolist() for key, value in values.items()}
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_check_env(env_id: str) -> None:
+    env = gym.make(env_id, render_mode="rgb_array")
+    check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_same_seed_same_rollout_bit_for_bit(env_id: str) -> None:
+    assert rollout(env_id, 5) == rollout(env_id, 5)
+    assert rollout(env_id, 5) != rollout(env_id, 6)
+
+
+def test_same_rollout_in_another_process() -> None:
+    code = (
+        "import json, sys; sys.path.insert(0, 'tests/envs'); import test_gymnasium as t; "
+        "print(json.dumps(t.rollout(t.IDS[1], 9)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == json.loads(json.dumps(rollout(IDS[1], 9)))
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_spec_goes_through_json(env_id: str) -> None:
+    spec = gym.make(env_id).spec
+    assert spec is not None
+    assert gym.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs == spec.kwargs
+    assert gym.make(gym.envs.registration.EnvSpec.from_json(spec.to_json())).reset(seed=0)
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_unreset_environments_pickle(env_id: str) -> None:
+    env = pickle.loads(pickle.dumps(gym.make(env_id)))
+    first, _ = env.reset(seed=3)
+    second, _ = gym.make(env_id).reset(seed=3)
+    assert plain(first) == plain(second)
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_make_vec(mode: str) -> None:
+    envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode=mode)
+    observations, _ = envs.reset(seed=4)
+    alone, _ = gym.make(IDS[0]).reset(seed=5)
+    assert observations["robot_food_distance"][1].tolist() == alone["robot_food_distance"].tolist()
+    _, rewards, _, _, infos = envs.step(envs.action_space.sample())
+    assert rewards.shape == (2,)
+    assert infos["steps"].tolist() == [1, 1]
+    envs.close()
+
+
+def test_make_in_a_fresh_process_with_no_import() -> None:
+    code = "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/Corridor-v0').reset(seed=1)[0])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "robot_home_distance" in done.stdout
+
+
+def test_registration_is_idempotent() -> None:
+    register_all()
+    assert set(IDS) <= set(gym.registry)
+
+
+def test_import_is_light() -> None:
+    code = "import khepera_forage, sys; print([m for m in sys.modules if m.split('.')[0] in %r])"
+    heavy = {"pymunk", "sklearn", "scipy", "matplotlib", "pygame", "pettingzoo", "cv2"}
+    done = subprocess.run([sys.executable, "-c", code % heavy], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_version_is_the_packages() -> None:
+    from importlib.metadata import version
+
+    assert version("khepera-forage") == khepera_forage.__version__
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_observations_and_infos_share_no_memory(env_id: str) -> None:
+    env = gym.make(env_id)
+    first, info = env.reset(seed=0)
+    kept = {key: np.array(value, copy=True) for key, value in first.items()}
+    second, _, _, _, later = env.step(env.action_space.sample())
+    for key, value in second.items():
+        if isinstance(value, np.ndarray):
+            value[...] = 0
+            assert not np.shares_memory(value, first[key])
+    for key, value in kept.items():
+        assert np.array_equal(first[key], value)
+    assert not np.shares_memory(info["pose"], later["pose"])
+
+
+def test_initial_state_varies_and_no_element_of_the_state_vector_is_constant() -> None:
+    env = gym.make(IDS[0])
+    seen: dict[str, set[int]] = {key: set() for key in ("robot_home_distance", "robot_food_distance")}
+    for seed in range(20):
+        observation, _ = env.reset(seed=seed)
+        for key, values in seen.items():
+            values.add(int(observation[key][0]))
+    assert all(len(values) > 8 for values in seen.values())

@@ -1,0 +1,83 @@
+"""What PettingZoo and its users expect of the training environment."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.policies import Listener, Teacher
+
+with warnings.catch_warnings():
+    # PettingZoo's own test module imports one of its deprecated environments.
+    warnings.simplefilter("ignore", DeprecationWarning)
+    from pettingzoo.test import (
+        api_test,
+        max_cycles_test,
+        parallel_api_test,
+        parallel_seed_test,
+        render_test,
+        seed_test,
+    )
+
+
+@pytest.mark.parametrize("learners", [1, 3])
+def test_api(learners: int) -> None:
+    api_test(paired_corridors_v0.env(num_learners=learners, max_cycles=50), num_cycles=200)
+
+
+def test_seed() -> None:
+    seed_test(lambda: paired_corridors_v0.env(max_cycles=50), num_cycles=60)
+
+
+def test_max_cycles() -> None:
+    max_cycles_test(paired_corridors_v0)
+
+
+def test_render() -> None:
+    def make(**kwargs: Any) -> Any:
+        return paired_corridors_v0.env(max_cycles=30, **kwargs)
+
+    modes: dict[str, Callable[[Any], bool]] = {
+        "rgb_array": lambda frame: frame.shape[2] == 3,
+        "human": lambda _: True,
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SDL_VIDEODRIVER", "dummy")
+        render_test(make, modes)
+
+
+def test_parallel() -> None:
+    parallel_api_test(paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=100)
+    parallel_seed_test(lambda: paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=60)
+
+
+def test_the_loop_of_the_readme_completes_an_episode() -> None:
+    env = paired_corridors_v0.env(num_learners=1, max_cycles=600)
+    policies = {"teacher_0": Teacher(), "learner_0": Listener()}
+    env.reset(seed=1)
+    infos: dict[str, Any] = {}
+    for agent in env.agent_iter():
+        observation, _, terminated, truncated, info = env.last()
+        infos[agent] = info
+        env.step(None if terminated or truncated else int(policies[agent].act(observation)))
+    assert infos["teacher_0"]["complete"] == infos["learner_0"]["complete"] == 1
+    assert infos["teacher_0"]["score"] == 100.0
+
+
+def test_what_is_heard_in_parallel_is_a_round_old() -> None:
+    env = paired_corridors_v0.parallel_env(max_cycles=50)
+    env.reset(seed=2)
+    for heard in (3, 7, 10):
+        observations, *_ = env.step({"teacher_0": heard, "learner_0": 10})
+        assert observations["learner_0"][5] == heard
+
+
+def test_observation_arrays_are_fresh() -> None:
+    env = paired_corridors_v0.raw_env()
+    env.reset(seed=0)
+    first, second = env.observe("teacher_0"), env.observe("teacher_0")
+    assert np.array_equal(first, second)
+    assert not np.shares_memory(first, second)

@@ -1,0 +1,132 @@
+"""The recall environments at their task."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from khepera_forage.envs.recall import BehavioursEnv, WheelsEnv
+from khepera_forage.foraging.scoring import score
+from khepera_forage.foraging.states import Behaviour, FoodType
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
+from khepera_forage.worlds.arena import Arena, Point, Pose
+
+
+def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) -> dict[str, float]:
+    """An episode under the teacher, some of its behaviours replaced."""
+    teacher = Teacher(env.home_radius)
+    observation, info = env.reset(seed=seed)
+    over = False
+    total = 0.0
+    while not over:
+        action = int(teacher.act(observation))
+        observation, reward, terminated, truncated, info = env.step((swap or {}).get(action, action))
+        total += float(reward)
+        over = terminated or truncated
+    return {**info, "terminated": terminated, "return": total}
+
+
+@pytest.mark.parametrize(("arena", "foods", "limit"), [("corridor", 1, 500), ("rectangle", 2, 700)])
+@pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE", "POISONOUS"])
+def test_teacher_is_an_expert(arena: str, foods: int, limit: int, food_type: str) -> None:
+    env = BehavioursEnv(arena=arena, foods=foods, limit=limit, food_types=food_type)
+    results = [forage(env, seed) for seed in range(15)]
+    delivered = sum(info["delivered"] for info in results)
+    assert sum(info["poison_home"] for info in results) == 0
+    if food_type == "POISONOUS":
+        assert delivered == 0
+        assert sum(info["terminated"] for info in results) >= 14
+    else:
+        assert delivered >= 0.9 * 15 * foods
+    assert all(info["score"] >= 100 - 20 for info in results)
+
+
+def test_orienting_matters() -> None:
+    env = BehavioursEnv()
+    swap = {int(Behaviour.ORIENT_WITH_FOOD): int(Behaviour.SEARCH_FOR_FOOD)}
+    assert [forage(env, seed, swap)["delivered"] for seed in range(10)] == [0] * 10
+
+
+def test_mixed_food_is_drawn_by_its_odds() -> None:
+    env = BehavioursEnv(food_types={"PICKABLE": 1, "POISONOUS": 1})
+    poisonous = 0
+    for seed in range(40):
+        info = forage(env, seed)
+        poisonous += env.forager.register.known[0] == FoodType.POISONOUS
+        assert info["delivered"] + (env.forager.register.known[0] == FoodType.POISONOUS) == 1
+    assert 8 <= poisonous <= 32
+
+
+def test_reward_and_score_add_up() -> None:
+    env = BehavioursEnv(limit=500)
+    info = forage(env, 3)
+    assert info["return"] == pytest.approx(info["delivered"] - info["steps"] / 500)
+    assert (
+        info["score"] == score(int(info["correct"]), int(info["steps"]), int(info["delivered"]), 1) == 100.0
+    )
+
+
+def test_a_lazy_policy_gets_its_share_minus_the_penalty() -> None:
+    env = BehavioursEnv(limit=50)
+    env.reset(seed=0)
+    truncated = False
+    correct = 0
+    while not truncated:
+        correct += env.forager.correct_behaviour == Behaviour.EXPLORE_FOOD
+        _, _, terminated, truncated, info = env.step(int(Behaviour.EXPLORE_FOOD))
+        assert not terminated
+    assert info["steps"] == 50
+    assert info["correct"] == correct
+    assert info["score"] == pytest.approx(100 * correct / 50 - 20)
+
+
+def test_wheels_are_driven_by_the_teachers_motors() -> None:
+    env = WheelsEnv(arena="corridor", foods=1, limit=500)
+    delivered = 0
+    for seed in range(5):
+        env.reset(seed=seed)
+        over = False
+        while not over:
+            motors = applicable(env.forager.motors_for(env.forager.correct_behaviour))
+            _, _, terminated, truncated, info = env.step(action_of(motors))
+            over = terminated or truncated
+        delivered += info["delivered"]
+        assert info["score"] == 100.0
+    assert delivered == 5
+
+
+def action_of(motors: Motors) -> np.ndarray:
+    arm = ((ARM_DOWN + ARM_RAISED) / 2 - motors.arm) / ((ARM_DOWN - ARM_RAISED) / 2)
+    return np.array(
+        (motors.left / MAX_SPEED, motors.right / MAX_SPEED, arm, 1.0 if motors.jaw == 0 else -1.0), np.float32
+    )
+
+
+def test_placed_start_and_food() -> None:
+    env = BehavioursEnv(noise=Noise.none())
+    observation, info = env.reset(seed=0, options={"start": (100, 115, 90), "foods": [(400, 100)]})
+    assert info["pose"].tolist() == [20.0, 23.0, 90.0]
+    assert observation["robot_home_distance"].tolist() == [90]
+    assert observation["robot_food_distance"].tolist() == [60]
+
+
+def test_an_arena_of_ones_own() -> None:
+    walls = ((0, 0), (800, 0), (800, 300), (400, 300), (400, 700), (0, 700))
+    arena = Arena(
+        name="L",
+        walls=tuple(Point(x, y) for x, y in walls),
+        home=Point(680.0, 150.0),
+        home_radius=100.0,
+        start=Pose(200.0, 600.0, -1.5),
+        foods=(Point(200.0, 200.0),),
+    )
+    env = gym.make("khepera_forage/Corridor-v0", arena=arena, limit=700).unwrapped
+    assert isinstance(env, BehavioursEnv)
+    env.reset(seed=1, options={"start": (200, 600, -90), "foods": [(200, 200)]})
+    teacher, over = Teacher(env.home_radius), False
+    while not over:
+        presence, home, food_type, arm, food = env.forager.vector
+        _, _, terminated, truncated, info = env.step(int(teacher.act((presence, home, food_type, arm, food))))
+        over = terminated or truncated
+    assert info["delivered"] == 1
