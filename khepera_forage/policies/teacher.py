@@ -39,8 +39,7 @@ class Teacher:
         Raises:
             ValueError: The observation holds no state vector.
         """
-        if not isinstance(observation, dict | Mapping) and len(observation) > SEPARATED:
-            # What follows the state vector in training: what is heard, and whether a learner is separated.
-            if observation[SEPARATED]:
-                return Behaviour.WAIT
+        in_training = not isinstance(observation, dict | Mapping) and len(observation) > SEPARATED
+        if in_training and observation[SEPARATED]:  # type: ignore[index]  # a row of seven integers
+            return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), self.home_radius))

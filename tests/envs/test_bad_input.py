@@ -76,7 +76,7 @@ def test_wheel_actions(action: Any) -> None:
 def test_training_actions(action: Any) -> None:
     env = TrainingEnv()
     env.reset(seed=0)
-    with pytest.raises(ValueError, match="action of teacher_0 is .*allowed: a whole number from 0 to 10"):
+    with pytest.raises(ValueError, match=r"action of teacher_0 is .*allowed: a whole number from 0 to 10"):
         env.step(action)
 
 
@@ -142,5 +142,5 @@ def test_arenas(change: dict[str, Any], message: str) -> None:
 
 
 def test_an_arena_without_room_says_so() -> None:
-    with pytest.raises(ValueError, match="no room for a robot and 20 food objects"):
+    with pytest.raises(ValueError, match=r"no room for a robot and 20 food objects"):
         BehavioursEnv(foods=20).reset(seed=0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs import paired_corridors_v0
-from khepera_forage.policies import Listener, Teacher
+from khepera_forage.policies import Listener, Policy, Teacher
 
 with warnings.catch_warnings():
     # PettingZoo's own test module imports one of its deprecated environments.
@@ -56,7 +56,7 @@ def test_parallel() -> None:
 
 def test_the_loop_of_the_readme_completes_an_episode() -> None:
     env = paired_corridors_v0.env(num_learners=1, max_cycles=600)
-    policies = {"teacher_0": Teacher(), "learner_0": Listener()}
+    policies: dict[str, Policy] = {"teacher_0": Teacher(), "learner_0": Listener()}
     env.reset(seed=1)
     infos: dict[str, Any] = {}
     for agent in env.agent_iter():
