@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
 from khepera_forage.envs.checks import FoodOdds, behaviour_number, food_odds, the_arena, whole_number
+from khepera_forage.envs.company import Company
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import training_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import Renderer, View
 from khepera_forage.envs.showing import foods_shown, robot_shown
-from khepera_forage.foraging.following import follow, recover, separated
 from khepera_forage.foraging.scoring import score
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena, Pose, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
@@ -104,9 +104,6 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self._odds = food_odds(food_types)
         self._markers = (1,) + (2,) * learners
         self._sites = [site_of(a) for a in self.arenas]
-        self._offsets = [
-            (site.home_x - self._sites[0].home_x, site.home_y - self._sites[0].home_y) for site in self._sites
-        ]
         self.world: World = PymunkWorld(self.arenas, self._markers, self._noise) if world is None else world
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
@@ -165,15 +162,12 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self._actions = [int(Behaviour.WAIT)] * n
         self._correct = [0] * n
         self._steps = 0
-        self._separated = [False] * n
-        self._separated_rounds = [0] * n
-        self._separations = [0] * n
+        self._company = Company(self._foragers)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)
         self._cumulative_rewards = dict.fromkeys(self.agents, 0.0)
         self.terminations = dict.fromkeys(self.agents, False)
         self.truncations = dict.fromkeys(self.agents, False)
-        self._update_separation()
         self.infos = {agent: self._info(i) for i, agent in enumerate(self.agents)}
         self.agent_selection = self.agents[0]
         if self.render_mode == "human":
@@ -185,7 +179,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         presence, home, food_type, arm, food = self.foragers[i].vector
         diagonal = self._sites[0].diagonal
         heard = self._actions[0] if i else Behaviour.WAIT
-        apart = self._separated[i] if i else any(self._separated)
+        apart = self._company.apart[i] if i else any(self._company.apart)
         return np.array(
             (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64
         )
@@ -227,9 +221,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             raise ValueError(
                 f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
             )
-        x, y, heading = self._teacher_beside(i)
+        x, y, heading = self._company.teacher_beside(i)
         self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
-        self._separated_rounds[i] = 0
+        self._company.rounds[i] = 0
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -261,7 +255,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                     i,
                     heard=Behaviour(self._actions[0]) if i and started else None,
                     executed=Behaviour(self._actions[i]) if started else None,
-                    separated=self._separated[i],
+                    separated=self._company.apart[i],
                 )
                 for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
             ),
@@ -286,17 +280,17 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         before = [(f.register.delivered_food, f.register.poison_home) for f in foragers]
         for i, forager in enumerate(foragers):
             self._correct[i] += self._actions[i] == forager.state
-            forager.drive(self._motors(i, forager))
+            forager.drive(self._motors_of(i, forager))
         self.world.advance()
         scene = self.world.camera.look()
         for forager in foragers:
             forager.perceive(scene)
         self._steps += 1
-        self._update_separation()
+        self._company.update()
         complete = all(
             f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers
         )
-        given_up = self._steps >= self.max_cycles or max(self._separated_rounds) >= self.patience
+        given_up = self._steps >= self.max_cycles or max(self._company.rounds) >= self.patience
         for i, agent in enumerate(self.agents):
             delivered, poison = before[i]
             register = foragers[i].register
@@ -311,27 +305,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         if self.render_mode == "human":
             self.render()
 
-    def _motors(self, i: int, forager: Forager) -> Any:
+    def _motors_of(self, i: int, forager: Forager) -> Motors:
         motors = forager.motors_for(self._actions[i])
-        if i == 0:
-            return motors
-        own, (x, y, orientation) = forager.raw, self._teacher_beside(i)
-        if self._separated[i] and self._actions[i] == Behaviour.WAIT:
-            return recover(motors, own.x, own.y, own.orientation, x, y)
-        return follow(motors, own.x, own.y, own.orientation, x, y, orientation)
-
-    def _teacher_beside(self, i: int) -> tuple[float, float, float]:
-        """Where the teacher is, moved into another robot's arena: x and y in pixels, degrees."""
-        teacher, (dx, dy) = self._foragers[0].raw, self._offsets[i]
-        return teacher.x + dx, teacher.y + dy, teacher.orientation
-
-    def _update_separation(self) -> None:
-        for i, forager in enumerate(self._foragers[1:], 1):
-            x, y, _ = self._teacher_beside(i)
-            apart = separated(forager.raw.x, forager.raw.y, x, y)
-            self._separations[i] += apart and not self._separated[i]
-            self._separated_rounds[i] = self._separated_rounds[i] + 1 if apart else 0
-            self._separated[i] = apart
+        return motors if i == 0 else self._company.lead(i, motors, silent=self._actions[i] == Behaviour.WAIT)
 
     def _info(self, i: int, complete: bool = False) -> dict[str, Any]:
         forager = self._foragers[i]
@@ -349,6 +325,6 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             "delivered": delivered,
             "poison_home": register.poison_home,
             "complete": int(complete),
-            "separated_rounds": self._separated_rounds[i],
-            "separations": self._separations[i],
+            "separated_rounds": self._company.rounds[i],
+            "separations": self._company.separations[i],
         }

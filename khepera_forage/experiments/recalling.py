@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from khepera_forage.envs.recall import BehavioursEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experiments.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.foraging.states import CLOSE_TO_FOOD, Behaviour
 from khepera_forage.noise import Noise

@@ -5,17 +5,18 @@ What each commands, in speed units of 8 mm/s (every figure our decision, made wi
 | behaviour | wheels | arm | jaw |
 |---|---|---|---|
 | SEARCH FOR FOOD | 12 towards the food, round the home; on the spot if none is seen | 215 | open |
-| MOVE SLOWLY | 6 towards the food | 215 | open |
-| ORIENT WITH FOOD | turn to it, 3 on to it until the barrier is crossed; back off 5 for another try | 255 | open |
+| MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
+| ORIENT WITH FOOD | turn to it, 4 on until the barrier is crossed; back 5 for another try | 255 when aimed | open |
 | EXPLORE FOOD | 0 | 255 | open |
-| PICK UP FOOD | 0 | 255 until the jaw has closed, then 215 | close |
-| PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | close |
-| AVOID FOOD | back 6 | 255 | open |
-| GO HOME | 12 home | 215 | close |
-| AVOID HOME | 10 away from home | 215 | open |
-| RELEASE FOOD | on into the home; then 0; back 5 once the jaw is open | 255 | open once the arm is down |
+| PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
+| PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | closed |
+| AVOID FOOD | back 8 | 255 | open |
+| GO HOME | 12 home | 215 | closed |
+| AVOID HOME | out by its open side: back 5 when facing it, otherwise 8 | 215 | open |
+| RELEASE FOOD | 8 on into the home, then 0; back 5 once the jaw is open | 255 | opens once the arm is down |
 | WAIT | 0 | as it is | as it is |
 
+SEARCH and MOVE SLOWLY back off food that is nearer than orienting starts from, and while the arm is still down.
 A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
 keeps it off the walls (3.4).
 """
@@ -24,6 +25,7 @@ import math
 
 from khepera_forage.foraging.perception import RawData, turn_to
 from khepera_forage.foraging.states import Behaviour
+from khepera_forage.foraging.steering import TURN, bearing, clip, detour, steer
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
@@ -37,11 +39,8 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-FAST, SLOW, CREEP = 12.0, 8.0, 4.0
-PUSHING, RETREAT, TURN, QUICK_TURN = 8.0, 5.0, 5.0, 8.0
+_FAST, _SLOW, _CREEP, _PUSHING, _RETREAT = 12.0, 8.0, 4.0, 8.0, 5.0
 
-_ON_THE_SPOT = 35.0
-"""Degrees off course beyond which a robot turns on the spot rather than in an arc."""
 _AIMED = 5.0
 """Degrees within which a robot counts as oriented with food: half a finger's play at the tip."""
 _ASTRAY = 20.0
@@ -52,22 +51,12 @@ _TOO_NEAR = 13.0
 """Pixels to the food from which a robot that is not orienting backs off, so as not to shove it along."""
 _MISSED = 10.0
 """Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
-_SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
-"""Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
 _BEHIND = 9.0
 """Pixels to a wall behind from which a robot does not back off further."""
 _DEEP = 7.0
 """Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
-_AROUND_HOME = 6.0
-"""Pixels by which a searching robot passes its home."""
-_SQUARE = 40.0
-"""Degrees of detour from which the home counts as squarely in the way."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
-_OBSTACLE = 150
-"""Infra-red reading (about 32 mm) from which a robot turns aside."""
-_BLOCKED = 600
-"""Infra-red reading (about 14 mm) in front from which it backs off."""
 
 
 def command(behaviour: int, raw: RawData) -> Motors:
@@ -80,7 +69,7 @@ def command(behaviour: int, raw: RawData) -> Motors:
     if behaviour == Behaviour.SEARCH_FOR_FOOD:
         return _search(raw)
     if behaviour == Behaviour.MOVE_SLOWLY:
-        return _approach(raw, SLOW, _detour(raw))
+        return _approach(raw, _SLOW, detour(raw))
     if behaviour == Behaviour.ORIENT_WITH_FOOD:
         return _orient(raw)
     if behaviour == Behaviour.EXPLORE_FOOD:
@@ -90,7 +79,7 @@ def command(behaviour: int, raw: RawData) -> Motors:
     if behaviour == Behaviour.PUSH_FOOD:
         return _push(raw)
     if behaviour == Behaviour.AVOID_FOOD:
-        return Motors(-SLOW, -SLOW, ARM_DOWN, JAW_OPEN)
+        return Motors(-_SLOW, -_SLOW, ARM_DOWN, JAW_OPEN)
     if behaviour == Behaviour.GO_HOME:
         return _go_home(raw)
     if behaviour == Behaviour.AVOID_HOME:
@@ -109,7 +98,7 @@ def _search(raw: RawData) -> Motors:
     if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
         # Turning uncovers what the robot's own marker hides.
         return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
-    return _approach(raw, FAST, _detour(raw))
+    return _approach(raw, _FAST, detour(raw))
 
 
 def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
@@ -117,8 +106,8 @@ def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
     near = raw.food_seen and math.hypot(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR
     if near or raw.arm >= ARM_ON_FLOOR:
         # First clear of what may lie between the fingers, such as poison.
-        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = _steer(raw, _bearing(raw, raw.food_x, raw.food_y) + aside if raw.food_seen else 0.0, speed)
+        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, bearing(raw, raw.food_x, raw.food_y) + aside if raw.food_seen else 0.0, speed)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
@@ -126,27 +115,27 @@ def _orient(raw: RawData) -> Motors:
     if raw.object_presence:
         return Motors(0, 0, ARM_DOWN, JAW_OPEN)
     if not raw.food_seen:
-        return Motors(-CREEP, CREEP, ARM_DOWN, JAW_OPEN)
+        return Motors(-_CREEP, _CREEP, ARM_DOWN, JAW_OPEN)
     distance = math.hypot(raw.food_x - raw.x, raw.food_y - raw.y)
-    error = _bearing(raw, raw.food_x, raw.food_y)
+    error = bearing(raw, raw.food_x, raw.food_y)
     if abs(error) > _ASTRAY:
         # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
         turn = math.copysign(TURN, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
     if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
-        return Motors(-RETREAT, -RETREAT, ARM_DOWN, JAW_CLOSED)
+        return Motors(-_RETREAT, -_RETREAT, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # An arm that stops just above the floor has come down on something: back off that too.
         stalled = raw.arm == ARM_ON_FLOOR - 1
-        back = -CREEP if distance < _CLEAR or stalled else 0.0
-        turn = _clip(error / 8.0, 2.0)
+        back = -_CREEP if distance < _CLEAR or stalled else 0.0
+        turn = clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
     if abs(error) > _AIMED:
         turn = math.copysign(1.0, error)
         return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
-    turn = _clip(error / 5.0, 1.0)
-    return Motors(CREEP - turn, CREEP + turn, ARM_DOWN, JAW_OPEN)
+    turn = clip(error / 5.0, 1.0)
+    return Motors(_CREEP - turn, _CREEP + turn, ARM_DOWN, JAW_OPEN)
 
 
 def _pick_up(raw: RawData) -> Motors:
@@ -159,34 +148,34 @@ def _pick_up(raw: RawData) -> Motors:
 def _push(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
         return Motors(0, 0, ARM_DOWN, JAW_CLOSED)
-    left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), PUSHING)
+    left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _PUSHING)
     return Motors(left, right, ARM_DOWN, JAW_CLOSED)
 
 
 def _go_home(raw: RawData) -> Motors:
-    left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), FAST)
+    left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _FAST)
     return Motors(left, right, _arm_after_jaw(raw), JAW_CLOSED)
 
 
 def _avoid_home(raw: RawData) -> Motors:
     away = math.degrees(math.atan2(raw.y - raw.home_y, raw.x - raw.home_x))
     # Behind the home there is no way out: out means its open side.
-    out = raw.home_opening + _clip(turn_to(away, raw.home_opening), 80.0)
+    out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
     error = turn_to(out, raw.orientation)
     blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
     if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
         # Facing the home, with what was released in front of it, a robot leaves backwards.
-        return Motors(-RETREAT, -RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = _steer(raw, error, SLOW)
+        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, error, _SLOW)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
 def _release(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
-        back = -RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
+        back = -_RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
         return Motors(back, back, ARM_DOWN, JAW_OPEN)
     if math.hypot(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
-        left, right = _steer(raw, _bearing(raw, raw.home_x, raw.home_y), SLOW)
+        left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _SLOW)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
@@ -196,61 +185,3 @@ def _release(raw: RawData) -> Motors:
 
 def _arm_after_jaw(raw: RawData) -> int:
     return ARM_RAISED if raw.jaw <= _JAW_SHUT else ARM_DOWN
-
-
-def _bearing(raw: RawData, x: float, y: float) -> float:
-    """Degrees to turn to face a place, -180..180, left positive."""
-    return turn_to(math.degrees(math.atan2(y - raw.y, x - raw.x)), raw.orientation)
-
-
-def _detour(raw: RawData) -> float:
-    """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
-    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
-    fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
-    home, food = math.hypot(hx, hy), math.hypot(fx, fy)
-    if not raw.food_seen or home <= raw.home_radius or food == 0.0:
-        return 0.0
-    along = (hx * fx + hy * fy) / food
-    aside = math.degrees(math.atan2(hx * fy - hy * fx, hx * fx + hy * fy))
-    berth = math.degrees(math.asin(min(1.0, (raw.home_radius + _AROUND_HOME) / home)))
-    if along <= 0.0 or along >= food or abs(aside) >= berth:
-        return 0.0
-    # Past the side nearer to the food, unless the home stands against a wall there.
-    opening = math.radians(turn_to(raw.home_opening, math.degrees(math.atan2(hy, hx))))
-    side = math.copysign(1.0, aside)
-    if berth - abs(aside) > _SQUARE and side * math.sin(opening) < -0.6:
-        side = -side
-    return math.copysign(berth, side) - aside
-
-
-def _steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
-    """Wheels that turn by `error` degrees while driving, off walls and obstacles."""
-    if abs(error) > _ON_THE_SPOT:
-        return _turn_on_the_spot(raw, error)
-    turn = error * (0.3 if abs(error) > 10.0 else 0.2)
-    if raw.arm < ARM_ON_FLOOR:
-        a, b, c, d, e, f = raw.proximity
-        if c > _BLOCKED and d > _BLOCKED:
-            return -SLOW, -SLOW
-        left, right = max(a // 2, b, c), max(f // 2, e, d)
-        if left > _OBSTACLE or right > _OBSTACLE:
-            speed = min(speed, SLOW)
-            turn = math.copysign(speed, right - left)
-    turn = _clip(turn, speed if raw.arm < ARM_ON_FLOOR else speed / 2)
-    return speed - turn, speed + turn
-
-
-def _turn_on_the_spot(raw: RawData, error: float) -> tuple[float, float]:
-    """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
-    turn = math.copysign(QUICK_TURN if abs(error) > 70.0 else TURN, error)
-    wall = raw.wall_bearing
-    if raw.wall_distance < _SWING:
-        if abs(wall) < 30.0:
-            return -SLOW, -SLOW
-        if wall * error > 0.0 and abs(wall) < abs(error) + 30.0:
-            turn = -turn
-    return -turn, turn
-
-
-def _clip(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))

@@ -10,8 +10,9 @@ import pytest
 from gymnasium.error import ResetNeeded
 
 import khepera_forage  # noqa: F401  (registers the environments)
-from khepera_forage.envs.recall import BehavioursEnv, WheelsEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.worlds.arena import CORRIDOR, Point
 
 

@@ -4,7 +4,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from khepera_forage.envs.recall import BehavioursEnv, WheelsEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.foraging.scoring import score
 from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.noise import Noise

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from khepera_forage.envs.recall import BehavioursEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments import recalling
 from khepera_forage.experiments.row_files import RowWriter

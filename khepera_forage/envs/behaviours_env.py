@@ -1,0 +1,92 @@
+"""`Corridor-v0` and `Rectangle-v0`: forage alone by choosing behaviours."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from khepera_forage.envs.checks import behaviour_number
+from khepera_forage.envs.forager import Forager
+from khepera_forage.envs.recall import Observation, RecallEnv
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+
+
+class BehavioursEnv(RecallEnv[int]):
+    """Forage alone, choosing one of ten behaviours at every step.
+
+    ## Description
+    The recall phase of the thesis (4.6, 5.4): a Khepera with a gripper finds food, picks it up or pushes it, brings
+    it home, and leaves poison where it is. The behaviours are given (4.2.1); what to do when is what is learned.
+    Robot and food stand at random places; the home is at one end. A step is a round of 0.1 s.
+
+    ## Action space
+    `Discrete(10)`: 0 SEARCH FOR FOOD, 1 MOVE SLOWLY, 2 ORIENT WITH FOOD, 3 EXPLORE FOOD, 4 PICK UP FOOD,
+    5 PUSH FOOD, 6 AVOID FOOD, 7 GO HOME, 8 AVOID HOME, 9 RELEASE FOOD (table 4.1).
+
+    ## Observation space
+    The state vector of section 4.3, a `Dict`:
+
+    | key | space | meaning |
+    |---|---|---|
+    | object_presence | Discrete(2) | 1 while something interrupts the gripper's optical barrier |
+    | robot_home_distance | Box(0, diagonal, (1,), int64) | pixels of 5 mm to the centre of the home |
+    | food_type | Discrete(4) | 0 unknown, 1 pickable, 2 pushable, 3 poisonous; known of food in the gripper |
+    | arms_height | Box(215, 255, (1,), int64) | 255 down, 215 raised |
+    | robot_food_distance | Box(0, diagonal, (1,), int64) | pixels to the nearest candidate; the diagonal without one |
+
+    ## Rewards
+    +1 for food delivered, -1 for poison brought home, -1/limit a step.
+
+    ## Starting state
+    The robot anywhere outside home, heading uniform; food outside home, further than the close threshold from the
+    robot and where a gripper fits around it. `reset(options={"start": (x, y, degrees), "foods": [(x, y), ...]})`
+    places them, in mm.
+
+    ## Episode end
+    Terminated when all food is delivered or known to be poisonous; truncated after `limit` steps.
+
+    ## Info
+    `state`, `correct_behaviour` (what the teacher would do now), `pose` (x, y in pixels, degrees, as the camera
+    reports it), `score` (equation 5.1, percent), `penalty`, `correct`, `steps`, `delivered`, `poison_home`.
+
+    ## Arguments
+    `arena` (an `Arena`), `foods` (number of objects), `limit` (steps), `noise` (a `Noise`, by default the
+    laboratory's), `food_types` (one type, or odds by type; by default all PICKABLE), `render_mode`, `world` (another
+    `World` than the simulated one).
+
+    ## Version history
+    v0: first version.
+    """
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        diagonal = self._site.diagonal
+        distance = spaces.Box(0, diagonal, (1,), np.int64)
+        self.action_space = spaces.Discrete(10)  # type: ignore[assignment]
+        self.observation_space = spaces.Dict(
+            object_presence=spaces.Discrete(2),
+            robot_home_distance=distance,
+            food_type=spaces.Discrete(4),
+            arms_height=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
+            robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
+        )
+
+    def _motors(self, action: int, forager: Forager) -> Motors:
+        behaviour = behaviour_number(action, 10)
+        self._executed = Behaviour(behaviour)
+        return forager.motors_for(behaviour)
+
+    def _is_correct(self, motors: Motors, forager: Forager) -> bool:
+        return self._executed == forager.correct_behaviour
+
+    def _observation(self, forager: Forager) -> Observation:
+        presence, home, food_type, arm, food = forager.vector
+        diagonal = self._site.diagonal
+        return {
+            "object_presence": np.int64(presence),
+            "robot_home_distance": np.array((min(home, diagonal),)),
+            "food_type": np.int64(food_type),
+            "arms_height": np.array((arm,)),
+            "robot_food_distance": np.array((min(food, diagonal),)),
+        }
