@@ -34,7 +34,8 @@ class Standing(NamedTuple):
 
     Attributes:
         percentile: Percent of the experiments below it, those equal to it counted half.
-        tail: Share of the experiments at least as far out, both sides: twice the smaller tail, at most 1.
+        tail: Chance of lying at least as far out, on either side, if the value came from one more experiment of
+            the same kind: twice the smaller tail, itself counted, at most 1.
         experiments: How many there are.
     """
 
@@ -150,15 +151,16 @@ def bootstrap_quantile(
 
 
 def standing(value: float, experiments: Sequence[float]) -> Standing:
-    """Where a value lies in the distribution of comparable experiments."""
-    if not len(experiments):
-        return Standing(math.nan, math.nan, 0)
+    """Where a value lies in the distribution of comparable experiments; nan for fewer than two."""
+    count = len(experiments)
+    if count < 2:
+        return Standing(math.nan, math.nan, count)
     sample = np.asarray(experiments, dtype=np.float64)
-    equal = float(np.mean(np.isclose(sample, value, rtol=0.0, atol=1e-9)))
-    below = float(np.mean(sample < value - 1e-9))
-    above = 1.0 - below - equal
-    tail = min(1.0, 2.0 * (min(below, above) + equal))
-    return Standing(100.0 * (below + equal / 2), tail, len(sample))
+    equal = int(np.isclose(sample, value, rtol=0.0, atol=1e-9).sum())
+    below = int((sample < value - 1e-9).sum())
+    above = count - below - equal
+    tail = 2.0 * (min(below, above) + equal + 1) / (count + 1)
+    return Standing(100.0 * (below + equal / 2) / count, min(1.0, tail), count)
 
 
 def wilson(successes: int, trials: int) -> Estimate:

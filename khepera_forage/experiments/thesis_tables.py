@@ -37,7 +37,8 @@ def cell_table(results: Sequence[CellResult]) -> Table:
         "Mean score in percent and food carried home, with a 95 % interval over replications. The thesis' "
         "score stands here as printed and as the mean of the scores in its lines, compared with ours. "
         "*Percentile* is where the thesis' value lies among our experiments of the same size, one a "
-        "replication; *tail* is the share of them at least as far out, both sides.",
+        "replication; *tail* is the chance to lie at least as far out, on either side, for one more "
+        "experiment like ours.",
         (
             Column("arena"),
             Column("episodes"),

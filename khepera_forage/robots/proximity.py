@@ -101,3 +101,30 @@ def cast(
                 best = max(best, response(distance - radius) * (2.0 * along / distance - 1.0))
         readings[i] = best
     return readings
+
+
+def measured(
+    clean: Sequence[float], arm_down: bool, gain: float, floor: int, draws: Sequence[float]
+) -> tuple[int, int, int, int, int, int, int, int]:
+    """Readings as a robot reports them: whole numbers, with their noise, and hidden by a lowered arm.
+
+    Args:
+        clean: Eight noise-free readings, from `cast`.
+        arm_down: Whether the gripper stands before sensors 0-5.
+        gain: Largest error, as a share of the reading.
+        floor: Readings up to this are noise.
+        draws: Eight uniform numbers in [0, 1).
+    """
+    readings = []
+    for i in range(8):
+        if arm_down and i < 6:
+            low, high = HIDDEN_BY_ARM
+            readings.append(int(low + (high - low + 1) * (draws[i] if gain else 0.5)))
+            continue
+        reading = clean[i] * (1.0 + gain * (2.0 * draws[i] - 1.0))
+        if reading <= floor:
+            readings.append(int((floor + 1) * draws[i]) if floor else int(reading))
+        else:
+            readings.append(int(reading) if reading < MAX_READING else MAX_READING)
+    a, b, c, d, e, f, g, h = readings
+    return a, b, c, d, e, f, g, h

@@ -23,7 +23,7 @@ from khepera_forage.robots.khepera import (
     Senses,
     applicable,
 )
-from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, REACH, cast
+from khepera_forage.robots.proximity import REACH, cast, measured
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Pose
 from khepera_forage.worlds.polygon import Segment, distance, line_of
@@ -40,9 +40,6 @@ _STRAIGHT = 0.2
 """Radians a second up to which a robot counts as driving straight: a degree in a round."""
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
-
-_HIDDEN_LOW = HIDDEN_BY_ARM[0]
-_HIDDEN_SPAN = HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1
 
 
 class PymunkKhepera:
@@ -233,26 +230,12 @@ class PymunkKhepera:
         else:
             clean = [0.0] * 8
         return Senses(
-            self._noisy(clean, blocked),
+            measured(
+                clean, blocked, self._noise.proximity_gain, self._noise.proximity_floor, self._sensor_draws
+            ),
             int(self._left_pulses),
             int(self._right_pulses),
             int(gripper.arm + 0.5),
             int(gripper.jaw + 0.5),
             PRESENT if gripper.interrupted(self.foods) else 0,
         )
-
-    def _noisy(self, clean: list[float], blocked: bool) -> tuple[int, int, int, int, int, int, int, int]:
-        gain, floor = self._noise.proximity_gain, self._noise.proximity_floor
-        draws = self._sensor_draws
-        readings = []
-        for i in range(8):
-            if blocked and i < 6:
-                readings.append(int(_HIDDEN_LOW + (_HIDDEN_SPAN * draws[i] if gain else _HIDDEN_SPAN / 2)))
-                continue
-            reading = clean[i] * (1.0 + gain * (2.0 * draws[i] - 1.0))
-            if reading <= floor:
-                readings.append(int((floor + 1) * draws[i]) if floor else int(reading))
-            else:
-                readings.append(int(reading) if reading < MAX_READING else MAX_READING)
-        a, b, c, d, e, f, g, h = readings
-        return a, b, c, d, e, f, g, h
