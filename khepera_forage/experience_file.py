@@ -219,3 +219,39 @@ def _row(text: str) -> tuple[StateVector, Behaviour]:
         raise ExperienceError(f"food_type is {_quoted(food_type)}; allowed: {', '.join(FOOD_TYPES)}")
     if behaviour not in RECORDED:
         raise ExperienceError(f"behaviour is {_quoted(behaviour)}; allowed: {', '.join(RECORDED)}")
+    presence_, home_ = _integer("object_presence", presence), _integer("robot_home_distance", home)
+    arm_, food_ = _integer("arms_height", arm), _integer("robot_food_distance", food)
+    return checked_row((presence_, home_, FoodType[food_type], arm_, food_), Behaviour[behaviour])
+
+
+def _check_closing(path: str | PathLike[str], number: int, text: str, count: int) -> None:
+    match = re.fullmatch("# complete: ([0-9]+) vectors", text)
+    if match is None:
+        raise _error(
+            path, number, f"{_quoted(text)}; allowed: a row, or the closing line '# complete: N vectors'"
+        )
+    if int(match[1]) != count:
+        raise _error(path, number, f"{_quoted(text)} after {count} rows; allowed: as many as there are")
+
+
+def _integer(name: str, text: str) -> int:
+    if re.fullmatch("0|-?[1-9][0-9]*", text) is None or len(text) > 20:
+        raise ExperienceError(f"{name} is {_quoted(text)}; allowed: a whole number")
+    return int(text)
+
+
+def _text(path: str | PathLike[str], number: int, line: bytes) -> str:
+    try:
+        return line.decode("utf-8")
+    except UnicodeDecodeError:
+        raise _error(path, number, f"{_quoted(line.decode(errors='replace'))}; allowed: UTF-8 text") from None
+
+
+def _quoted(value: object) -> str:
+    """Something as it stands in a message, at a length that can be read."""
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
+
+
+def _error(path: str | PathLike[str], number: int, message: str) -> ExperienceError:
+    return ExperienceError(f"{path}:{number}: {message}")

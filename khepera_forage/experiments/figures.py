@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from khepera_forage.experiments.cells import CellResult
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.design import NO_NOISE
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
 from khepera_forage.experiments.tables import Table
 
 if TYPE_CHECKING:
@@ -46,31 +47,31 @@ def fig_5_6(results: Sequence[CellResult]) -> "Figure":
 
 
 def noise_figure(table: Table) -> "Figure":
-    """Score and attempts under each source of noise, from the noise table of one cell.
-
-    Raises:
-        ValueError: A table of several cells.
-    """
-    names, cells, scores, _, _, attempts, _ = zip(*table.rows, strict=True)
-    if len(set(cells)) > 1:
-        raise ValueError(f"noise of cells {sorted(set(map(str, cells)))}; allowed: one cell")
-    figure = new_figure(8.0, 1.6 + 0.36 * len(names))
-    left, right = figure.subplots(1, 2, sharey=True)
-    places = np.arange(len(names))[::-1]
-    for axes, estimates, label in (
-        (left, scores, f"mean score of recall episodes (%)\n{cells[0]} episodes"),
-        (right, attempts, "attempts for one complete\ntraining episode"),
-    ):
-        for place, estimate in zip(places, estimates, strict=True):
+    """Score in each cell, and attempts at training, under each source of noise: the noise table drawn."""
+    names = list(dict.fromkeys(str(row[0]) for row in table.rows))
+    cells = list(dict.fromkeys(str(row[1]) for row in table.rows))
+    panels = [
+        (f"score (%)\n{cell} episodes", {str(r[0]): r[2] for r in table.rows if r[1] == cell})
+        for cell in cells
+    ]
+    panels.append(
+        ("attempts for one complete\ntraining episode", {str(row[0]): row[5] for row in table.rows})
+    )
+    figure = new_figure(2.6 + 2.5 * len(panels), 1.6 + 0.36 * len(names))
+    columns = figure.subplots(1, len(panels), sharey=True)
+    for axes, (label, estimates) in zip(columns, panels, strict=True):
+        for place, name in enumerate(reversed(names)):
+            estimate = estimates.get(name, UNKNOWN)
             assert isinstance(estimate, Estimate)
             mark(axes, estimate.value, place, estimate, OURS, level=True)
-        axes.axvline(estimates[0].value, color=GREY, lw=1, ls=":", zorder=1)
+            if name == NO_NOISE and math.isfinite(estimate.value):
+                axes.axvline(estimate.value, color=GREY, lw=1, ls=":", zorder=1)
         axes.set_xlabel(label)
         axes.grid(axis="x", color="0.9")
         axes.margins(x=0.08)
-    left.set_yticks(places, [str(name) for name in names])
-    left.set_ylim(-0.6, len(names) - 0.4)
-    right.tick_params(axis="y", length=0)
+        axes.tick_params(axis="y", length=0)
+    columns[0].set_yticks(range(len(names)), names[::-1])
+    columns[0].set_ylim(-0.6, len(names) - 0.4)
     figure.suptitle("What each of the laboratory's troubles costs")
     figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
     return figure

@@ -10,7 +10,7 @@ from khepera_forage.experiments.claims.evidence import Evidence, Sample, of_aren
 from khepera_forage.experiments.claims.time import attempts_per_episode, steps_needed
 from khepera_forage.experiments.design import NO_NOISE, THESIS, Cell, noise_conditions
 from khepera_forage.experiments.rows import STATES, RecallRow
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate, Measure
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate, Measure, replications
 from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.foraging.states import State
 
@@ -26,7 +26,15 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
             cost = UNKNOWN if noise == NO_NOISE else evidence.difference(quiet, score)
             attempts = evidence.mean(attempts_per_episode(evidence, noise))
             numbers: tuple[Estimate, ...] = (evidence.mean(score), cost, evidence.mean(food), attempts)
-            lines.append((noise, f"{cell.arena}, {cell.episodes}", *numbers, len(score.rows)))
+            lines.append(
+                (
+                    noise,
+                    f"{cell.arena}, {cell.episodes}",
+                    *numbers,
+                    len(replications(score.rows)),
+                    len(score.rows),
+                )
+            )
     return Table(
         "noise",
         "What each of the laboratory's troubles costs",
@@ -40,6 +48,7 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
             Column("cost (points)", 1, estimate=True),
             Column("food (%)", 0, estimate=True),
             Column("attempts an episode", 2, estimate=True),
+            Column("replications"),
             Column("recalls"),
         ),
         lines,

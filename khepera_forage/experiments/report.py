@@ -98,8 +98,8 @@ def _page(tables: Sequence[Table], evidence: Evidence) -> str:
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
     parts = [
         "# The thesis' experiments, repeated\n\n"
-        f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, noise: {noise}. "
-        "A replication is the whole design, its training files included; an interval resamples replications. "
+        f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
+        f"noise: {noise}. A replication is the whole design, its training files included; an interval resamples replications. "
         "Every episode stands as a row in the CSV files beside this page.\n"
     ]
     for table in tables:

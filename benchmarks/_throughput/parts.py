@@ -1,0 +1,87 @@
+"""Where the time of a step of Corridor-v0 goes: its real parts, each under a stopwatch.
+
+For the time of the measurement, the public methods that make up a step are replaced on their classes by the same
+methods under a stopwatch, so that every moment of a step counts for exactly one part.
+"""
+
+from contextlib import ExitStack
+from time import perf_counter
+from typing import Any
+from unittest.mock import patch
+
+import gymnasium as gym
+import pymunk
+
+from _throughput.lines import Job, Measure, Values
+from _throughput.stopwatch import Method, Sheet, Stopwatch
+from khepera_forage.envs.forager import Forager
+from khepera_forage.policies import Teacher
+from khepera_forage.vision.overhead import OverheadCamera
+from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+
+_WRAPPERS, _OUTCOME, _DECISION = "Gymnasium's wrappers", "observation, reward, info", "the teacher's decision"
+_BODIES = "wheels, gripper and rounds, in Python"
+_METHODS: tuple[tuple[str, type, str], ...] = (
+    ("physics: pymunk's own step", pymunk.Space, "step"),
+    (_BODIES, PymunkWorld, "advance"),
+    (_BODIES, Forager, "drive"),
+    ("infra-reds and optical barrier", PymunkKhepera, "sense"),
+    ("camera and tracking", OverheadCamera, "expose"),
+    ("perception, state, food register", Forager, "perceive"),
+    ("behaviour: raw data to motors", Forager, "motors_for"),
+)
+"""A part's name, and a method whose time is its; those it calls count for their own parts."""
+
+SECTION = "A step of Corridor-v0, part by part"
+UNIT = "µs a step"
+_HOW = "exclusive time by a clock switched at each call, the switching's own cost taken off; resets left out"
+_PARTS = (*dict.fromkeys(part for part, _, _ in _METHODS), _OUTCOME, _WRAPPERS, _DECISION)
+PARTS = {part: Measure(SECTION, part, UNIT, _HOW) for part in _PARTS}
+SUM = Measure(SECTION, "sum of the parts", UNIT, _HOW)
+WHOLE = Measure(SECTION, "the same steps, nothing replaced", UNIT, "resets left out")
+
+
+def job(steps: int, seed: int) -> Job:
+    """Measure `steps` steps part by part, and the same steps as a whole."""
+
+    def run() -> Values:
+        env = gym.make("khepera_forage/Corridor-v0")
+        teacher = Teacher(env.unwrapped.home_radius)  # type: ignore[attr-defined]
+        whole, _ = _drive(env, env.step, teacher.act, steps, seed)
+        watch = Stopwatch()
+        with ExitStack() as replaced:
+            for part, owner, name in (*_METHODS, (_OUTCOME, type(env.unwrapped), "step")):
+                timed = watch.timed(getattr(owner, name), part)
+                replaced.enter_context(patch.object(owner, name, timed))
+            step, act = watch.timed(env.step, _WRAPPERS), watch.timed(teacher.act, _DECISION)
+            _, watch.sheet = _drive(env, step, act, steps, seed, watch)
+        env.close()
+        values = {measure: 1e6 * watch.exclusive(part) / steps for part, measure in PARTS.items()}
+        return {**values, SUM: sum(values.values()), WHOLE: 1e6 * whole / steps}
+
+    return run
+
+
+def _drive(
+    env: gym.Env[Any, Any], step: Method, act: Method, steps: int, seed: int, watch: Stopwatch | None = None
+) -> tuple[float, Sheet]:
+    """Seconds of that many steps without their resets, and what a stopwatch noted meanwhile."""
+    noted = Sheet()
+    seconds = 0.0
+    observation, _ = env.reset(seed=seed)
+    done = 0
+    while done < steps:
+        if watch is not None:
+            watch.sheet = noted
+        over = False
+        start = perf_counter()
+        while not over and done < steps:
+            observation, _, terminated, truncated, _ = step(act(observation))
+            over = terminated or truncated
+            done += 1
+        seconds += perf_counter() - start
+        if watch is not None:
+            watch.sheet = Sheet()  # resets are noted elsewhere
+        observation, _ = env.reset()
+    return seconds, noted

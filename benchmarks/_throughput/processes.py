@@ -1,0 +1,71 @@
+"""Fresh processes: how long an import takes, and how much memory the main job needs."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from _throughput.lines import Job, Measure, Values
+
+_SECTION = "Processes"
+IMPORT = Measure(
+    _SECTION,
+    "import khepera_forage",
+    "s",
+    "timed inside a fresh process; the interpreter's own start is not counted",
+    0.5,
+)
+MEMORY = Measure(
+    _SECTION,
+    "peak memory of benchmarks/thesis.py --quick",
+    "MB",
+    "resident memory of all its processes together, 20 looks a second; pages they share count once for each",
+    1_000,
+)
+_TIMED = "import time; start = time.perf_counter(); import khepera_forage; print(time.perf_counter() - start)"
+_THESIS = Path(__file__).parents[1] / "thesis.py"
+
+
+def import_job() -> Values:
+    """Measure one import."""
+    finished = subprocess.run([sys.executable, "-c", _TIMED], check=True, capture_output=True, text=True)
+    return {IMPORT: float(finished.stdout)}
+
+
+def memory_job(seed: int) -> Job:
+    """Measure the main job in small.
+
+    Raises:
+        OSError: There is no `/proc` to look at processes.
+    """
+
+    def run() -> Values:
+        with tempfile.TemporaryDirectory() as out:
+            command = [sys.executable, str(_THESIS), "--quick", "--seed", str(seed), "--out", out]
+            # A session of its own: by that its processes are known, and theirs.
+            running = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
+            peak = 0
+            while running.poll() is None:
+                peak = max(peak, _resident(running.pid))
+                time.sleep(0.05)
+        if running.returncode:
+            raise subprocess.CalledProcessError(running.returncode, command)
+        return {MEMORY: peak / 1e6}
+
+    return run
+
+
+def _resident(session: int) -> int:
+    """Bytes of resident memory of all processes of a session."""
+    total = 0
+    for process in Path("/proc").iterdir():
+        if process.name.isdigit():
+            try:
+                status = (process / "stat").read_text().rpartition(")")[2].split()
+            except OSError:  # it has ended meanwhile
+                continue
+            if int(status[3]) == session:
+                total += int(status[21]) * os.sysconf("SC_PAGE_SIZE")
+    return total

@@ -1,0 +1,87 @@
+"""How fast everything is, on one core, beside the goals and beside bare pymunk stepping the same bodies.
+
+    python benchmarks/throughput.py --help
+
+Goals: 15,000 steps a second of Corridor-v0 under the teacher, 4,000 rounds a second of the paired corridors, 40,000
+decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB for the main job.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from tqdm import tqdm
+
+from _throughput import bare_pymunk, foraging, imitating, page, parts, processes
+from _throughput.lines import Job, Line, lines_of, repeated
+from arguments import add_count, count_of, parser_for
+from khepera_forage.experiments.figures import save
+from khepera_forage.experiments.row_files import write_rows
+
+REPEATS, QUICK_REPEATS = 7, 2
+STEPS, QUICK_STEPS = 10_000, 400
+"""Steps, rounds or decisions of a measure in each repeat."""
+STEM = "throughput"
+
+
+def jobs(steps: int, seed: int) -> list[Job]:
+    """Everything that is repeated.
+
+    Args:
+        steps: Steps, rounds or decisions of a measure in each repeat.
+        seed: Of all episodes and trainings.
+    """
+    return [
+        foraging.corridor_job(steps, seed),
+        foraging.rectangle_job(steps, seed),
+        foraging.wheels_job(steps, seed),
+        foraging.paired_job(steps, seed),
+        bare_pymunk.job(steps),
+        imitating.job(steps, seed),
+        processes.import_job,
+        parts.job(steps, seed),
+    ]
+
+
+def measure(work: Sequence[Job], repeats: int) -> list[Line]:
+    """Every measure, after one round that warms up and is not counted."""
+    runs = tqdm(
+        repeated(work, repeats + 1), total=repeats + 1, desc=STEM, unit="repeat", disable=not sys.stderr.isatty()
+    )
+    return lines_of(list(runs)[1:])
+
+
+def write(folder: Path, lines: Sequence[Line]) -> str:
+    """Write table, rows and picture.
+
+    Returns:
+        The page with the table.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    text = page.page(lines)
+    (folder / f"{STEM}.md").write_text(f"{text}\n![throughput]({STEM}.png)\n", encoding="utf-8")
+    write_rows(folder / f"{STEM}.csv", Line, lines)
+    save(page.picture(lines), folder / f"{STEM}.png")
+    return text
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what the arguments ask for."""
+    quick = arguments.quick
+    steps = count_of(arguments.steps, STEPS, quick, QUICK_STEPS)
+    repeats = count_of(arguments.repeats, REPEATS, quick, QUICK_REPEATS)
+    lines = measure(jobs(steps, arguments.seed), repeats)
+    if arguments.memory:
+        lines += lines_of([[processes.memory_job(arguments.seed)()]])
+    print(write(arguments.out, lines))
+    print(f"Table, picture and rows are in {arguments.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    parser = parser_for(__doc__, "results/throughput")
+    add_count(parser, "--steps", STEPS, QUICK_STEPS, "steps, rounds or decisions of each measure in a repeat")
+    add_count(parser, "--repeats", REPEATS, QUICK_REPEATS, "repeats, of which the median counts")
+    parser.add_argument("--memory", action="store_true", help="also the peak memory of the main job in small")
+    sys.exit(run(parser.parse_args()))
