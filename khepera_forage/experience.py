@@ -1,7 +1,8 @@
-"""What a learner records: its own state vectors, each with the behaviour it heard (section 4.5)."""
+"""What a learner records: its state vector beside the behaviour it heard (section 4.5), in memory and in files."""
 
 import os
-from collections.abc import Iterator, Sequence
+import uuid
+from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -18,181 +19,211 @@ from khepera_forage.experience_file import (
     closing,
     line_of,
     opening,
-    read,
 )
+from khepera_forage.experience_reader import read
 from khepera_forage.foraging.states import Behaviour, StateVector
 
 __all__ = ["Experience", "ExperienceError", "ExperienceWarning", "ExperienceWriter"]
 
 
 class Experience:
-    """Experience vectors of one arena, in the order they were made.
+    """Experience vectors of one arena, in the order in which they were recorded.
 
     Args:
-        vectors: State vectors, five integers each.
-        behaviours: The behaviour heard with each; never WAIT, which is silence.
-        arena: Name of the arena they were made in.
+        vectors: State vectors: five integers each, in the order of `StateVector`; also an array of five columns.
+        behaviours: The behaviour heard with each, as its number; never WAIT, which is silence.
+        arena: Name of the arena.
         seed: Of the training, if known.
-        episodes: How many training episodes they are of.
+        episodes: How many training episodes the vectors are of; at least 1.
+
+    Attributes:
+        vectors: The state vectors.
+        behaviours: The behaviours.
+        arena: As given.
+        seed: As given; None where experience of different seeds was put together.
+        episodes: As given; the sum where experience was put together.
 
     Raises:
-        ExperienceError: Numbers that do not match, or something no learner can have recorded.
+        ExperienceError: Not as many behaviours as vectors, or a value out of range.
     """
+
+    vectors: tuple[StateVector, ...]
+    behaviours: tuple[Behaviour, ...]
 
     def __init__(
         self,
-        vectors: Sequence[Sequence[Any]] | NDArray[np.integer[Any]],
-        behaviours: Sequence[Any] | NDArray[np.integer[Any]],
+        vectors: Iterable[Sequence[int]] | NDArray[np.integer[Any]],
+        behaviours: Iterable[int] | NDArray[np.integer[Any]],
         arena: str = "corridor",
         seed: int | None = None,
         episodes: int = 1,
     ) -> None:
+        self.arena, self.seed, self.episodes = checked_header(arena, seed, episodes)
+        vectors, behaviours = list(vectors), list(behaviours)
         if len(vectors) != len(behaviours):
             raise ExperienceError(
-                f"{len(vectors)} vectors with {len(behaviours)} behaviours; allowed: one each"
+                f"{len(vectors)} vectors with {len(behaviours)} behaviours; allowed: as many"
             )
-        self._header = checked_header(arena, seed, episodes)
-        self._rows = [checked_row(vector, heard) for vector, heard in zip(vectors, behaviours, strict=True)]
-
-    @property
-    def arena(self) -> str:
-        """Name of the arena that the experience was made in."""
-        return self._header.arena
-
-    @property
-    def seed(self) -> int | None:
-        """Of the training; None for a combination, or if unknown."""
-        return self._header.seed
-
-    @property
-    def episodes(self) -> int:
-        """How many training episodes the experience is of."""
-        return self._header.episodes
+        rows = []
+        for number, (vector, behaviour) in enumerate(zip(vectors, behaviours, strict=True)):
+            try:
+                rows.append(checked_row(vector, behaviour))
+            except ExperienceError as error:
+                raise ExperienceError(f"experience vector {number}: {error}") from None
+        self.vectors = tuple(vector for vector, _ in rows)
+        self.behaviours = tuple(behaviour for _, behaviour in rows)
 
     @classmethod
-    def load(
-        cls, *paths: str | PathLike[str], arena: str | None = None, recover: bool = False
-    ) -> "Experience":
-        """Read one or more files and combine them, as the thesis' g135 is g1, g3 and g5.
+    def load(cls, *paths: str | PathLike[str], arena: str | None = None, recover: bool = False) -> Self:
+        """Read files and put them together in the order given: g1, g2 and g3 are the thesis' g123.
 
         Args:
-            *paths: At least one.
-            arena: The only arena allowed; by default that of the first file.
-            recover: Keep the whole rows of a file that a killed recording left, with an `ExperienceWarning`.
+            paths: Of one file or more.
+            arena: The arena that all must be of; by default that of the first.
+            recover: Keep the whole rows of files that a killed recording left without closing line, with an
+                `ExperienceWarning`. By default such a file is an error.
 
         Raises:
-            ExperienceError: No path; a file that is no experience file, truncated, of a later version, or of
-                another arena. The message names file and line.
-            OSError: A file that cannot be read.
+            ExperienceError: Not an experience file, an incomplete one, or one of another arena.
+            OSError: A file cannot be read.
+            TypeError: No path.
         """
         if not paths:
-            raise ExperienceError("no experience files given; allowed: at least one")
-        parts = []
+            raise TypeError("no path to load; allowed: one or more")
+        whole = None
         for path in paths:
-            header, rows = read(path, recover)
-            arena = header.arena if arena is None else arena
-            if header.arena != arena:
-                raise ExperienceError(
-                    f"{path}:3: experience of arena {header.arena!r}; allowed here: {arena!r}"
-                )
-            vectors, behaviours = [row[0] for row in rows], [row[1] for row in rows]
-            parts.append(cls(vectors, behaviours, header.arena, header.seed, header.episodes))
-        whole = parts[0]
-        for part in parts[1:]:
-            whole = whole + part
+            (name, seed, episodes), rows = read(path, recover)
+            wanted = arena if arena is not None else name if whole is None else whole.arena
+            if name != wanted:
+                source = "asked for" if arena is not None else f"that of {paths[0]}"
+                raise ExperienceError(f"{path}, line 3: arena is {name!r}; allowed: {wanted!r}, {source}")
+            part = cls([vector for vector, _ in rows], [heard for _, heard in rows], name, seed, episodes)
+            whole = part if whole is None else whole + part
+        assert whole is not None
         return whole
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a file, all of it or nothing; one that is there is replaced."""
-        target = Path(path)
-        text = opening(self._header) + "".join(line_of(*row) for row in self._rows) + closing(len(self._rows))
-        beside = target.with_name(f".{target.name}.{os.getpid()}.part")
+        """Write a file, complete or not at all; one that is there is replaced.
+
+        Raises:
+            OSError: It cannot be written; what was there is untouched.
+        """
+        text = opening(checked_header(self.arena, self.seed, self.episodes))
+        text += "".join(line_of(*row) for row in self) + closing(len(self))
+        beside = Path(path).with_name(
+            f".{uuid.uuid4().hex}.tmp"
+        )  # the same file system, or replace could not be atomic
         try:
-            with open(beside, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
+            with open(beside, "xb") as file:
+                file.write(text.encode())
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(beside, target)
-        finally:
+            os.replace(beside, path)
+        except BaseException:
             beside.unlink(missing_ok=True)
+            raise
 
     def arrays(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """State vectors, shape (n, 5), and behaviours, shape (n,); fresh arrays."""
-        vectors = np.array([row[0] for row in self._rows], np.int64).reshape(-1, 5)
-        return vectors, np.array([row[1] for row in self._rows], np.int64)
+        """X of shape (n, 5) and y of shape (n,), as learners take them; fresh at every call."""
+        return np.array(self.vectors, np.int64).reshape(-1, 5), np.array(self.behaviours, np.int64)
 
-    def __add__(self, other: "Experience") -> "Experience":
+    def __add__(self, other: "Experience") -> Self:
         if not isinstance(other, Experience):
             return NotImplemented
         if other.arena != self.arena:
-            raise ExperienceError(f"experience of arena {other.arena!r} added to that of {self.arena!r}")
-        rows = self._rows + other._rows
-        vectors, behaviours = [row[0] for row in rows], [row[1] for row in rows]
-        return Experience(vectors, behaviours, self.arena, None, self.episodes + other.episodes)
+            raise ExperienceError(
+                f"{other.arena!r} added to experience of {self.arena!r}; allowed: the same arena"
+            )
+        return type(self)(
+            self.vectors + other.vectors,
+            self.behaviours + other.behaviours,
+            self.arena,
+            self.seed if self.seed == other.seed else None,
+            self.episodes + other.episodes,
+        )
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self.vectors)
 
     def __iter__(self) -> Iterator[tuple[StateVector, Behaviour]]:
-        return iter(self._rows)
+        return zip(self.vectors, self.behaviours, strict=True)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Experience):
             return NotImplemented
-        return (self._header, self._rows) == (other._header, other._rows)
-
-    __hash__ = None  # type: ignore[assignment]  # mutable by its parts, compared by value
+        return self.__dict__ == other.__dict__
 
     def __repr__(self) -> str:
-        return f"Experience({len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes})"
+        return f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}>"
 
 
 class ExperienceWriter:
-    """Writes experience as it happens: a process that is killed loses at most the line it was writing.
+    """Writes an experience file as the experience is made.
 
-    A context manager. Left by an exception, the file has no closing line, which says that it is not complete.
+    Every vector is handed to the operating system before `append` returns: a killed process leaves all of them but
+    for, at most, a cut last line. A file becomes complete with `close`. As a context manager it closes at the end
+    of the block; an exception leaves the file incomplete (`Experience.load(..., recover=True)` reads it).
 
     Args:
-        path: A file that is not there yet.
+        path: Of the file.
         arena: Name of the arena.
         seed: Of the training, if known.
-        episodes: How many training episodes will be in it.
+        episodes: How many training episodes are recorded.
+        overwrite: Whether a file that is there is replaced. By default it is an error.
+
+    Attributes:
+        path: As given.
+        count: Experience vectors written so far.
 
     Raises:
-        FileExistsError: There is such a file.
-        ExperienceError: A header that cannot be written.
+        FileExistsError: There is a file at `path`.
+        ExperienceError: A value that cannot be written.
     """
 
     def __init__(
-        self, path: str | PathLike[str], arena: str = "corridor", seed: int | None = None, episodes: int = 1
+        self,
+        path: str | PathLike[str],
+        arena: str,
+        seed: int | None = None,
+        episodes: int = 1,
+        *,
+        overwrite: bool = False,
     ) -> None:
         header = checked_header(arena, seed, episodes)
+        self.path = Path(path)
+        self.count = 0
         try:
-            # Unbuffered: every line is one write to the operating system.
-            self._file = open(path, "xb", buffering=0)  # noqa: SIM115  closed by close()
+            self._file = open(path, "wb" if overwrite else "xb")  # noqa: SIM115 - close() closes it
         except FileExistsError:
-            raise FileExistsError(
-                f"{path} exists; experience is never written over other experience"
-            ) from None
-        self._count = 0
-        self._file.write(opening(header).encode())
+            raise FileExistsError(f"{path} exists; overwrite=True replaces it") from None
+        self._write(opening(header))
 
-    def append(self, vector: Sequence[Any], behaviour: Any) -> None:
+    def append(self, vector: Sequence[int], behaviour: int) -> None:
         """Write one experience vector.
 
+        Args:
+            vector: What the learner perceived; see `StateVector`.
+            behaviour: What it heard; never WAIT: in silence nothing is recorded.
+
         Raises:
-            ExperienceError: Something no learner can have recorded, silence among it.
-            ValueError: The writer is closed.
+            ExperienceError: A value out of range, or a closed writer. Nothing is written then.
         """
-        row = checked_row(vector, behaviour)
-        self._file.write(line_of(*row).encode())
-        self._count += 1
+        if self._file.closed:
+            raise ExperienceError(f"{self.path} is closed; allowed: append before close")
+        self._write(line_of(*checked_row(vector, behaviour)))
+        self.count += 1
 
     def close(self) -> None:
         """Write the closing line; a second call does nothing."""
-        if not self._file.closed:
-            self._file.write(closing(self._count).encode())
-            self._file.close()
+        if self._file.closed:
+            return
+        with self._file:
+            self._write(closing(self.count))
+            os.fsync(self._file.fileno())
+
+    def _write(self, text: str) -> None:
+        self._file.write(text.encode())
+        self._file.flush()
 
     def __enter__(self) -> Self:
         return self

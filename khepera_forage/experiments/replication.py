@@ -1,10 +1,12 @@
 """The thesis' whole design, replicated: work that can be done in any order, on any number of cores (5.4)."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from khepera_forage.envs.forager import site_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments.design import (
@@ -16,13 +18,18 @@ from khepera_forage.experiments.design import (
     Subset,
     noise_conditions,
 )
+from khepera_forage.experiments.next_to_food import VoteRow, votes
 from khepera_forage.experiments.recalling import recall, recall_env
 from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.experiments.training import arrays, train
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.arena import CORRIDOR
 
+TRAINING_DISTANCE = round(math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL)
+"""Pixels between food and home in training."""
 TEACHER_LIMIT_FACTOR = 3
 """The teacher is given this many times the thesis' limits, to see whether those are enough."""
 
@@ -33,6 +40,7 @@ class Outcome:
 
     recalls: tuple[RecallRow, ...] = ()
     trainings: tuple[TrainingRow, ...] = ()
+    votes: tuple[VoteRow, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +67,7 @@ class Replication:
         training, recalling = seeds.spawn(2)
         files, trainings = self._train(noise, training)
         recalls = tuple(self._recalls(noise, files, recalling))
-        return Outcome(recalls, tuple(trainings))
+        return Outcome(recalls, tuple(trainings), tuple(self._votes(files)))
 
     def _train(
         self, noise: Noise, seeds: np.random.SeedSequence
@@ -95,6 +103,13 @@ class Replication:
                         experience_size=size,
                     )
             env.close()
+
+    def _votes(self, files: Sequence[Experience]) -> Iterator[VoteRow]:
+        for cell in self.cells:
+            if cell.arena == CORRIDOR.name:
+                for subset in cell.subsets:
+                    imitator, _ = self._imitator(subset, files, site_of(CORRIDOR).diagonal)
+                    yield from votes(imitator, TRAINING_DISTANCE, self.number, cell.episodes, subset.name)
 
     @staticmethod
     def _imitator(

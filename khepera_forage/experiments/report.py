@@ -68,7 +68,7 @@ def write_report(
         thesis_tables.slip_table(),
     ]
     written = [_write(folder / PAGE, _page(tables, evidence))]
-    written += [_write(folder / f"{table.stem}.csv", table.csv()) for table in tables]
+    written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
     for stem, figure in _figures(results, recalls, noise):
         written.append(folder / f"{stem}.png")
         figures.save(figure, written[-1])
@@ -99,8 +99,9 @@ def _page(tables: Sequence[Table], evidence: Evidence) -> str:
     parts = [
         "# The thesis' experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}. A replication is the whole design, its training files included; an interval resamples replications. "
-        "Every episode stands as a row in the CSV files beside this page.\n"
+        f"noise: {noise}. A replication is the whole design, its training files included; an interval "
+        "resamples replications. Every episode stands as a row in the CSV files beside this page, and every "
+        "table as `table_*.csv`.\n"
     ]
     for table in tables:
         if table.rows:

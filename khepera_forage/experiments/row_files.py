@@ -115,7 +115,10 @@ def _names(row_type: "type[DataclassInstance]") -> list[str]:
 
 
 def _split(line: str) -> list[str]:
-    return next(csv.reader([line], strict=True), [])
+    try:
+        return next(csv.reader([line], strict=True), [])
+    except csv.Error as error:
+        raise ValueError(f"line is {line!r}; allowed: comma-separated values ({error})") from error
 
 
 def _line(values: Sequence[str]) -> bytes:

@@ -33,7 +33,7 @@ class Table:
     """A table with what a reader must know of it.
 
     Attributes:
-        stem: Name of its CSV file, without ending.
+        stem: Its name in file names.
         title: Heading.
         note: What is in it and how it was computed.
         columns: One an entry of each row.
