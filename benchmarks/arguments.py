@@ -11,9 +11,13 @@ def parser_for(description: str | None, out: str) -> argparse.ArgumentParser:
         description: The script's docstring.
         out: Folder that results go to by default.
     """
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same work (0)")
-    parser.add_argument("--out", type=Path, default=Path(out), help=f"folder for table, picture and rows ({out})")
+    parser.add_argument(
+        "--out", type=Path, default=Path(out), help=f"folder for table, picture and rows ({out})"
+    )
     parser.add_argument("--quick", action="store_true", help="the same work in small, in under a minute")
     return parser
 

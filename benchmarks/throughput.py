@@ -11,11 +11,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from _throughput import bare_pymunk, foraging, imitating, page, parts, processes
 from _throughput.lines import Job, Line, lines_of, repeated
 from arguments import add_count, count_of, parser_for
+from tqdm import tqdm
+
 from khepera_forage.experiments.figures import save
 from khepera_forage.experiments.row_files import write_rows
 
@@ -47,7 +47,11 @@ def jobs(steps: int, seed: int) -> list[Job]:
 def measure(work: Sequence[Job], repeats: int) -> list[Line]:
     """Every measure, after one round that warms up and is not counted."""
     runs = tqdm(
-        repeated(work, repeats + 1), total=repeats + 1, desc=STEM, unit="repeat", disable=not sys.stderr.isatty()
+        repeated(work, repeats + 1),
+        total=repeats + 1,
+        desc=STEM,
+        unit="repeat",
+        disable=not sys.stderr.isatty(),
     )
     return lines_of(list(runs)[1:])
 

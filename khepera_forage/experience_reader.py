@@ -104,7 +104,7 @@ def _header(path: str | PathLike[str], lines: list[str]) -> Header:
     """The lines before the rows. Where they are not all there, there is nothing to recover."""
     if len(lines) < HEADER_LINES:
         raise _error(
-            path, max(1, len(lines)), f"cut off in the header; allowed: {HEADER_LINES} lines before the rows"
+            path, len(lines) + 1, f"cut off in the header; allowed: {HEADER_LINES} lines before the rows"
         )
     values = []
     for number, name in enumerate(("package", "arena", "seed", "episodes", "units"), 2):

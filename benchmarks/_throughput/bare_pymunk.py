@@ -32,23 +32,21 @@ RAYS = 8
 _SPEED, _TURN = 60.0, 2.0
 """mm/s and rad/s: a circle of 30 mm radius."""
 
-_SECTION = "Bare pymunk"
+SECTION = "Bare pymunk"
+NOTE = (
+    "The same bodies with nothing of the package around them: robot, gripper, walls, food with its floor joints. The "
+    "shares are of one physics step with eight rays, with the clock read around each part, in a run of its own."
+)
 ROUND = Measure(
-    _SECTION,
-    "a round of 0.1 s, to compare with an environment's step",
+    SECTION,
+    "five physics steps, then eight rays: a round of 0.1 s",
     "rounds/s",
-    "five physics steps of 20 ms, velocities set before each, then eight segment queries",
+    "velocities set before each physics step of 20 ms; rays are segment queries",
 )
 STEP = Measure(
-    _SECTION,
-    "a physics step of 20 ms with eight rays",
-    "steps/s",
-    "velocities set, one physics step, eight segment queries",
+    SECTION, "one physics step, then eight rays", "steps/s", "velocities set; 20 ms; segment queries"
 )
-SHARES = tuple(
-    Measure(_SECTION, f"share of {part} in that step", "%", "the clock read around each part, in a run of its own")
-    for part in ("physics", "setters", "rays")
-)
+SHARES = tuple(Measure(SECTION, f"share of the {part}", "%") for part in ("physics", "setters", "rays"))
 
 
 class _Bare:
@@ -64,7 +62,11 @@ class _Bare:
         wide = half_gap(JAW_OPEN) + thin
         ends = [((JAW_ROOT - thin, -wide), (JAW_ROOT - thin, wide))]
         ends += [((JAW_ROOT, y), (FINGER_TIP - thin, y)) for y in (wide, -wide)]
-        space.add(robot, pymunk.Circle(robot, RADIUS), *(pymunk.Segment(robot, a, b, thin) for a, b in ends))
+        shapes = [pymunk.Circle(robot, RADIUS), *(pymunk.Segment(robot, a, b, thin) for a, b in ends)]
+        self._others = pymunk.ShapeFilter(group=1)  # rays start inside the robot, and must not end there
+        for shape in shapes:
+            shape.filter = self._others
+        space.add(robot, *shapes)
         food = pymunk.Body(FOOD_MASS, pymunk.moment_for_circle(FOOD_MASS, 0, FOOD_RADIUS))
         food.position = CORRIDOR.foods[0]
         slide = pymunk.PivotJoint(space.static_body, food, (0, 0), (0, 0))
@@ -74,7 +76,6 @@ class _Bare:
         space.add(food, pymunk.Circle(food, FOOD_RADIUS), slide, spin)
         angles = [2 * math.pi * i / RAYS for i in range(RAYS)]
         self._rays = [(REACH * math.cos(angle), REACH * math.sin(angle)) for angle in angles]
-        self._filter = pymunk.ShapeFilter()
 
     def drive(self) -> None:
         """Set the robot's velocities: the setters."""
@@ -92,7 +93,7 @@ class _Bare:
         x, y = self.robot.position
         query = self.space.segment_query_first
         for dx, dy in self._rays:
-            query((x, y), (x + dx, y + dy), 1.0, self._filter)
+            query((x, y), (x + dx, y + dy), 1.0, self._others)
 
 
 def job(rounds: int) -> Job:

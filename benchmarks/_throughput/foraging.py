@@ -12,21 +12,24 @@ from khepera_forage.envs import paired_corridors_v0
 from khepera_forage.envs.training import TEACHER
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.listener import Listener
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_OPEN, MAX_SPEED
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_OPEN, MAX_SPEED, applicable
 
-_SECTION = "Environments"
-_ALL = "gym.make, the teacher deciding; physics, infra-reds, camera and perception included"
-CORRIDOR = Measure(_SECTION, "Corridor-v0, resets included", "steps/s", _ALL, 15_000)
-CORRIDOR_STEPS = Measure(_SECTION, "Corridor-v0, without resets", "steps/s", "the same run, time in reset left out")
-RECTANGLE = Measure(_SECTION, "Rectangle-v0, resets included", "steps/s", _ALL)
+SECTION = "Environments"
+NOTE = (
+    "As a user makes and steps them, the expert deciding; physics, infra-reds, camera, perception, policy and wrappers "
+    "included."
+)
+CORRIDOR = Measure(SECTION, "Corridor-v0, resets included", "steps/s", "gym.make, Teacher", 15_000)
+CORRIDOR_STEPS = Measure(SECTION, "Corridor-v0, resets left out", "steps/s", "the same run")
+RECTANGLE = Measure(SECTION, "Rectangle-v0, resets included", "steps/s", "gym.make, Teacher")
 WHEELS = Measure(
-    _SECTION, "CorridorWheels-v0, resets included", "steps/s", f"{_ALL}; the teacher's motors as action"
+    SECTION, "CorridorWheels-v0, resets included", "steps/s", "gym.make, the teacher's motors as action"
 )
 PAIRED = Measure(
-    _SECTION,
-    "paired corridors, both robots, resets included",
+    SECTION,
+    "paired corridors, resets included",
     "rounds/s",
-    "paired_corridors_v0.env with PettingZoo's wrappers, agent_iter and last, Teacher and Listener deciding",
+    "paired_corridors_v0.env, both robots: agent_iter, last, Teacher and Listener",
     4_000,
 )
 
@@ -111,7 +114,7 @@ def _teachers_motors(env: gym.Env[Any, Any]) -> Act:
 
     def act(observation: object) -> Any:
         forager = unwrapped.forager
-        left, right, arm, jaw = forager.motors_for(forager.correct_behaviour)
+        left, right, arm, jaw = applicable(forager.motors_for(forager.correct_behaviour))
         raised = (ARM_DOWN + ARM_RAISED - 2 * arm) / (ARM_DOWN - ARM_RAISED)
         shut = 1.0 if jaw < JAW_OPEN / 2 else -1.0
         return np.array((left / MAX_SPEED, right / MAX_SPEED, raised, shut), np.float32)

@@ -15,20 +15,18 @@ from khepera_forage.experiments.training import arrays, train
 from khepera_forage.policies import NearestNeighbourImitator, state_vector_of
 
 VECTORS = 1_000
-_SECTION = "Imitator"
-_QUERIES = f"act on the observations of its own foraging in the corridor, {VECTORS:,} vectors of real trainings"
-MEMO = Measure(
-    _SECTION,
-    f"{VECTORS:,} experience vectors, as it forages",
-    "decisions/s",
-    f"{_QUERIES}; its memo is empty at the start",
-    40_000,
+GOAL = 40_000
+SECTION = "Imitator"
+NOTE = (
+    f"{VECTORS:,} experience vectors of complete trainings; `act`, one observation at a time, on those that it has "
+    "while it forages in the corridor, in their order."
 )
+MEMO = Measure(SECTION, "imitator as it forages", "decisions/s", "its memo is empty at the start", GOAL)
 NO_MEMO = Measure(
-    _SECTION, "the same, memo emptied before every query", "decisions/s", f"{_QUERIES}; every query is searched for"
+    SECTION, "imitator, memo emptied before every query", "decisions/s", "every query is searched for", GOAL
 )
 SEEN = Measure(
-    _SECTION, "queries that the memo answers", "%", "state vectors that occurred before among the queries"
+    SECTION, "queries that the memo answers", "%", "state vectors that came before among the queries"
 )
 
 Experience = tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -52,7 +50,7 @@ def experience(seed: int, size: int = VECTORS) -> Experience:
 def queries(seed: int, count: int) -> list[Any]:
     """Observations that an imitator with that experience has in the corridor, in the order it has them."""
     imitator, env, draws = _imitator(seed), recall_env("corridor"), np.random.default_rng(seed)
-    observations = []
+    observations: list[Any] = []
     observation, _ = env.reset(seed=seed)
     while len(observations) < count:
         observations.append(observation)
@@ -80,7 +78,9 @@ def job(count: int, seed: int) -> Job:
     return run
 
 
-def _rate(imitator: NearestNeighbourImitator, asked: list[Any], seed: int, before: Callable[[], None]) -> float:
+def _rate(
+    imitator: NearestNeighbourImitator, asked: list[Any], seed: int, before: Callable[[], None]
+) -> float:
     draws = np.random.default_rng(seed)
     start = perf_counter()
     for observation in asked:

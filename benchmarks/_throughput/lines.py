@@ -17,14 +17,14 @@ class Measure(NamedTuple):
         section: Heading it stands under.
         name: Its line.
         unit: Of its values.
-        how: What was done, in a few words.
+        how: What was done, in a few words, beyond what the section's note says.
         goal: What it should reach, or stay below; None without one.
     """
 
     section: str
     name: str
     unit: str
-    how: str
+    how: str = ""
     goal: float | None = None
 
 

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from _throughput import parts
+from _throughput import bare_pymunk, foraging, imitating, parts, processes
 from _throughput.lines import Line
 from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
 from khepera_forage.experiments.statistics import Estimate
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LIBRARIES = ("khepera-forage", "pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
-_COLUMNS = (
-    Column("measure"),
-    Column("unit"),
-    Column("goal"),
-    Column("measured", estimate=True),
-    Column("goal met"),
-    Column("how"),
-)
+_NOTES = {
+    foraging.SECTION: foraging.NOTE,
+    bare_pymunk.SECTION: bare_pymunk.NOTE,
+    imitating.SECTION: imitating.NOTE,
+    processes.SECTION: processes.NOTE,
+    parts.SECTION: parts.NOTE,
+}
+_COLUMNS = ("measure", "unit", "measured", "goal", "met", "how")
 
 
 def page(lines: Sequence[Line]) -> str:
@@ -36,7 +36,7 @@ def page(lines: Sequence[Line]) -> str:
         "repeats; every measure is taken once in each repeat, on the same work.\n"
     )
     sections = dict.fromkeys(line.section for line in lines)
-    return "\n".join([head, *(_table(section, lines).markdown().replace("\n\n\n", "\n\n") for section in sections)])
+    return "\n".join([head, *(_table(section, lines).markdown() for section in sections)])
 
 
 def machine() -> str:
@@ -56,19 +56,18 @@ def picture(lines: Sequence[Line]) -> "Figure":
 
 
 def _table(section: str, lines: Sequence[Line]) -> Table:
+    """The lines of a section; a column that would be empty is left out."""
+    met = {True: "yes", False: "no", None: ""}
     rows = [
-        (
-            line.name,
-            line.unit,
-            line.bound or "-",
-            _rounded(line),
-            {True: "yes", False: "no", None: "-"}[line.met],
-            line.how,
-        )
+        (line.name, line.unit, _rounded(line), line.bound, met[line.met], line.how)
         for line in lines
         if line.section == section
     ]
-    return Table("throughput", section, "", _COLUMNS, rows)
+    kept = [i for i in range(len(_COLUMNS)) if any(row[i] for row in rows)]
+    columns = tuple(Column(_COLUMNS[i]) for i in kept)
+    return Table(
+        "throughput", section, _NOTES[section], columns, [tuple(row[i] for i in kept) for row in rows]
+    )
 
 
 def _rounded(line: Line) -> str:
@@ -86,11 +85,15 @@ def _against_goals(axes: "Axes", lines: Sequence[Line]) -> None:
         assert line.goal is not None
         factor = line.median / line.goal if line.bound.startswith("at least") else line.goal / line.median
         axes.barh(place, factor, color=OURS if line.met else THESIS)
-        axes.text(factor, place, f" {_rounded(line).split(' ')[0]} {line.unit}", va="center", fontsize=8)
+        axes.text(
+            max(factor, 1.0), place, f" {_rounded(line).split(' ')[0]} {line.unit}", va="center", fontsize=8
+        )
     axes.axvline(1.0, color=GREY, lw=1.2, ls="--")
-    axes.set_yticks(range(len(lines)), [f"{line.name}\n({line.bound} {line.unit})" for line in lines], fontsize=7)
+    axes.set_yticks(
+        range(len(lines)), [f"{line.name}\n({line.bound} {line.unit})" for line in lines], fontsize=7
+    )
     axes.set_xlabel("times as good as the goal (dashed)")
-    axes.margins(x=0.35)
+    axes.set_xlim(0, 1.6 * max(axes.get_xlim()))
 
 
 def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
@@ -101,7 +104,7 @@ def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
         axes.text(line.median, place, f" {100 * line.median / total:.0f} %", va="center", fontsize=8)
     axes.set_yticks(range(len(shown)), [line.name for line in shown], fontsize=7)
     axes.set_xlabel(f"µs a step of Corridor-v0 (sum {total:.0f})")
-    axes.margins(x=0.15)
+    axes.set_xlim(0, 1.1 * max(axes.get_xlim()))
 
 
 def _processor() -> str:

@@ -9,19 +9,20 @@ from pathlib import Path
 
 from _throughput.lines import Job, Measure, Values
 
-_SECTION = "Processes"
+SECTION = "Processes"
+NOTE = "Fresh processes."
 IMPORT = Measure(
-    _SECTION,
+    SECTION,
     "import khepera_forage",
     "s",
-    "timed inside a fresh process; the interpreter's own start is not counted",
+    "timed inside the process: the interpreter's own start is not counted",
     0.5,
 )
 MEMORY = Measure(
-    _SECTION,
+    SECTION,
     "peak memory of benchmarks/thesis.py --quick",
     "MB",
-    "resident memory of all its processes together, 20 looks a second; pages they share count once for each",
+    "resident memory of all its processes together, 20 looks a second; pages they share count for each of them",
     1_000,
 )
 _TIMED = "import time; start = time.perf_counter(); import khepera_forage; print(time.perf_counter() - start)"

@@ -82,9 +82,9 @@ def cell_results(
 
 def _result(rows: list[RecallRow], cell: Cell, rng: np.random.Generator, resamples: int) -> CellResult:
     numbers = replications(rows)
-    one = lambda row: 1.0  # noqa: E731
-    score = bootstrap(tally(rows, numbers, lambda row: row.score, one), ratio, rng, resamples)
-    food = bootstrap(tally(rows, numbers, lambda row: row.delivered, one), ratio, rng, resamples)
+    sums = tally(rows, numbers, lambda row: row.score, lambda row: row.delivered, lambda row: 1.0)
+    score = bootstrap(sums[:, [0, 2]], ratio, rng, resamples)
+    food = bootstrap(sums[:, [1, 2]], ratio, rng, resamples)
     experiments: dict[int, list[RecallRow]] = defaultdict(list)
     for row in rows:
         experiments[row.replication].append(row)

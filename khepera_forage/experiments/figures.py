@@ -117,6 +117,9 @@ def _food_figure(results: Sequence[CellResult], arena: str, maximum: int, title:
         _experiments(axes, x - _SHIFT, [scale * count for count in result.foods])
         mark(axes, x - _SHIFT, food.value, food, OURS)
         axes.plot(x + _SHIFT, thesis, "D", color=THESIS, ms=8, mec="white", zorder=4)
+        if scale != 1:
+            note = f"of {result.cell.available},\ntimes {scale:g}"
+            axes.text(x + 0.55, 0.2, note, va="bottom", fontsize=8, color=GREY)
     axes.set_ylim(0, maximum * 1.02)
     axes.set_yticks(range(0, maximum + 1, 4))
     axes.set_ylabel(f"food objects carried home (of {maximum})")

@@ -13,7 +13,7 @@ from khepera_forage.experiments.claims.evidence import Evidence, gather
 from khepera_forage.experiments.design import THESIS, Cell
 from khepera_forage.experiments.figure_places import fig_5_4
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
-from khepera_forage.experiments.statistics import RESAMPLES, replications
+from khepera_forage.experiments.statistics import FEWEST, RESAMPLES, replications
 from khepera_forage.experiments.tables import Table
 
 if TYPE_CHECKING:
@@ -100,8 +100,8 @@ def _page(tables: Sequence[Table], evidence: Evidence) -> str:
         "# The thesis' experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
         f"noise: {noise}. A replication is the whole design, its training files included; an interval "
-        "resamples replications. Every episode stands as a row in the CSV files beside this page, and every "
-        "table as `table_*.csv`.\n"
+        f"resamples replications, and there is none for fewer than {FEWEST}. Every episode stands "
+        "as a row in the CSV files beside this page, and every table as `table_*.csv`.\n"
     ]
     for table in tables:
         if table.rows:

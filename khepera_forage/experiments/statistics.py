@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 
 RESAMPLES = 2000
 COVERAGE = 0.95
+FEWEST = 5
+"""Replications without which there is no interval: the whole range of four values holds their true median in only
+88 % of all cases, that of five in 94 %."""
 
 
 class Estimate(NamedTuple):
@@ -100,8 +103,8 @@ def bootstrap(
 ) -> Estimate:
     """A statistic of all replications, with its percentile interval over resampled replications.
 
-    One replication gives a value without an interval. Resamples in which the statistic is undefined are left
-    out; if they are more than half, there is no interval either.
+    Fewer than `FEWEST` replications give a value without an interval. Resamples in which the statistic is
+    undefined are left out; if they are more than half, there is no interval either.
 
     Args:
         sums: One line a replication, from `tally`.
@@ -110,10 +113,10 @@ def bootstrap(
         resamples: How many.
     """
     count = len(sums)
-    if count == 0:
+    if not count:
         return UNKNOWN
     value = float(statistic(sums.sum(axis=0)))
-    if count == 1 or not math.isfinite(value):
+    if count < FEWEST or not math.isfinite(value):
         return Estimate(value, math.nan, math.nan)
     return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
 
@@ -143,7 +146,7 @@ def bootstrap_quantile(
         return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
 
     value = float(statistic(np.ones(len(numbers))))
-    if len(numbers) == 1:
+    if len(numbers) < FEWEST:
         return Estimate(value, math.nan, math.nan)
     draws = statistic(_draw(len(numbers), rng, resamples))
     low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")

@@ -74,32 +74,40 @@ def cast(
         Eight readings 0..1023, in the order of command N.
     """
     readings = [0.0] * 8
-    for i in range(first, 8):
-        forward, left, axis, across = SENSORS[i]
-        px = x + forward * cosine - left * sine
-        py = y + forward * sine + left * cosine
-        ux = axis * cosine - across * sine
-        uy = axis * sine + across * cosine
-        best = 0.0
-        for x1, y1, x2, y2 in walls:
-            ex = x2 - x1
-            ey = y2 - y1
-            t = ((px - x1) * ex + (py - y1) * ey) / (ex * ex + ey * ey)
-            t = min(max(t, 0.0), 1.0)
-            dx = x1 + t * ex - px
-            dy = y1 + t * ey - py
-            along = dx * ux + dy * uy
-            distance = math.sqrt(dx * dx + dy * dy)
-            if distance < RANGE and 2.0 * along > distance:
-                best = max(best, response(distance) * (2.0 * along / distance - 1.0))
-        for cx, cy, radius in discs:
-            dx = cx - px
-            dy = cy - py
-            along = dx * ux + dy * uy
-            distance = math.sqrt(dx * dx + dy * dy)
-            if distance - radius < RANGE and 2.0 * along > distance:
-                best = max(best, response(distance - radius) * (2.0 * along / distance - 1.0))
-        readings[i] = best
+    # Everything is seen from the robot, x forward and y left, where the sensors stand still.
+    for x1, y1, x2, y2 in walls:
+        from_x = (x1 - x) * cosine + (y1 - y) * sine
+        from_y = (y1 - y) * cosine - (x1 - x) * sine
+        ex = (x2 - x1) * cosine + (y2 - y1) * sine
+        ey = (y2 - y1) * cosine - (x2 - x1) * sine
+        squared = ex * ex + ey * ey
+        for i in range(first, 8):
+            forward, left, axis, across = SENSORS[i]
+            dx = from_x - forward
+            dy = from_y - left
+            t = -(dx * ex + dy * ey) / squared
+            t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
+            dx += t * ex
+            dy += t * ey
+            along = dx * axis + dy * across
+            if along > 0.0:
+                distance = math.sqrt(dx * dx + dy * dy)
+                if distance < RANGE and 2.0 * along > distance:
+                    readings[i] = max(readings[i], response(distance) * (2.0 * along / distance - 1.0))
+    for cx, cy, radius in discs:
+        to_x = (cx - x) * cosine + (cy - y) * sine
+        to_y = (cy - y) * cosine - (cx - x) * sine
+        for i in range(first, 8):
+            forward, left, axis, across = SENSORS[i]
+            dx = to_x - forward
+            dy = to_y - left
+            along = dx * axis + dy * across
+            if along > 0.0:
+                distance = math.sqrt(dx * dx + dy * dy)
+                if distance - radius < RANGE and 2.0 * along > distance:
+                    readings[i] = max(
+                        readings[i], response(distance - radius) * (2.0 * along / distance - 1.0)
+                    )
     return readings
 
 

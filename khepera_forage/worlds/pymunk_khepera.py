@@ -36,8 +36,6 @@ _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
-_STRAIGHT = 0.2
-"""Radians a second up to which a robot counts as driving straight: a degree in a round."""
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
 
@@ -140,12 +138,12 @@ class PymunkKhepera:
         self._forward = (left_speed + right_speed) / 2
         turn = (right_speed - left_speed) / WHEEL_BASE
         self._wheels.angular_velocity = turn
-        # On an all but straight way one direction, that of the middle of the round, does for all of it.
-        self._steering = self._forward != 0.0 and abs(turn) > _STRAIGHT
-        if not self._steering:
-            self._point_wheels(self.pose.heading + turn * CONTROL_PERIOD / 2)
         travel = (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
-        return 0.0 if self._has_room(travel) else travel
+        # In the open the direction in the middle of the round does for all of it: the chord ends where the arc
+        # does, to less than 0.1 mm. Where a wall may turn the robot otherwise, the wheels are pointed step by step.
+        self._point_wheels(self.pose.heading + turn * CONTROL_PERIOD / 2)
+        self._steering = not self._has_room(travel)
+        return travel if self._steering else 0.0
 
     @property
     def busy(self) -> bool:
@@ -186,14 +184,20 @@ class PymunkKhepera:
         angle = body.angle
         self.pose = Pose(x, y, angle)
         # The distance from a wall's line is cheap, and mostly shows that the wall is out of range.
-        self._near_walls = [
-            wall
-            for wall, normal_x, normal_y, offset in self._walls
-            if abs(normal_x * x + normal_y * y - offset) < REACH and distance(x, y, wall) < REACH
-        ]
+        nearest = math.inf
+        near = []
+        for wall, normal_x, normal_y, offset in self._walls:
+            off_line = abs(normal_x * x + normal_y * y - offset)
+            nearest = min(nearest, off_line)
+            if off_line < REACH and distance(x, y, wall) < REACH:
+                near.append(wall)
+        self._near_walls = near
+        self._nearest_line = nearest
 
     def _has_room(self, travel: float) -> bool:
         """Whether neither the robot nor what it moves can touch a wall if no point of it gets further than this."""
+        if self._nearest_line > _PUSHED + travel:
+            return True
         x, y, angle = self.pose
         reach = RADIUS
         for food in self.foods:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.experiments.statistics import (
+    FEWEST,
     Floats,
     bootstrap,
     bootstrap_quantile,
@@ -79,8 +80,10 @@ def test_contrast_weighs_means() -> None:
     assert contrast(1, -0.5)(sums) == pytest.approx(10.0 - 2.0)
 
 
-def test_one_replication_has_a_value_and_no_interval() -> None:
-    estimate = bootstrap(_sums([Row(0, 1.0), Row(0, 3.0)]), ratio, np.random.default_rng(1))
+@pytest.mark.parametrize("count", [1, FEWEST - 1])
+def test_few_replications_have_a_value_and_no_interval(count: int) -> None:
+    rows = [Row(i, value) for i in range(count) for value in (1.0, 3.0)]
+    estimate = bootstrap(_sums(rows), ratio, np.random.default_rng(1))
     assert estimate.value == 2.0
     assert math.isnan(estimate.low)
     assert math.isnan(estimate.high)
@@ -92,14 +95,14 @@ def test_nothing_to_tell_from(sums: Floats) -> None:
 
 
 def test_no_interval_when_it_is_mostly_undefined() -> None:
-    """One replication in twenty has the denominator: 36 % of the resamples have none, 36 % have just that."""
-    sums = np.zeros((20, 4))
-    sums[:, 1] = 1.0
-    sums[0, 3] = 1.0
-    assert math.isfinite(bootstrap(sums, contrast(1, 1), np.random.default_rng(1)).low)
-    sums = np.vstack([sums, np.zeros((0, 4))])
-    both = np.hstack([sums, np.roll(sums, 7, axis=0)])
-    assert math.isnan(bootstrap(both, contrast(1, 1, 1, 1), np.random.default_rng(1)).low)
+    """Two replications of twenty hold all that is counted, one each: two resamples of five have both of them."""
+    first, second = np.zeros((20, 2)), np.zeros((20, 2))
+    first[3] = second[11] = 1.0
+    rng = np.random.default_rng(1)
+    assert bootstrap(first, ratio, rng) == (1.0, 1.0, 1.0)
+    both = bootstrap(np.hstack([first, second]), contrast(1, 1), rng)
+    assert both.value == 2.0
+    assert math.isnan(both.low)
 
 
 def test_the_same_generator_gives_the_same_interval() -> None:
@@ -109,7 +112,7 @@ def test_the_same_generator_gives_the_same_interval() -> None:
 
 
 def test_quantile_is_the_value_that_the_share_does_not_exceed() -> None:
-    rows = [Row(i % 4, float(i)) for i in range(1, 101)]
+    rows = [Row(i % 5, float(i)) for i in range(1, 101)]
     estimate = bootstrap_quantile(rows, _value, 0.95, np.random.default_rng(1))
     assert estimate.value == 95.0
     assert 85 <= estimate.low <= 95 <= estimate.high <= 100

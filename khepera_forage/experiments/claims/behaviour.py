@@ -1,6 +1,14 @@
 """Claims about what the learner does: where food must lie, and the behaviour 'orient with food' (5.4.1.2)."""
 
-from khepera_forage.experiments.claims.claim import Above, Beyond, Claim, judged, percent, percent_change
+from khepera_forage.experiments.claims.claim import (
+    Above,
+    Beyond,
+    Claim,
+    Unit,
+    judged,
+    percent,
+    percent_change,
+)
 from khepera_forage.experiments.claims.evidence import (
     NEAR_TRAINING,
     TRAINING_DISTANCE,
@@ -20,6 +28,7 @@ GHOSTS = 0.10
 MOST = 0.5
 ALL_CORRECT = 0.9
 """Share of correct rounds from which "all the consequent behaviours are correctly executed" may be said."""
+_fine = Unit("%", ".1f", 100.0)
 AFTER_ORIENT = (
     State.ORIENTED_WITH_FOOD,
     State.READY_TO_PICK_UP_FOOD,
@@ -75,7 +84,7 @@ def ghost_orient(evidence: Evidence, arena: str) -> Claim:
         percent,
         "observed in area 2",
         f"In {percent(with_ghost.value)} of {len(rows)} recalls it oriented at least once with no candidate "
-        f"food close by; {100 * rounds.value:.1f} % of all rounds were such.",
+        f"food close by; {_fine(rounds.value)} of all rounds were such.",
     )
 
 

@@ -52,10 +52,7 @@ class Evidence:
 
     def cell_scores(self, weights: Mapping[tuple[str, int], float]) -> Estimate:
         """A weighted sum of the mean scores of cells (arena, episodes), in percentage points."""
-        columns: list[Measure[RecallRow]] = []
-        for arena, episodes in weights:
-            inside = _cell(arena, episodes)
-            columns += [lambda row, inside=inside: row.score * inside(row), inside]  # type: ignore[misc]
+        columns = [measure for cell in weights for measure in _score_in(*cell)]
         sums = tally(self.recalls, replications(self.recalls), *columns)
         return bootstrap(sums, contrast(*weights.values()), self.rng, self.resamples)
 
@@ -124,5 +121,10 @@ def food_share(
     return Sample(rows, delivered, lambda row: sum(map(inside, row.food_home_distances)))
 
 
-def _cell(arena: str, episodes: int) -> Measure[RecallRow]:
-    return lambda row: float((row.arena, row.episodes) == (arena, episodes))
+def _score_in(arena: str, episodes: int) -> tuple[Measure[RecallRow], Measure[RecallRow]]:
+    """The score of a row of this cell, and whether it is one."""
+
+    def inside(row: RecallRow) -> bool:
+        return (row.arena, row.episodes) == (arena, episodes)
+
+    return lambda row: row.score if inside(row) else 0.0, inside

@@ -1,0 +1,1 @@
+"""What `benchmarks/teacher.py` runs and shows."""

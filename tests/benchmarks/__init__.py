@@ -1,0 +1,1 @@
+"""The benchmark scripts, run as users run them."""

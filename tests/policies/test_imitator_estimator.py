@@ -1,0 +1,107 @@
+"""The imitator as a scikit-learn classifier."""
+
+import copy
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.policies import NearestNeighbourImitator
+
+X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]])
+Y = np.array([0, 2, 3, 7])
+
+
+@parametrize_with_checks([NearestNeighbourImitator(), NearestNeighbourImitator(diagonal=177)])  # type: ignore[untyped-decorator]
+def test_scikit_learn_takes_it_for_a_classifier(estimator: Any, check: Any) -> None:
+    check(estimator)
+
+
+@pytest.mark.parametrize("diagonal", [0, -138, 138.0, 137.9, "138", None, True])
+def test_diagonal_out_of_range(diagonal: Any) -> None:
+    with pytest.raises(ValueError, match=f"diagonal is {diagonal!r}; allowed: an integer above 0, in pixels"):
+        NearestNeighbourImitator(diagonal=diagonal).fit(X, Y)
+
+
+@pytest.mark.parametrize("threshold", [-0.1, float("inf"), float("nan"), "0.1", None])
+def test_threshold_out_of_range(threshold: Any) -> None:
+    with pytest.raises(ValueError, match=f"threshold is {threshold!r}; allowed: a finite number, at least 0"):
+        NearestNeighbourImitator(threshold=threshold).fit(X, Y)
+
+
+def test_parameters_set_after_fit_are_looked_at_too() -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y).set_params(diagonal=0)
+    with pytest.raises(ValueError, match="diagonal is 0"):
+        imitator.act(X[0], np.random.default_rng())
+    with pytest.raises(ValueError, match="diagonal is 0"):
+        imitator.predict(X)
+
+
+def test_not_fitted() -> None:
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().act(X[0], np.random.default_rng())
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().neighbours(X[0])
+
+
+def test_rows_that_are_no_state_vectors_cannot_be_acted_on() -> None:
+    imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
+    np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
+    with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+@pytest.mark.parametrize("labels", [["a", "b", "c", "d"], [0, 2, 3, 11]])
+def test_labels_that_are_no_behaviours_cannot_be_executed(labels: list[Any]) -> None:
+    imitator = NearestNeighbourImitator().fit(X, labels)
+    assert imitator.predict(X).tolist() == labels
+    with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+def test_labels_that_are_not_among_the_classes_given() -> None:
+    imitator = NearestNeighbourImitator()
+    with pytest.raises(
+        ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"
+    ):
+        imitator.partial_fit(X, Y, classes=[0, 2])
+    imitator.partial_fit(X[:1], Y[:1], classes=range(10))
+    assert imitator.classes_.tolist() == list(range(10))
+    assert imitator.predict_proba(X[:1]).tolist() == [[1.0] + [0.0] * 9]
+
+
+def test_another_number_of_columns_later() -> None:
+    with pytest.raises(ValueError, match="3 features"):
+        NearestNeighbourImitator().fit(X, Y).partial_fit(X[:, :3], Y)
+
+
+@pytest.mark.parametrize("again", [lambda i: pickle.loads(pickle.dumps(i)), copy.deepcopy])
+def test_a_copy_goes_on_learning_on_its_own(again: Any) -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    imitator.act(X[0], np.random.default_rng())
+    twin = again(imitator)
+    twin.partial_fit(np.repeat(X[:1], 9, axis=0), [4] * 9)
+    twin.partial_fit([[0, 90, 0, 215, 61]], [5])
+    assert twin.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1), (Behaviour.PICK_UP_FOOD, 9))
+    assert imitator.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1),)
+
+
+def test_what_was_remembered_is_not_pickled() -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    small = len(pickle.dumps(imitator))
+    for food in range(200):
+        imitator.neighbours((0, 90, 0, 215, food))
+        imitator.neighbours((food, 90, 0, 215, 50))
+    assert len(pickle.dumps(imitator)) == small
+
+
+def test_clone_knows_nothing() -> None:
+    imitator = NearestNeighbourImitator(diagonal=177, threshold=0.25).fit(X, Y)
+    twin = clone(imitator)
+    assert twin.get_params() == {"diagonal": 177, "threshold": 0.25}
+    assert not hasattr(twin, "classes_")

@@ -1,0 +1,146 @@
+"""What all policies have in common, and how behaviours are drawn."""
+
+import math
+import pickle
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from sklearn.naive_bayes import GaussianNB
+from sklearn.neighbors import KNeighborsClassifier
+from sklearn.tree import DecisionTreeClassifier
+
+from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.policies import (
+    ClassifierPolicy,
+    Listener,
+    ModelPolicy,
+    NearestNeighbourImitator,
+    Policy,
+    Teacher,
+    UniformPolicy,
+)
+from khepera_forage.policies import imitator as imitator_module
+
+QUERY = StateVector(0, 50, 0, 215, 18)
+# The example of section 4.6.2: of five equally near vectors, four say x and one says y.
+X = np.array(
+    [[0, 50, 0, 215, 20]] * 2 + [[0, 50, 0, 215, 16]] * 2 + [[0, 52, 0, 215, 18], [0, 90, 0, 215, 60]]
+)
+Y = np.array([2, 2, 2, 2, 1, 0])
+
+
+class Constant:
+    """Stands for a model of Stable-Baselines3, which answers with an array and a state."""
+
+    def predict(self, observation: Any, *, deterministic: bool) -> tuple[NDArray[np.int64], None]:
+        return np.array(Behaviour.GO_HOME if deterministic else Behaviour.AVOID_HOME), None
+
+
+POLICIES: dict[str, Policy] = {
+    "teacher": Teacher(),
+    "imitator": NearestNeighbourImitator().fit(X, Y),
+    "classifier": ClassifierPolicy(GaussianNB().fit(X, Y)),
+    "best of classifier": ClassifierPolicy(DecisionTreeClassifier(random_state=1).fit(X, Y), sample=False),
+    "model": ModelPolicy(Constant()),
+    "uniform": UniformPolicy(),
+    "listener": Listener(),
+}
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_the_same_generator_gives_the_same_decisions(name: str) -> None:
+    policy = POLICIES[name]
+    observation: NDArray[np.int32] = np.array([*QUERY, Behaviour.GO_HOME, 0], np.int32)
+    before = observation.copy()
+    first, second = np.random.default_rng(5), np.random.default_rng(5)
+    decisions = [policy.act(observation, first) for _ in range(20)]
+    assert decisions == [policy.act(observation, second) for _ in range(20)]
+    assert set(decisions) <= set(range(11))
+    np.testing.assert_array_equal(observation, before)
+    twin = pickle.loads(pickle.dumps(policy))
+    third = np.random.default_rng(5)
+    assert decisions == [twin.act(observation, third) for _ in range(20)]
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_nothing_global_is_drawn_from(name: str) -> None:
+    observation: NDArray[np.int32] = np.array([*QUERY, Behaviour.GO_HOME, 0], np.int32)
+    state = np.random.get_state(legacy=False)  # noqa: NPY002 - it must not move
+    POLICIES[name].act(observation, np.random.default_rng(5))
+    after = np.random.get_state(legacy=False)  # noqa: NPY002
+    assert str(state) == str(after)
+
+
+@pytest.mark.parametrize("name", ["imitator", "classifier", "uniform"])
+@pytest.mark.parametrize("rng", [None, 7, np.random.RandomState(7)])
+def test_who_draws_needs_a_generator(name: str, rng: Any) -> None:
+    with pytest.raises(TypeError, match=r"rng is .*; allowed: a numpy\.random\.Generator"):
+        POLICIES[name].act(QUERY, rng)
+
+
+def check_frequencies(counts: Counter[int], levels: dict[Behaviour, float], draws: int) -> None:
+    assert set(counts) == set(levels)
+    for behaviour, level in levels.items():
+        # Five standard deviations of the binomial distribution.
+        bound = 5 * math.sqrt(draws * level * (1 - level)) + 1e-9
+        assert abs(counts[behaviour] - draws * level) <= bound
+
+
+def test_the_confidence_level_is_the_probability() -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    assert imitator.confidence_levels(QUERY) == {Behaviour.ORIENT_WITH_FOOD: 0.8, Behaviour.MOVE_SLOWLY: 0.2}
+    rng = np.random.default_rng(11)
+    counts = Counter(int(imitator.act(QUERY, rng)) for _ in range(20_000))
+    check_frequencies(counts, imitator.confidence_levels(QUERY), 20_000)
+
+
+def test_many_behaviours_in_conflict() -> None:
+    votes = {behaviour: int(behaviour) + 1 for behaviour in Behaviour if behaviour != Behaviour.WAIT}
+    behaviours = [behaviour for behaviour, count in votes.items() for _ in range(count)]
+    imitator = NearestNeighbourImitator().fit([QUERY] * len(behaviours), behaviours)
+    rng = np.random.default_rng(12)
+    counts = Counter(int(imitator.act(QUERY, rng)) for _ in range(20_000))
+    check_frequencies(counts, {b: n / len(behaviours) for b, n in votes.items()}, 20_000)
+
+
+def test_a_classifier_is_drawn_from_by_its_probabilities() -> None:
+    policy = ClassifierPolicy(KNeighborsClassifier(n_neighbors=5).fit(X, Y))
+    rng = np.random.default_rng(13)
+    counts = Counter(int(policy.act(QUERY, rng)) for _ in range(2_000))
+    levels = policy.classifier.predict_proba(np.array([QUERY]))[0]
+    expected = {
+        Behaviour(int(label)): float(level)
+        for label, level in zip(policy.classifier.classes_, levels, strict=True)
+        if level
+    }
+    assert len(expected) > 1
+    check_frequencies(counts, expected, 2_000)
+
+
+def test_one_number_is_drawn_whether_there_is_a_conflict_or_not() -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    alone = StateVector(0, 90, 0, 215, 60)
+    assert imitator.neighbours(QUERY).conflict
+    assert not imitator.neighbours(alone).tie
+    for query in (QUERY, alone):
+        rng, other = np.random.default_rng(3), np.random.default_rng(3)
+        imitator.act(query, rng)
+        other.random()
+        assert rng.bit_generator.state == other.bit_generator.state
+
+
+def test_a_full_memory_starts_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(imitator_module, "MEMO_SIZE", 3)
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    first = [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
+    assert first == [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
+    assert imitator._memo is not None
+    assert len(imitator._memo.found) <= 3
+
+
+def test_a_model_is_asked_as_it_was_set_up() -> None:
+    assert ModelPolicy(Constant()).act(QUERY) is Behaviour.GO_HOME
+    assert ModelPolicy(Constant(), deterministic=False).act(QUERY) is Behaviour.AVOID_HOME

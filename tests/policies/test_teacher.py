@@ -1,0 +1,59 @@
+"""The teacher decides by the tree of figure 4.2, and waits for a separated learner."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.foraging.states import Behaviour, FoodType, StateVector, behaviour_for, classify
+from khepera_forage.policies import Teacher
+
+VECTORS = st.builds(
+    StateVector,
+    st.integers(0, 1),
+    st.integers(0, 200),
+    st.sampled_from([int(food_type) for food_type in FoodType]),
+    st.integers(215, 255),
+    st.integers(0, 200),
+)
+
+
+@given(VECTORS, st.integers(1, 60), st.sampled_from(list(Behaviour)))
+def test_every_decision_is_that_of_the_tree(vector: StateVector, radius: int, heard: int) -> None:
+    teacher = Teacher(home_radius=radius)
+    decision = behaviour_for(classify(vector, radius))
+    shown = {name: np.int64(value) for name, value in vector._asdict().items()}
+    assert teacher.act(shown) is decision
+    assert teacher.act(list(vector)) is decision
+    assert teacher.act(np.array([*vector, heard, 0], np.int32)) is decision
+    assert teacher.act(np.array([*vector, heard, 1], np.int32)) is Behaviour.WAIT
+
+
+def test_a_forage_step_by_step() -> None:
+    teacher = Teacher()
+    for vector, behaviour in [
+        ((0, 90, 0, 215, 60), Behaviour.SEARCH_FOR_FOOD),
+        ((0, 70, 0, 215, 30), Behaviour.MOVE_SLOWLY),
+        ((0, 60, 0, 240, 20), Behaviour.ORIENT_WITH_FOOD),
+        ((1, 60, 0, 255, 12), Behaviour.EXPLORE_FOOD),
+        ((1, 60, 1, 255, 12), Behaviour.PICK_UP_FOOD),
+        ((1, 60, 1, 215, 12), Behaviour.GO_HOME),
+        ((1, 20, 1, 215, 12), Behaviour.RELEASE_FOOD),
+        ((0, 18, 0, 255, 138), Behaviour.AVOID_HOME),
+        ((1, 60, 2, 255, 12), Behaviour.PUSH_FOOD),
+        ((1, 60, 3, 255, 12), Behaviour.AVOID_FOOD),
+    ]:
+        assert teacher.act(vector) is behaviour
+
+
+def test_it_takes_no_number_from_the_generator() -> None:
+    rng = np.random.default_rng(1)
+    before = rng.bit_generator.state
+    Teacher().act((0, 90, 0, 215, 60), rng)
+    assert rng.bit_generator.state == before
+
+
+@pytest.mark.parametrize("radius", [0, -3, float("nan")])
+def test_a_home_has_an_extent(radius: int) -> None:
+    with pytest.raises(ValueError, match=f"home_radius is {radius} pixels; allowed: above 0"):
+        Teacher(home_radius=radius)

@@ -1,0 +1,227 @@
+"""Files that are no experience, or not all of it: what is said of each."""
+
+import re
+import tempfile
+import warnings
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
+
+HEADER = """\
+# khepera_forage experience, version 1
+# package: 0.1.0
+# arena: corridor
+# seed: 7
+# episodes: 1
+# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)
+object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour
+"""
+ROW = "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n"
+GRASPED = "1,48,PICKABLE,215,14,GO_HOME\n"
+WHOLE = HEADER + ROW + GRASPED + "# complete: 2 vectors\n"
+SAID = Experience([(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7)
+
+
+def write(folder: Path, content: str | bytes) -> Path:
+    path = folder / "g1.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def test_the_whole_file_is_read(tmp_path: Path) -> None:
+    assert Experience.load(write(tmp_path, WHOLE)) == SAID
+    assert Experience.load(write(tmp_path, WHOLE.replace("\n", "\r\n"))) == SAID
+    assert Experience.load(write(tmp_path, WHOLE), recover=True) == SAID
+
+
+def row(text: str) -> str:
+    return HEADER + ROW + text + "\n# complete: 2 vectors\n"
+
+
+FOOD_TYPES = "UNKNOWN, PICKABLE, PUSHABLE, POISONOUS"
+BEHAVIOURS = "SEARCH_FOR_FOOD, MOVE_SLOWLY, "
+BAD: dict[str, tuple[str | bytes, int, str]] = {
+    "empty": ("", 1, "not an experience file, it is empty"),
+    "binary": (
+        b"\x89PNG\r\n\x1a\n\0",
+        1,
+        "not an experience file, its first line is '\ufffdPNG'; allowed: '# khe",
+    ),
+    "other text": (
+        "a,b\n1,2\n",
+        1,
+        "not an experience file, its first line is 'a,b'; allowed: '# khepera_forage ex",
+    ),
+    "long line": ("x" * 10**6, 1, "first line is '" + "x" * 76 + "...; allowed"),
+    "later version": (
+        WHOLE.replace("version 1", "version 2"),
+        1,
+        "the format version is '2', written by a later version of this package; allowed: '# khepera_forage ex",
+    ),
+    "no version": (WHOLE.replace("version 1", "version x"), 1, "the format version is 'x'; allowed: "),
+    "no arena": (
+        WHOLE.replace("# arena", "# place"),
+        3,
+        "'# place: corridor'; allowed: '# arena: ' and a value",
+    ),
+    "blank arena": (WHOLE.replace("corridor", ""), 3, "arena is ''; allowed: a printable name"),
+    "seed": (WHOLE.replace("seed: 7", "seed: 7.5"), 4, "seed is '7.5'; allowed: an integer"),
+    "episodes": (WHOLE.replace("episodes: 1", "episodes: 0"), 5, "episodes is 0; allowed: at least 1"),
+    "units": (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
+    "columns": (
+        WHOLE.replace("arms_height,", "arms,"),
+        7,
+        "columns are 'object_presence,robot_home_distance,foo",
+    ),
+    "header cut": (HEADER[:100], 6, "cut off in the header; allowed: 7 lines before the rows"),
+    "header cut in its first line": (HEADER[:38], 1, "cut off in the header"),
+    "five columns": (
+        row("0,52,UNKNOWN,215,28"),
+        9,
+        "'0,52,UNKNOWN,215,28' has 5 columns; allowed: 6, object_p",
+    ),
+    "seven columns": (row(GRASPED.strip() + ","), 9, "has 7 columns; allowed: 6, "),
+    "blank line": (row(""), 9, "'' has 1 columns; allowed: 6, "),
+    "food type": (row("1,48,EDIBLE,215,14,GO_HOME"), 9, f"food_type is 'EDIBLE'; allowed: {FOOD_TYPES}"),
+    "food type as number": (row("1,48,1,215,14,GO_HOME"), 9, f"food_type is '1'; allowed: {FOOD_TYPES}"),
+    "behaviour": (row("1,48,PICKABLE,215,14,GO_AWAY"), 9, f"behaviour is 'GO_AWAY'; allowed: {BEHAVIOURS}"),
+    "behaviour in small": (
+        row("0,4,UNKNOWN,215,1,go_home"),
+        9,
+        f"behaviour is 'go_home'; allowed: {BEHAVIOURS}",
+    ),
+    "silence": (row("0,48,UNKNOWN,215,14,WAIT"), 9, f"behaviour is 'WAIT'; allowed: {BEHAVIOURS}"),
+    "fraction": (row("0,4.5,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '4.5'; allowed: an integer"),
+    "space": (row("0, 48,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is ' 48'; allowed: an integer"),
+    "word": (row("no,48,UNKNOWN,215,14,GO_HOME"), 9, "object_presence is 'no'; allowed: an integer"),
+    "endless number": (row("0," + "9" * 5000 + ",UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '999"),
+    "presence": (row("2,48,UNKNOWN,215,14,GO_HOME"), 9, "object_presence is 2; allowed: 0 or 1"),
+    "distance": (
+        row("0,48,UNKNOWN,215,-1,GO_HOME"),
+        9,
+        "robot_food_distance is -1; allowed: 0 to 2147483647",
+    ),
+    "arm": (row("0,48,UNKNOWN,200,14,GO_HOME"), 9, "arms_height is 200; allowed: 215 to 255"),
+    "food without object": (
+        row("0,48,PUSHABLE,215,14,GO_HOME"),
+        9,
+        "food_type is PUSHABLE without an object",
+    ),
+    "not UTF-8": (
+        row("0,48,UNKNOWN,215,14,GO_HOME").encode() + b"\xff\n",
+        11,
+        "b'\\xff' is not text; allowed: UTF-8",
+    ),
+    "count": (
+        WHOLE.replace("2 vectors", "3 vectors"),
+        10,
+        "'# complete: 3 vectors' after 2 rows; allowed: the nu",
+    ),
+    "leading zero": (WHOLE.replace("2 vectors", "02 vectors"), 10, "'# complete: 02 vectors' after 2 rows"),
+    "comment": (
+        row("# odd one"),
+        9,
+        "'# odd one'; allowed: a row, or the closing line '# complete: 1 vectors'",
+    ),
+    "row after the end": (
+        WHOLE + ROW,
+        11,
+        "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' stands after the closing line",
+    ),
+    "cut row after the end": (WHOLE + "0,5", 11, "'0,5' stands after the closing line; allowed: nothing"),
+    "blank line after the end": (WHOLE + "\n", 11, "'' stands after the closing line; allowed: nothing"),
+}
+
+
+@pytest.mark.parametrize("recover", [False, True])
+@pytest.mark.parametrize("kind", BAD)
+def test_a_bad_file_is_an_error_that_says_where_and_what(kind: str, recover: bool, tmp_path: Path) -> None:
+    content, line, message = BAD[kind]
+    path = write(tmp_path, content)
+    with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: ")) as caught:
+        Experience.load(path, recover=recover)
+    assert message in str(caught.value)
+    assert len(str(caught.value)) < len(str(path)) + 400
+
+
+INCOMPLETE = {
+    "rows": (HEADER + ROW + GRASPED, 9, 2, "2 whole rows, no cut line"),
+    "no rows": (HEADER, 7, 0, "0 whole rows, no cut line"),
+    "cut row": (HEADER + ROW + "1,48,PICK", 9, 1, "1 whole rows, then the cut line '1,48,PICK'"),
+    # It looks whole, but it may have been 215,148: only a line end shows that it is.
+    "row without line end": (
+        HEADER + ROW + GRASPED[:-1],
+        9,
+        1,
+        "then the cut line '1,48,PICKABLE,215,14,GO_HOME'",
+    ),
+    "cut closing line": (WHOLE[:-8], 10, 2, "2 whole rows, then the cut line '# complete: 2 '"),
+    "closing line without line end": (WHOLE[:-1], 10, 2, "then the cut line '# complete: 2 vectors'"),
+}
+
+
+@pytest.mark.parametrize("kind", INCOMPLETE)
+def test_an_incomplete_file_can_be_recovered(kind: str, tmp_path: Path) -> None:
+    content, line, rows, message = INCOMPLETE[kind]
+    path = write(tmp_path, content)
+    complaint = f"{path}, line {line}: cut off before its closing line: "
+    with pytest.raises(ExperienceError, match=re.escape(complaint)) as caught:
+        Experience.load(path)
+    assert message in str(caught.value)
+    assert str(caught.value).endswith("recover=True keeps the whole rows")
+    with pytest.warns(ExperienceWarning, match=re.escape(message)) as warned:
+        kept = Experience.load(path, recover=True)
+    assert warned[0].filename == __file__
+    loss = "the cut line is lost" if "then" in message else "no line is known to be lost"
+    assert str(warned[0].message).endswith(loss)
+    assert list(kept) == list(SAID)[:rows]
+
+
+def recovered(content: bytes) -> Experience | None:
+    """What is left of a file, or None where it is an error. Any other exception fails the test."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ExperienceWarning)
+        try:
+            return Experience.load(write(Path(folder), content), recover=True)
+        except ExperienceError:
+            return None
+
+
+LONG = Experience(
+    [(n % 2, n * 7 % 200, 0, 215 + n, n * 3 % 150) for n in range(20)], [n % 10 for n in range(20)]
+)
+
+
+@pytest.fixture(scope="module")
+def long_file(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("long") / "g1.csv"
+    LONG.save(path)
+    return path.read_bytes()
+
+
+def test_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Path) -> None:
+    header = long_file.index(b"behaviour\n") + len(b"behaviour\n")
+    for end in range(len(long_file)):
+        with pytest.raises(ExperienceError):
+            Experience.load(write(tmp_path, long_file[:end]))
+        kept = recovered(long_file[:end])
+        if end < header:
+            assert kept is None
+        else:
+            assert kept is not None
+            assert list(kept) == list(LONG)[: long_file[header:end].count(b"\n")]
+
+
+@given(st.data())
+def test_any_other_damage_is_an_error_or_still_experience(long_file: bytes, data: st.DataObject) -> None:
+    start = data.draw(st.integers(0, len(long_file)))
+    stop = data.draw(st.integers(start, min(start + 40, len(long_file))))
+    kept = recovered(long_file[:start] + data.draw(st.binary(max_size=10)) + long_file[stop:])
+    if kept is not None:
+        for vector, behaviour in kept:
+            assert 215 <= vector.arms_height <= 255
+            assert 0 <= behaviour <= 9
