@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
@@ -27,21 +27,16 @@ ROWS = st.lists(st.tuples(st.one_of(EMPTY_HANDED, WITH_FOOD), st.integers(0, 9))
 NAMES = st.text(min_size=1, max_size=20).filter(lambda text: text == text.strip() and text.isprintable())
 
 
-def experience_of(rows: list[tuple[StateVector, int]], **about: Any) -> Experience:
-    return Experience([vector for vector, _ in rows], [behaviour for _, behaviour in rows], **about)
-
-
+SEEDS = st.one_of(st.none(), st.integers(), st.integers(0, 2**128))
 EXPERIENCES = st.builds(
-    experience_of,
-    ROWS,
-    arena=NAMES,
-    seed=st.one_of(st.none(), st.integers(), st.integers(0, 2**128)),
-    episodes=st.integers(1, 100),
+    lambda rows, *about: Experience([row[0] for row in rows], [row[1] for row in rows], *about),
+    *(ROWS, NAMES, SEEDS, st.integers(1, 100)),
 )
 SEARCH = StateVector(0, 52, 0, 215, 28)
 HOME = StateVector(1, 48, FoodType.PICKABLE, 215, 14)
 
 
+@settings(deadline=None)
 @given(EXPERIENCES)
 def test_what_is_saved_loads_equal(experience: Experience) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
@@ -216,6 +216,7 @@ def test_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Pat
             assert list(kept) == list(LONG)[: long_file[header:end].count(b"\n")]
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_any_other_damage_is_an_error_or_still_experience(long_file: bytes, data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(long_file)))

@@ -87,7 +87,8 @@ def vote_table(rows: Sequence[VoteRow], rng: np.random.Generator) -> Table:
             cell = [row for row in rows if (row.beyond, row.episodes) == (beyond, count)]
             sums = tally(cell, replications(cell), lambda row: 100 * row.orient, lambda row: 1.0)
             levels.append(bootstrap(sums, ratio, rng))
-        lines.append((f"{beyond:+d}" if beyond else "0", *levels))
+        if levels:
+            lines.append((f"{beyond:+d}" if beyond else "0", *levels))
     return Table(
         "votes",
         "Why 'orient with food' is missed",

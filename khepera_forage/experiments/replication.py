@@ -67,7 +67,9 @@ class Replication:
         training, recalling = seeds.spawn(2)
         files, trainings = self._train(noise, training)
         recalls = tuple(self._recalls(noise, files, recalling))
-        return Outcome(recalls, tuple(trainings), tuple(self._votes(files)))
+        return Outcome(
+            recalls, tuple(trainings), tuple(self._votes(files)) if self.noise == LABORATORY else ()
+        )
 
     def _train(
         self, noise: Noise, seeds: np.random.SeedSequence

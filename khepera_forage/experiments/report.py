@@ -12,6 +12,7 @@ from khepera_forage.experiments.claims import claims
 from khepera_forage.experiments.claims.evidence import Evidence, gather
 from khepera_forage.experiments.design import THESIS, Cell
 from khepera_forage.experiments.figure_places import fig_5_4
+from khepera_forage.experiments.next_to_food import VoteRow, vote_table
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
 from khepera_forage.experiments.statistics import FEWEST, RESAMPLES, replications
 from khepera_forage.experiments.tables import Table
@@ -31,6 +32,7 @@ def write_report(
     rng: np.random.Generator,
     cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
+    vote_rows: Sequence[VoteRow] = (),
 ) -> list[Path]:
     """Write tables, then figures, and the page that holds them together.
 
@@ -43,6 +45,7 @@ def write_report(
         rng: Draws the resamples of every interval.
         cells: The design that was run.
         resamples: How many an interval.
+        vote_rows: What votes next to food, under the laboratory's noise; may be empty.
 
     Returns:
         The files written.
@@ -51,7 +54,7 @@ def write_report(
         ValueError: The imitator's recalls are of several noise conditions.
         ImportError: The tables are written, but there is no matplotlib for the figures.
     """
-    for_cells, for_claims, for_tables = rng.spawn(3)
+    for_cells, for_claims, for_tables, for_votes = rng.spawn(4)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
     noise = measured_tables.noise_table(noise_rows, evidence)
@@ -65,6 +68,7 @@ def write_report(
         measured_tables.teacher_table(evidence),
         measured_tables.ties_table(evidence),
         measured_tables.state_table(evidence),
+        vote_table(vote_rows, for_votes),
         thesis_tables.slip_table(),
     ]
     written = [_write(folder / PAGE, _page(tables, evidence))]

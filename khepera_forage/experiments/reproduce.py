@@ -9,11 +9,13 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from khepera_forage.experiments.design import LABORATORY, THESIS, Cell, noise_conditions
+from khepera_forage.experiments.design import LABORATORY, NO_NOISE, THESIS, Cell, noise_conditions
+from khepera_forage.experiments.next_to_food import VoteRow
 from khepera_forage.experiments.replication import Attempts, Baseline, Outcome, Replication, Work
 from khepera_forage.experiments.report import PAGE, write_report
 from khepera_forage.experiments.row_files import RowWriter
 from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.experiments.statistics import FEWEST
 
 REPLICATIONS = 24
 """By default; about two minutes on two cores."""
@@ -27,18 +29,19 @@ def plan(seed: int, replications: int, quick: bool = False) -> list[Work]:
 
     Args:
         seed: Of the reproduction.
-        replications: Of the whole design; noise conditions get a third of it, and at least two.
+        replications: Of the whole design; noise conditions get a third of it, and enough for intervals.
         quick: Only enough to exercise every part.
     """
     forages = 5 if quick else 25
     blocks = 2 if quick else 20
-    few = 2 if quick else max(2, replications // 3)
+    few = 1 if quick else max(FEWEST, replications // 3)
     conditions = [name for name in noise_conditions() if name != LABORATORY]
     if quick:
-        conditions = conditions[:1]
+        conditions = [NO_NOISE]
     work: list[Work] = [Replication(seed, i) for i in range(replications)]
     work += [Replication(seed, i, noise, NOISE_CELLS) for noise in conditions for i in range(few)]
-    work += [Attempts(seed, i) for i in range(few, replications)]
+    # Without losses only the attempts count, and there are to be as many of them as with losses.
+    work += [Attempts(seed, i) for i in range(0 if quick else few, replications)]
     for arena in ("corridor", "rectangle"):
         work += [Baseline(seed, i, TEACHER, arena, forages) for i in range(blocks)]
         work += [Baseline(seed, i, RANDOM, arena, forages // 5) for i in range(blocks)]
@@ -63,6 +66,7 @@ def reproduce(seed: int, replications: int, out: Path, jobs: int = -1, quick: bo
     with (
         RowWriter(out / "recalls.csv", RecallRow) as recalls,
         RowWriter(out / "trainings.csv", TrainingRow) as trainings,
+        RowWriter(out / "votes.csv", VoteRow) as votes,
     ):
         # Results come in the order of the work, so that the files are the same on any machine.
         running = Parallel(n_jobs=jobs, return_as="generator")(delayed(_run)(piece) for piece in work)
@@ -71,6 +75,7 @@ def reproduce(seed: int, replications: int, out: Path, jobs: int = -1, quick: bo
         ):
             recalls.write(*outcome.recalls)
             trainings.write(*outcome.trainings)
+            votes.write(*outcome.votes)
             outcomes.append(outcome)
     return report(out, outcomes, seed)
 
@@ -84,6 +89,7 @@ def report(out: Path, outcomes: Sequence[Outcome], seed: int) -> Path:
         trainings=[row for outcome in outcomes for row in outcome.trainings],
         teachers=[r for r in rows if r.learner == TEACHER],
         noise_rows=[r for r in rows if r.episodes == 10],
+        vote_rows=[row for outcome in outcomes for row in outcome.votes],
         rng=np.random.default_rng(seed),
     )
     return out / PAGE

@@ -85,9 +85,10 @@ def test_a_copy_goes_on_learning_on_its_own(again: Any) -> None:
     imitator = NearestNeighbourImitator().fit(X, Y)
     imitator.act(X[0], np.random.default_rng())
     twin = again(imitator)
-    twin.partial_fit(np.repeat(X[:1], 9, axis=0), [4] * 9)
+    twin.partial_fit(np.repeat(X[:1], 4, axis=0), [7] * 4)  # neither a new row nor a new class
+    assert twin.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1), (Behaviour.GO_HOME, 4))
     twin.partial_fit([[0, 90, 0, 215, 61]], [5])
-    assert twin.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1), (Behaviour.PICK_UP_FOOD, 9))
+    assert twin.neighbours((0, 90, 0, 215, 62)).votes == ((Behaviour.PUSH_FOOD, 1),)
     assert imitator.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1),)
 
 

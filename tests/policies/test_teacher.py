@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.foraging.states import Behaviour, FoodType, StateVector, behaviour_for, classify
@@ -18,6 +18,7 @@ VECTORS = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(VECTORS, st.integers(1, 60), st.sampled_from(list(Behaviour)))
 def test_every_decision_is_that_of_the_tree(vector: StateVector, radius: int, heard: int) -> None:
     teacher = Teacher(home_radius=radius)
