@@ -129,8 +129,7 @@ def blocks(seed: int, forages: int) -> list[Block]:
     """All work; every condition of an arena has the same starts."""
     work = []
     for condition in CONDITIONS:
-        numbers = (
-            np.random.SeedSequence(seed, spawn_key=(len(condition.arena),)).generate_state(forages).tolist()
-        )
+        seeds = np.random.SeedSequence(seed, spawn_key=(ARENAS.index(condition.arena),))
+        numbers = seeds.generate_state(forages).tolist()
         work += [Block(condition, tuple(numbers[i : i + BLOCK])) for i in range(0, forages, BLOCK)]
     return work
