@@ -1,6 +1,7 @@
 """The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -114,23 +115,20 @@ def train(
         vectors: list[StateVector] = []
         behaviours: list[Behaviour] = []
         arena = env.arenas[0].name
-        writer = None if path is None else ExperienceWriter(path, arena=arena, seed=attempt_seed)
+        with ExperienceWriter(path, arena, attempt_seed) if path is not None else nullcontext() as writer:
 
-        def record(
-            vector: StateVector,
-            behaviour: Behaviour,
-            vectors: list[StateVector] = vectors,
-            behaviours: list[Behaviour] = behaviours,
-            writer: ExperienceWriter | None = writer,
-        ) -> None:
-            vectors.append(vector)
-            behaviours.append(behaviour)
-            if writer is not None:
-                writer.append(vector, behaviour)
+            def record(
+                vector: StateVector,
+                behaviour: Behaviour,
+                made: tuple[list[StateVector], list[Behaviour]] = (vectors, behaviours),
+                writer: ExperienceWriter | None = writer,
+            ) -> None:
+                made[0].append(vector)
+                made[1].append(behaviour)
+                if writer is not None:
+                    writer.append(vector, behaviour)
 
-        result = attempt(env, attempt_seed, record, resume, watch)
-        if writer is not None:
-            writer.close()
+            result = attempt(env, attempt_seed, record, resume, watch)
         rows.append(
             TrainingRow(
                 replication=replication,

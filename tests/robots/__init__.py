@@ -1,0 +1,1 @@
+"""What a Khepera is and what its infra-reds read."""

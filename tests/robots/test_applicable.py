@@ -1,0 +1,86 @@
+"""What a Khepera makes of a command."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    JAW_CLOSED,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    MAX_SPEED,
+    Motors,
+    applicable,
+    half_gap,
+)
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=300)
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9), 10**9)
+COMMANDS = st.builds(Motors, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
+
+
+@given(COMMANDS)
+@PROPERTY
+def test_what_is_applied_is_whole_and_within_limits(motors: Motors) -> None:
+    applied = applicable(motors)
+    assert all(type(value) is int for value in applied)
+    assert -MAX_SPEED <= applied.left <= MAX_SPEED
+    assert -MAX_SPEED <= applied.right <= MAX_SPEED
+    assert ARM_RAISED <= applied.arm <= ARM_DOWN
+    assert applied.jaw in (JAW_OPEN, JAW_CLOSED)
+
+
+@given(COMMANDS)
+@PROPERTY
+def test_what_was_applied_is_applied_as_it_is(motors: Motors) -> None:
+    assert applicable(applicable(motors)) == applicable(motors)
+
+
+@given(
+    st.floats(-MAX_SPEED, MAX_SPEED),
+    st.floats(-MAX_SPEED, MAX_SPEED),
+    st.floats(ARM_RAISED, ARM_DOWN),
+    st.sampled_from([JAW_OPEN, JAW_CLOSED]),
+)
+@PROPERTY
+def test_a_command_within_limits_is_at_most_rounded(left: float, right: float, arm: float, jaw: int) -> None:
+    applied = applicable(Motors(left, right, arm, jaw))  # type: ignore[arg-type]  # an arm between positions
+    assert abs(applied.left - left) <= 0.5 + 1e-9
+    assert abs(applied.right - right) <= 0.5 + 1e-9
+    assert abs(applied.arm - arm) <= 0.5 + 1e-9
+    assert applied.jaw == jaw
+
+
+@pytest.mark.parametrize(
+    ("asked", "applied"),
+    [
+        (Motors(0, 0, 215, 200), Motors(0, 0, 215, 200)),
+        (Motors(20, -20, 255, 0), Motors(20, -20, 255, 0)),
+        (Motors(20.4, -20.4, 255, 0), Motors(20, -20, 255, 0)),
+        (Motors(21, -127, 256, 0), Motors(20, -20, 255, 0)),
+        (Motors(1e300, -1e300, 10**6, -5), Motors(20, -20, 255, 0)),
+        (Motors(7.4, -7.4, 0, 300), Motors(7, -7, 215, 200)),
+        (Motors(7.6, -7.6, 127, 200), Motors(8, -8, 215, 200)),
+        (Motors(-0.4, 0.4, 230, 101), Motors(0, 0, 230, 200)),
+        (Motors(0, 0, 230, 100), Motors(0, 0, 230, 0)),
+    ],
+)
+def test_clamped_and_rounded(asked: Motors, applied: Motors) -> None:
+    assert applicable(asked) == applied
+
+
+@pytest.mark.parametrize("field", Motors._fields)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_what_is_not_finite_is_refused_with_its_value(field: str, value: float) -> None:
+    with pytest.raises(ValueError, match=rf"{field}={value}.*finite"):
+        applicable(Motors(1, 2, 255, 0)._replace(**{field: value}))
+
+
+def test_the_jaw_stops_on_food_where_the_gap_is_its_width() -> None:
+    assert half_gap(JAW_CLOSED) == pytest.approx(0.5)
+    assert half_gap(JAW_OPEN) == pytest.approx(27.5)
+    assert half_gap(JAW_ON_FOOD) == pytest.approx(35.0 / 2)

@@ -1,0 +1,1 @@
+"""Arenas, and bodies that move in them."""
