@@ -1,7 +1,4 @@
-"""The thesis' experiments, replicated: the same as `khepera-forage reproduce`.
-
-    python benchmarks/thesis.py --help
-"""
+"""The thesis' experiments, replicated: the same as `khepera-forage reproduce`."""
 
 import argparse
 import sys
@@ -9,6 +6,8 @@ import sys
 from khepera_forage.experiments import reproduce
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     reproduce.add_arguments(parser)
     sys.exit(reproduce.run(parser.parse_args()))
