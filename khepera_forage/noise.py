@@ -3,6 +3,7 @@
 No figure here was fitted to the thesis' result tables. "Assumption" marks a figure that no source gives.
 """
 
+import math
 from dataclasses import dataclass, fields, replace
 
 SOURCES: dict[str, tuple[str, ...]] = {
@@ -58,8 +59,8 @@ class Noise:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if not value >= 0:
-                raise ValueError(f"noise {field.name} is {value!r}; allowed: a number >= 0")
+            if not 0 <= value < math.inf:
+                raise ValueError(f"noise {field.name} is {value!r}; allowed: a finite number >= 0")
         for name in ("reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"):
             if getattr(self, name) > 1:
                 raise ValueError(f"noise {name} is {getattr(self, name)!r}; allowed: a probability 0..1")

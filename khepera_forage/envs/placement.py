@@ -18,7 +18,7 @@ FOOD_CLEARANCE = 50.0
 FOOD_SPACING = 100.0
 """mm between the centres of two food objects, for the same reason."""
 _MARGIN = 5.0
-_TRIES = 10_000
+_TRIES = 200
 
 
 def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
@@ -43,7 +43,7 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
         if not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
             continue
         places: list[Point] = []
-        for _ in range(100 * foods):
+        for _ in range(50 * foods):
             place = Point(float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)))
             if (
                 arena.clearance(place) >= FOOD_CLEARANCE

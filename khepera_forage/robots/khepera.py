@@ -107,12 +107,13 @@ def applicable(motors: Motors) -> Motors:
     left, right, arm, jaw = motors
     if not (left - left == 0 and right - right == 0 and arm - arm == 0 and jaw - jaw == 0):
         raise ValueError(f"{motors} cannot be driven: every value must be a finite number")
-    return Motors(
-        int(max(-MAX_SPEED, min(MAX_SPEED, left)) + 1000.5) - 1000,
-        int(max(-MAX_SPEED, min(MAX_SPEED, right)) + 1000.5) - 1000,
-        int(max(ARM_RAISED, min(ARM_DOWN, arm)) + 0.5),
-        JAW_OPEN if jaw > JAW_OPEN / 2 else JAW_CLOSED,
-    )
+    # Rounded half up, by way of a positive number: `int` alone rounds towards zero.
+    left, right = int(left + 1000.5) - 1000, int(right + 1000.5) - 1000
+    if not (-MAX_SPEED <= left <= MAX_SPEED and -MAX_SPEED <= right <= MAX_SPEED):
+        left, right = max(-MAX_SPEED, min(MAX_SPEED, left)), max(-MAX_SPEED, min(MAX_SPEED, right))
+    if not ARM_RAISED <= arm <= ARM_DOWN:
+        arm = ARM_DOWN if arm > ARM_DOWN else ARM_RAISED
+    return Motors(left, right, int(arm + 0.5), JAW_OPEN if jaw > JAW_OPEN / 2 else JAW_CLOSED)
 
 
 class Robot(Protocol):

@@ -66,7 +66,7 @@ class Arena:
                 f"{self.name}: home {tuple(self.home)} with radius {self.home_radius:g} mm reaches outside the walls; "
                 f"allowed there: at most {room:.0f} mm"
             )
-        self.check_free("start", Point(self.start.x, self.start.y), RADIUS)
+        self.check_free("start", self.start, RADIUS)
         for food in self.foods:
             self.check_free("food", food, FOOD_RADIUS)
 
@@ -99,7 +99,7 @@ class Arena:
         Raises:
             ValueError: The place lies outside the walls, in an obstacle, or too near to one.
         """
-        if not (math.isfinite(place[0]) and math.isfinite(place[1])):
+        if not all(map(math.isfinite, place)):
             raise ValueError(f"{self.name}: {what} at {tuple(place)}; allowed: finite coordinates in mm")
         room = self.clearance(place)
         if room < radius:

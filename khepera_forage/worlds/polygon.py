@@ -74,7 +74,13 @@ def _cross(a: Segment, b: Segment) -> bool:
     def side(s: Segment, x: float, y: float) -> float:
         return (s[2] - s[0]) * (y - s[1]) - (s[3] - s[1]) * (x - s[0])
 
-    return side(a, b[0], b[1]) * side(a, b[2], b[3]) <= 0 and side(b, a[0], a[1]) * side(b, a[2], a[3]) <= 0
+    a1, a2 = side(b, a[0], a[1]), side(b, a[2], a[3])
+    b1, b2 = side(a, b[0], b[1]), side(a, b[2], b[3])
+    if a1 == a2 == b1 == b2 == 0:  # in one line: do they overlap?
+        across = max(a[0], a[2]) >= min(b[0], b[2]) and max(b[0], b[2]) >= min(a[0], a[2])
+        along = max(a[1], a[3]) >= min(b[1], b[3]) and max(b[1], b[3]) >= min(a[1], a[3])
+        return across and along
+    return a1 * a2 <= 0 and b1 * b2 <= 0
 
 
 def line_of(segment: Segment) -> tuple[float, float, float]:

@@ -36,6 +36,10 @@ _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
+SUBSTEPS = 5
+"""Physics steps a round, 20 ms each, where something is pushed or carried."""
+_FINE_TRAVEL = 0.6
+"""Mm that a point of a robot may travel in one physics step near a wall, so that overlaps stay below 1 mm."""
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
 
@@ -120,7 +124,7 @@ class PymunkKhepera:
         self._senses = None
         self._survey()
 
-    def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> float:
+    def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> int:
         """Fix this round's wheel travel and the noise of the sensors at its end.
 
         Args:
@@ -128,22 +132,31 @@ class PymunkKhepera:
             sensor_draws: Eight uniform ones.
 
         Returns:
-            How far any point of the robot can get in the round, in mm; 0 if there is no wall to touch within that.
+            How many physics steps the round needs, by what the robot can touch in it.
         """
         self._sensor_draws = sensor_draws
         left, right, _, _ = self._command
         slip = self._noise.wheel_slip
         left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
         right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
-        self._forward = (left_speed + right_speed) / 2
+        forward = self._forward = (left_speed + right_speed) / 2
         turn = (right_speed - left_speed) / WHEEL_BASE
-        self._wheels.angular_velocity = turn
-        travel = (abs(self._forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
-        # In the open the direction in the middle of the round does for all of it: the chord ends where the arc
-        # does, to less than 0.1 mm. Where a wall may turn the robot otherwise, the wheels are pointed step by step.
-        self._point_wheels(self.pose.heading + turn * CONTROL_PERIOD / 2)
-        self._steering = not self._has_room(travel)
-        return travel if self._steering else 0.0
+        travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
+        x, y, heading = self.pose
+        pushing = self._may_push(x, y)
+        self._steering = not self._clear_of_walls(travel, pushing)
+        # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
+        # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
+        heading += turn * CONTROL_PERIOD / 2
+        velocity = forward * math.cos(heading), forward * math.sin(heading)
+        self._wheels.velocity, self._wheels.angular_velocity = velocity, turn
+        if self._steering:
+            return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL))
+        if pushing or self.gripper.held is not None:
+            return SUBSTEPS
+        # Nothing to push, carry or touch: uniform motion, which one step integrates exactly.
+        self.body.velocity, self.body.angular_velocity = velocity, turn
+        return 1
 
     @property
     def busy(self) -> bool:
@@ -159,15 +172,12 @@ class PymunkKhepera:
     def push(self, dt: float) -> None:
         """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
         if self._steering:
-            self._point_wheels(self.body.angle)
+            angle = self.body.angle
+            self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
         _, _, arm, jaw = self._command
         gripper = self.gripper
         if arm != gripper.arm or jaw != gripper.jaw:
             gripper.move(arm, jaw, dt, self.foods, self.others)
-
-    def _point_wheels(self, heading: float) -> None:
-        forward = self._forward
-        self._wheels.velocity = forward * math.cos(heading), forward * math.sin(heading)
 
     def end_round(self) -> None:
         """Count the wheels' pulses and look where the robot and the walls are now."""
@@ -194,22 +204,29 @@ class PymunkKhepera:
         self._near_walls = near
         self._nearest_line = nearest
 
-    def _has_room(self, travel: float) -> bool:
-        """Whether neither the robot nor what it moves can touch a wall if no point of it gets further than this."""
+    def _may_push(self, x: float, y: float) -> bool:
+        """Whether food, other than in the gripper, or another robot is near enough to be pushed."""
+        for food in self.foods:
+            food_x, food_y = food.place
+            if (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2 and food is not self.gripper.held:
+                return True
+        return any(body.position.get_distance((x, y)) < 2 * _PUSHED for body in self.others)
+
+    def _clear_of_walls(self, travel: float, pushing: bool) -> bool:
+        """Whether nothing of the robot, or that it pushes, can touch a wall if no point of it gets further than this.
+
+        Args:
+            travel: In mm.
+            pushing: Whether there is something that it may push.
+        """
         if self._nearest_line > _PUSHED + travel:
             return True
         x, y, angle = self.pose
-        reach = RADIUS
-        for food in self.foods:
-            if food is not self.gripper.held:
-                food_x, food_y = food.place
-                if (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2:
-                    reach = _PUSHED
+        reach = travel + (_PUSHED if pushing else RADIUS)
         tip_x, tip_y = x + _GRIPPER_AHEAD * math.cos(angle), y + _GRIPPER_AHEAD * math.sin(angle)
         for wall, normal_x, normal_y, offset in self._walls:
             if abs(normal_x * x + normal_y * y - offset) < _PUSHED + travel and (
-                distance(x, y, wall) < reach + travel
-                or distance(tip_x, tip_y, wall) < _GRIPPER_RADIUS + travel
+                distance(x, y, wall) < reach or distance(tip_x, tip_y, wall) < _GRIPPER_RADIUS + travel
             ):
                 return False
         return True

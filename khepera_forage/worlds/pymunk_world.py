@@ -18,11 +18,6 @@ from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
 from khepera_forage.worlds.world import FoodPlace, Layout
 
-SUBSTEPS = 5
-"""Physics steps a round, 20 ms each, where nothing can be hit."""
-_FINE_TRAVEL = 0.6
-"""mm that a point of a robot may travel in one physics step near a wall, so that overlaps stay below 1 mm."""
-
 
 class PymunkWorld:
     """Kheperas, food and an overhead camera above one or more enclosures.
@@ -108,11 +103,11 @@ class PymunkWorld:
         if not self.robots:
             raise RuntimeError("advance() before reset()")
         wheel_draws, sensor_draws = self._wheel_draws.next(), self._sensor_draws.next()
-        substeps = SUBSTEPS
         robots = self.robots
+        substeps = 1
         for i, robot in enumerate(robots):
-            travel = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
-            substeps = max(substeps, math.ceil(travel / _FINE_TRAVEL))
+            needed = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
+            substeps = max(substeps, needed)
         dt = CONTROL_PERIOD / substeps
         step = self._space.step
         busy = [robot for robot in robots if robot.busy]
@@ -152,10 +147,9 @@ class PymunkWorld:
         markers = [(*robot.pose, holes) for robot, holes in zip(self.robots, self._markers, strict=True)]
         return Truth(tuple(markers), tuple([food.place for food in self.foods]))
 
-    def _arena_of(self, what: str, place: Sequence[float], radius: float) -> Arena:
-        point = Point(place[0], place[1])
-        nearest = max(self.arenas, key=lambda arena: arena.clearance(point))
-        nearest.check_free(what, point, radius)
+    def _arena_of(self, what: str, place: Point | Pose, radius: float) -> Arena:
+        nearest = max(self.arenas, key=lambda arena: arena.clearance(place))
+        nearest.check_free(what, place, radius)
         return nearest
 
 

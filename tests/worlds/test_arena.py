@@ -96,7 +96,9 @@ def test_copies_stand_apart_by_the_gap(arena: Arena, count: int, gap: float) -> 
     assert len(group) == count
     assert group[0] == arena
     for i, a in enumerate(group):
-        assert a == arena.shifted(a.start.x - arena.start.x, a.start.y - arena.start.y)
+        moved = a.start.x - arena.start.x, a.start.y - arena.start.y
+        for here, there in zip((*arena.walls, *arena.foods), (*a.walls, *a.foods), strict=True):
+            assert (there.x - moved[0], there.y - moved[1]) == pytest.approx(here, abs=1e-6)
         between = []
         for b in group[:i]:
             (ax1, ay1, ax2, ay2), (bx1, by1, bx2, by2) = a.bounds, b.bounds

@@ -123,16 +123,16 @@ def test_a_robot_sees_an_obstacle_and_stops_at_it() -> None:
 
 
 def test_an_obstacle_beside_a_robot_is_seen_on_that_side() -> None:
-    world = stage(Pose(180, 200, 0), (450, 150), arena=ELL)
+    world = stage(Pose(180, 190, 0), (450, 150), arena=ELL)
     proximity = world.robots[0].sense().proximity
     assert proximity[5] > 500
     assert proximity[:3] == (0, 0, 0)
 
 
 def test_a_corner_is_driven_round() -> None:
-    world = stage(Pose(500, 150, math.pi), (450, 60), arena=ELL)
-    run(world, 35, 10, 10)
-    run(world, 8, 13, -13)  # to the right: north, into the other leg
+    world = stage(Pose(500, 200, math.pi), (450, 60), arena=ELL)
+    run(world, 30, 10, 10)
+    run(world, 4, 13, -13)  # to the right: north, into the other leg
     run(world, 30, 10, 10)
     x, y, _ = world.poses()[0]
     assert x < 350

@@ -1,0 +1,195 @@
+"""Wheels: the equations of a differential drive, encoders, and how far noise leads astray.
+
+Wheels start and stop within their traction (0.6 g), so that a start costs up to v^2 / 2a: 2.2 mm at 160 mm/s.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from worlds.stage import FIELD, NONE, apart, run, stage
+
+from khepera_forage.robots.khepera import (
+    CONTROL_PERIOD,
+    MAX_SPEED,
+    PULSE,
+    SPEED_UNIT,
+    WHEEL_BASE,
+    Motors,
+)
+from khepera_forage.worlds.arena import Pose
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+CENTRE = Pose(1000, 1000, 0)
+OUT_OF_THE_WAY = (100.0, 100.0)
+speeds = st.integers(-MAX_SPEED, MAX_SPEED)
+
+
+def arc(pose: Pose, left: float, right: float, rounds: int) -> Pose:
+    """Where a differential drive gets in that time."""
+    forward = (left + right) / 2 * SPEED_UNIT * CONTROL_PERIOD * rounds
+    turn = (right - left) * SPEED_UNIT / WHEEL_BASE * CONTROL_PERIOD * rounds
+    x, y, heading = pose
+    if turn == 0:
+        return Pose(x + forward * math.cos(heading), y + forward * math.sin(heading), heading)
+    radius = forward / turn
+    return Pose(
+        x + radius * (math.sin(heading + turn) - math.sin(heading)),
+        y - radius * (math.cos(heading + turn) - math.cos(heading)),
+        heading + turn,
+    )
+
+
+@given(speeds, speeds, st.floats(-math.pi, math.pi))
+@PROPERTY
+def test_the_equations_of_a_differential_drive(left: int, right: int, heading: float) -> None:
+    world = stage(CENTRE._replace(heading=heading), OUT_OF_THE_WAY)
+    run(world, 2, left, right)
+    expected = arc(world.poses()[0], left, right, 25)
+    run(world, 25, left, right)
+    reached = world.poses()[0]
+    # At speed, from round to round: 1 mm and half a degree after 2.5 s and up to 400 mm and 15 radians.
+    assert apart(reached, expected) < 1.0
+    assert reached.heading == pytest.approx(expected.heading, abs=math.radians(0.5))
+
+
+@pytest.mark.parametrize("speed", [-20, -7, 1, 10, 20])
+def test_straight_on_from_rest(speed: int) -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY)
+    run(world, 40, speed, speed)
+    x, y, heading = world.poses()[0]
+    start = (speed * SPEED_UNIT) ** 2 / (2 * 0.6 * 9810)
+    expected = 1000 + speed * 32 - math.copysign(start, speed)
+    assert x == pytest.approx(expected, abs=0.5 + start)  # half as far in either direction as the start costs
+    assert (y, heading) == pytest.approx((1000, 0), abs=1e-6)
+
+
+@pytest.mark.parametrize("speed", [-20, 5, 10])
+def test_a_turn_on_the_spot_from_rest(speed: int) -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY)
+    run(world, 20, -speed, speed)
+    expected = arc(CENTRE, -speed, speed, 20)
+    assert apart(world.poses()[0], CENTRE) < 0.01
+    assert world.poses()[0].heading == pytest.approx(expected.heading, abs=math.radians(4))
+
+
+def test_wheels_stop_when_told_to() -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY)
+    run(world, 5, 20, 20)
+    run(world, 1)
+    still = world.poses()[0]
+    run(world, 5)
+    assert world.poses()[0] == pytest.approx(still, abs=1e-6)
+
+
+@given(st.lists(st.tuples(speeds, speeds, st.integers(1, 5)), min_size=1, max_size=6))
+@PROPERTY
+def test_encoders_count_what_the_wheels_were_told(legs: list[tuple[int, int, int]]) -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY)
+    for left, right, rounds in legs:
+        run(world, rounds, left, right)
+    senses = world.robots[0].sense()
+    travelled = [sum(leg[i] * leg[2] for leg in legs) * SPEED_UNIT * CONTROL_PERIOD for i in (0, 1)]
+    assert senses.left_pulses == pytest.approx(travelled[0] / PULSE, abs=1)
+    assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
+
+
+def test_a_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
+    world = stage(Pose(1900, 1000, 0), OUT_OF_THE_WAY)
+    run(world, 10, 20, 20)
+    before = world.poses()[0]
+    pulses = run(world, 10, 20, 20).left_pulses
+    assert apart(world.poses()[0], before) < 0.5
+    assert pulses == 20 * 200
+
+
+# ---------------------------------------------------------------- noise
+
+
+def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float, float]]:
+    """By how much the left and the right wheel travelled, in each round, of what they were told."""
+    run(world, 2, speed, speed)
+    found = []
+    told = speed * SPEED_UNIT * CONTROL_PERIOD
+    for _ in range(rounds):
+        before = world.poses()[0]
+        run(world, 1, speed, speed)
+        after = world.poses()[0]
+        turn = after.heading - before.heading
+        forward = apart(after, before) / (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
+        half = turn * WHEEL_BASE / 2
+        found.append(((forward - half) / told, (forward + half) / told))
+    return found
+
+
+def test_slip_is_drawn_each_round_for_each_wheel() -> None:
+    noise = replace(NONE, wheel_slip=0.05)
+    found = [
+        share
+        for seed in range(8)
+        for share in shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
+    ]
+    left, right = np.array(found).T
+    for wheel in (left, right):
+        assert wheel.mean() == pytest.approx(1, abs=0.007)  # 3.4 standard errors
+        assert wheel.std() == pytest.approx(0.05, rel=0.1)
+        assert abs(np.corrcoef(wheel[1:], wheel[:-1])[0, 1]) < 0.14
+    assert abs(np.corrcoef(left, right)[0, 1]) < 0.14
+
+
+def test_bias_lasts_and_is_drawn_anew_at_a_reset() -> None:
+    noise = replace(NONE, wheel_bias=0.02)
+    found = []
+    for seed in range(200):
+        rounds = np.array(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 3))
+        assert np.ptp(rounds, axis=0) == pytest.approx([0, 0], abs=1e-3)
+        found.append(rounds.mean(axis=0))
+    left, right = np.array(found).T
+    for wheel in (left, right):
+        assert wheel.mean() == pytest.approx(1, abs=0.005)  # 3.5 standard errors
+        assert wheel.std() == pytest.approx(0.02, rel=0.17)
+    assert abs(np.corrcoef(left, right)[0, 1]) < 0.25
+
+
+def test_slip_is_a_share_of_the_travel() -> None:
+    noise = replace(NONE, wheel_slip=0.05)
+    world = stage(CENTRE, OUT_OF_THE_WAY, noise=noise)
+    run(world, 50)
+    assert world.poses()[0] == pytest.approx(CENTRE, abs=1e-9)
+    slow, fast = (
+        np.std(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16)
+    )
+    assert slow == pytest.approx(float(fast), rel=0.1)
+
+
+def test_encoders_know_nothing_of_slip() -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY, noise=replace(NONE, wheel_slip=0.2, wheel_bias=0.1))
+    assert run(world, 10, 10, -10)[1:3] == (1000, -1000)
+
+
+def test_a_command_is_taken_in_whole_speed_units() -> None:
+    world = stage(CENTRE, OUT_OF_THE_WAY)
+    applied = world.robots[0].drive(Motors(9.6, -50, 255, 200))
+    assert applied == Motors(10, -20, 255, 200)
+    world.advance()
+    assert world.robots[0].sense()[1:3] == (100, -200)
+
+
+def test_other_robots_are_solid() -> None:
+    world = PymunkWorld([FIELD], (1, 2), NONE)
+    from khepera_forage.worlds.arena import Point
+    from khepera_forage.worlds.world import Layout
+
+    world.reset(
+        np.random.default_rng(0), Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
+    )
+    for _ in range(30):
+        run(world, 1, 10, 10)
+        first, second = world.poses()
+        assert apart(first, second) > 2 * 27.5 - 1
+    assert world.poses()[1].x < 1400  # braked by its own standing wheels, if pushed at all
+    assert world.robots[0].sense().proximity[2] == 0 or world.robots[0].sense().proximity[2] > 0
