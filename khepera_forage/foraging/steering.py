@@ -3,7 +3,7 @@
 import math
 
 from khepera_forage.foraging.perception import RawData, turn_to
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 TURN, QUICK_TURN = 5.0, 8.0
@@ -62,7 +62,7 @@ def steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
         if left > _OBSTACLE or right > _OBSTACLE:
             speed = min(speed, _CAREFUL)
             turn = math.copysign(speed, right - left)
-    turn = clip(turn, speed if raw.arm < ARM_ON_FLOOR else speed / 2)
+    turn = clip(turn, min(speed, MAX_SPEED - speed) if raw.arm < ARM_ON_FLOOR else speed / 2)
     return speed - turn, speed + turn
 
 

@@ -38,7 +38,7 @@ _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed or carried."""
-_FINE_TRAVEL = 0.6
+_FINE_TRAVEL = 0.8
 """Mm that a point of a robot may travel in one physics step near a wall, so that overlaps stay below 1 mm."""
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
