@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from worlds.stage import ELL, FIELD
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.worlds.arena import ARENAS, CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from worlds.stage import ELL, FIELD
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]

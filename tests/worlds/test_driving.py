@@ -1,6 +1,7 @@
 """Wheels: the equations of a differential drive, encoders, and how far noise leads astray.
 
-Wheels start and stop within their traction (0.6 g), so that a start costs up to v^2 / 2a: 2.2 mm at 160 mm/s.
+What the wheels are told reaches the body one physics step later, 20 ms in the open: from rest that costs
+20 ms of the way, and on an arc it turns the path by what the robot turns in that time.
 """
 
 import math
@@ -10,22 +11,26 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from worlds.stage import FIELD, NONE, apart, run, stage
 
 from khepera_forage.robots.khepera import (
     CONTROL_PERIOD,
     MAX_SPEED,
     PULSE,
+    RADIUS,
     SPEED_UNIT,
     WHEEL_BASE,
     Motors,
 )
-from khepera_forage.worlds.arena import Pose
+from khepera_forage.worlds.arena import Point, Pose
 from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import Layout
+from worlds.stage import FIELD, NONE, apart, run, stage
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
 OUT_OF_THE_WAY = (100.0, 100.0)
+LAG = 0.02
+"""Seconds."""
 speeds = st.integers(-MAX_SPEED, MAX_SPEED)
 
 
@@ -52,9 +57,10 @@ def test_the_equations_of_a_differential_drive(left: int, right: int, heading: f
     expected = arc(world.poses()[0], left, right, 25)
     run(world, 25, left, right)
     reached = world.poses()[0]
-    # At speed, from round to round: 1 mm and half a degree after 2.5 s and up to 400 mm and 15 radians.
-    assert apart(reached, expected) < 1.0
-    assert reached.heading == pytest.approx(expected.heading, abs=math.radians(0.5))
+    # A path turned about its start by the turn of one physics step is off by up to its diameter times that angle.
+    forward = abs(left + right) / 2 * SPEED_UNIT
+    assert apart(reached, expected) < 0.2 + 2 * forward * LAG
+    assert reached.heading == pytest.approx(expected.heading, abs=1e-6)
 
 
 @pytest.mark.parametrize("speed", [-20, -7, 1, 10, 20])
@@ -62,9 +68,8 @@ def test_straight_on_from_rest(speed: int) -> None:
     world = stage(CENTRE, OUT_OF_THE_WAY)
     run(world, 40, speed, speed)
     x, y, heading = world.poses()[0]
-    start = (speed * SPEED_UNIT) ** 2 / (2 * 0.6 * 9810)
-    expected = 1000 + speed * 32 - math.copysign(start, speed)
-    assert x == pytest.approx(expected, abs=0.5 + start)  # half as far in either direction as the start costs
+    expected = 1000 + speed * SPEED_UNIT * 4
+    assert x == pytest.approx(expected, abs=0.1 + abs(speed) * SPEED_UNIT * LAG)
     assert (y, heading) == pytest.approx((1000, 0), abs=1e-6)
 
 
@@ -74,7 +79,9 @@ def test_a_turn_on_the_spot_from_rest(speed: int) -> None:
     run(world, 20, -speed, speed)
     expected = arc(CENTRE, -speed, speed, 20)
     assert apart(world.poses()[0], CENTRE) < 0.01
-    assert world.poses()[0].heading == pytest.approx(expected.heading, abs=math.radians(4))
+    assert world.poses()[0].heading == pytest.approx(
+        expected.heading, abs=0.01 + abs(speed) * SPEED_UNIT * 2 / WHEEL_BASE * LAG
+    )
 
 
 def test_wheels_stop_when_told_to() -> None:
@@ -160,9 +167,7 @@ def test_slip_is_a_share_of_the_travel() -> None:
     world = stage(CENTRE, OUT_OF_THE_WAY, noise=noise)
     run(world, 50)
     assert world.poses()[0] == pytest.approx(CENTRE, abs=1e-9)
-    slow, fast = (
-        np.std(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16)
-    )
+    slow, fast = (np.std(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16))
     assert slow == pytest.approx(float(fast), rel=0.1)
 
 
@@ -181,15 +186,11 @@ def test_a_command_is_taken_in_whole_speed_units() -> None:
 
 def test_other_robots_are_solid() -> None:
     world = PymunkWorld([FIELD], (1, 2), NONE)
-    from khepera_forage.worlds.arena import Point
-    from khepera_forage.worlds.world import Layout
-
-    world.reset(
-        np.random.default_rng(0), Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
-    )
-    for _ in range(30):
+    layout = Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
+    world.reset(np.random.default_rng(0), layout)
+    for _ in range(40):
         run(world, 1, 10, 10)
         first, second = world.poses()
-        assert apart(first, second) > 2 * 27.5 - 1
-    assert world.poses()[1].x < 1400  # braked by its own standing wheels, if pushed at all
-    assert world.robots[0].sense().proximity[2] == 0 or world.robots[0].sense().proximity[2] > 0
+        assert apart(first, second) > 2 * RADIUS - 1
+    # It was stopped by the other, or pushed it along; either way it is behind it.
+    assert first.x < second.x < 1000 + 40 * 8 + 75 + RADIUS

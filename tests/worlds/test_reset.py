@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from worlds.stage import ELL, FIELD, NONE, apart, run, stage
 
 from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout
+from worlds.stage import ELL, FIELD, NONE, apart, run, stage
 
 START = CORRIDOR.start
 FOOD = Point(370, 115)

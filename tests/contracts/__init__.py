@@ -1,0 +1,1 @@
+"""One suite a contract, to be run against every class that makes it: subclass and give a fixture."""

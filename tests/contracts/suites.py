@@ -1,0 +1,200 @@
+"""The suites. A class that makes a contract is tested by subclassing its suite with a `stage` fixture.
+
+A `Stage` is a world with one robot on open floor and one food object well away from it, and all that these suites ask
+of an embodiment. For a robot behind a serial port it is a laboratory with virtual devices.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from khepera_forage.policies import Policy
+from khepera_forage.robots.khepera import MAX_SPEED, Motors, Robot, Senses
+from khepera_forage.vision.scene import Camera, Region, Scene
+from khepera_forage.worlds.arena import Pose
+from khepera_forage.worlds.world import Layout, World
+
+STILL = Motors(0, 0, 215, 200)
+
+
+class Stage(NamedTuple):
+    """A world and where everything stood at its reset."""
+
+    world: World
+    layout: Layout
+
+    @property
+    def robot(self) -> Robot:
+        return self.world.robots[0]
+
+    @property
+    def camera(self) -> Camera:
+        return self.world.camera
+
+    def rounds(self, count: int, motors: Motors) -> None:
+        """Drive for a while."""
+        self.robot.drive(motors)
+        for _ in range(count):
+            self.world.advance()
+
+
+class RobotContract:
+    """`Robot`: sense, drive, stop, close."""
+
+    def test_senses_are_in_range(self, stage: Stage) -> None:
+        for motors in (STILL, Motors(8, -8, 255, 0), Motors(-5, 5, 215, 200)):
+            stage.rounds(12, motors)
+            senses = stage.robot.sense()
+            assert isinstance(senses, Senses)
+            assert len(senses.proximity) == 8
+            assert all(type(value) is int and 0 <= value <= 1023 for value in senses.proximity)
+            assert 215 <= senses.arm <= 255
+            assert 0 <= senses.jaw <= 200
+            assert senses.object_presence in (0, 255)
+
+    def test_applied_motors_are_whole_and_within_limits(self, stage: Stage) -> None:
+        applied = stage.robot.drive(Motors(99.0, -3.4, 300, 90))
+        assert applied == Motors(MAX_SPEED, -3, 255, 0)
+        assert stage.robot.drive(STILL) == STILL
+
+    def test_wheels_turn_what_the_encoders_count(self, stage: Stage) -> None:
+        before = stage.robot.sense()
+        stage.rounds(10, Motors(5, 5, 215, 200))
+        after = stage.robot.sense()
+        for moved in (after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses):
+            assert abs(moved - 500) <= 60, "10 pulses a round and speed unit"
+
+    def test_arm_and_jaw_arrive(self, stage: Stage) -> None:
+        stage.rounds(25, Motors(0, 0, 255, 0))
+        assert (stage.robot.sense().arm, stage.robot.sense().jaw) == (255, 0)
+        stage.rounds(25, STILL)
+        assert (stage.robot.sense().arm, stage.robot.sense().jaw) == (215, 200)
+
+    def test_stop_stops_the_wheels_and_leaves_the_gripper(self, stage: Stage) -> None:
+        stage.rounds(20, Motors(5, 5, 255, 0))
+        stage.robot.stop()
+        stage.world.advance()
+        before, place = stage.robot.sense(), stage.world.poses()[0]
+        for _ in range(5):
+            stage.world.advance()
+        after = stage.robot.sense()
+        assert (after.left_pulses, after.right_pulses) == (before.left_pulses, before.right_pulses)
+        assert (after.arm, after.jaw) == (255, 0)
+        assert math.dist(stage.world.poses()[0][:2], place[:2]) < 3.0
+
+    def test_close_twice(self, stage: Stage) -> None:
+        stage.robot.close()
+        stage.robot.close()
+
+
+class CameraContract:
+    """`Camera`: look."""
+
+    def test_looking_changes_nothing(self, stage: Stage) -> None:
+        assert stage.camera.look() == stage.camera.look()
+
+    def test_regions_are_well_formed_and_labels_are_kept(self, stage: Stage) -> None:
+        stage.robot.drive(Motors(6, 4, 215, 200))
+        holes: dict[int, int] = {}
+        for _ in range(40):
+            stage.world.advance()
+            scene = stage.camera.look()
+            assert isinstance(scene, Scene)
+            labels = [region.label for region in scene.regions]
+            assert len(set(labels)) == len(labels)
+            for region in scene.regions:
+                assert isinstance(region, Region)
+                assert region.holes in (0, 1, 2)
+                assert holes.setdefault(region.label, region.holes) == region.holes
+                assert 0 <= region.orientation < 360
+                assert region.area > 0
+                assert region.compactness > 0
+
+    def test_it_sees_the_robot_where_it_is(self, stage: Stage) -> None:
+        stage.rounds(10, Motors(5, 5, 215, 200))
+        stage.rounds(2, STILL)
+        x, y, heading = stage.world.poses()[0]
+        marker = next(region for region in stage.camera.look().regions if region.holes)
+        assert math.dist((marker.x * 5, marker.y * 5), (x, y)) < 10
+        turned = (marker.orientation - math.degrees(heading) + 180) % 360 - 180
+        assert min(abs(turned), 180 - abs(turned)) < 10
+
+    def test_it_sees_the_food(self, stage: Stage) -> None:
+        food = stage.layout.foods[0]
+        seen = [region for region in stage.camera.look().regions if not region.holes]
+        assert len(seen) == 1
+        assert math.dist((seen[0].x * 5, seen[0].y * 5), food) < 10
+
+
+class WorldContract:
+    """`World`: reset, advance, robots, camera, place, close."""
+
+    def test_everything_starts_where_the_layout_says(self, stage: Stage) -> None:
+        assert len(stage.world.robots) == len(stage.layout.starts) == len(stage.world.poses())
+        assert len(stage.world.food_places()) == len(stage.layout.foods)
+        assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
+        assert math.dist(stage.world.food_places()[0][:2], stage.layout.foods[0]) < 10
+
+    def test_a_command_takes_effect_with_advance_and_not_before(self, stage: Stage) -> None:
+        before = stage.world.poses()[0]
+        stage.robot.drive(Motors(10, 10, 215, 200))
+        assert stage.world.poses()[0] == before
+        for _ in range(5):
+            stage.world.advance()
+        after = stage.world.poses()[0]
+        assert 25 < math.dist(after[:2], before[:2]) < 50
+
+    def test_place_puts_a_robot_elsewhere(self, stage: Stage) -> None:
+        x, y, heading = stage.layout.starts[0]
+        stage.world.place(0, Pose(x + 50, y, heading + 1.0))
+        stage.world.advance()
+        pose = stage.world.poses()[0]
+        assert math.dist(pose[:2], (x + 50, y)) < 10
+
+    def test_reset_begins_anew(self, stage: Stage) -> None:
+        stage.rounds(10, Motors(8, 8, 255, 0))
+        stage.world.reset(np.random.default_rng(0), stage.layout)
+        assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
+        assert len(stage.world.food_places()) == len(stage.layout.foods)
+
+    def test_close_twice(self, stage: Stage) -> None:
+        stage.world.close()
+        stage.world.close()
+
+
+class PolicyContract:
+    """`Policy`: act."""
+
+    def test_acts_on_whatever_environments_show(self, policy: Policy) -> None:
+        rng = np.random.default_rng(0)
+        for observation in observations():
+            assert 0 <= int(policy.act(observation, rng)) <= 10
+
+    def test_same_generator_same_actions(self, policy: Policy) -> None:
+        runs = []
+        for _ in range(2):
+            rng = np.random.default_rng(1)
+            runs.append([int(policy.act(observation, rng)) for observation in observations()])
+        assert runs[0] == runs[1]
+
+
+def observations() -> list[Any]:
+    """The same situations as the recall and the training environments show them."""
+    shown: list[Any] = []
+    for presence, home, food_type, arm, food in (
+        (0, 60, 0, 215, 40),
+        (0, 60, 0, 255, 18),
+        (1, 30, 1, 215, 138),
+    ):
+        shown.append(
+            {
+                "object_presence": np.int64(presence),
+                "robot_home_distance": np.array((home,)),
+                "food_type": np.int64(food_type),
+                "arms_height": np.array((arm,)),
+                "robot_food_distance": np.array((food,)),
+            }
+        )
+        shown.append(np.array((presence, home, food_type, arm, food, 10, 0)))
+    return shown

@@ -1,0 +1,57 @@
+"""The contracts, made by the simulation."""
+
+import numpy as np
+import pytest
+
+from khepera_forage.noise import Noise
+from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import Layout
+
+from .suites import CameraContract, PolicyContract, RobotContract, Stage, WorldContract
+
+
+@pytest.fixture(params=["none", "laboratory"])
+def stage(request: pytest.FixtureRequest) -> Stage:
+    noise = Noise.none() if request.param == "none" else Noise.laboratory()
+    world = PymunkWorld([RECTANGLE], (2,), noise)
+    layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
+    world.reset(np.random.default_rng(3), layout)
+    return Stage(world, layout)
+
+
+class TestPymunkKhepera(RobotContract):
+    pass
+
+
+class TestOverheadCamera(CameraContract):
+    pass
+
+
+class TestPymunkWorld(WorldContract):
+    def test_same_generator_same_world_bit_for_bit(self, stage: Stage) -> None:
+        runs = []
+        for _ in range(2):
+            stage.world.reset(np.random.default_rng(9), stage.layout)
+            history = []
+            for i in range(30):
+                motors = Motors(10 - i % 5, 5 + i % 7, 215 if i < 15 else 255, 200 if i % 10 < 5 else 0)
+                stage.robot.drive(motors)
+                stage.world.advance()
+                history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
+            runs.append(history)
+        assert runs[0] == runs[1]
+
+
+@pytest.fixture(params=["teacher", "imitator", "uniform"])
+def policy(request: pytest.FixtureRequest) -> Policy:
+    if request.param == "imitator":
+        vectors = [(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 61, 0, 255, 18), (1, 30, 1, 215, 138)]
+        return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array([0, 2, 1, 7]))
+    return Teacher() if request.param == "teacher" else UniformPolicy()
+
+
+class TestPolicies(PolicyContract):
+    pass
