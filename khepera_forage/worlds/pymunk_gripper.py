@@ -63,23 +63,6 @@ class PymunkGripper:
         """Whether the fingers reach down to food on the floor."""
         return self.arm >= ARM_ON_FLOOR
 
-    def move(
-        self, arm: float, jaw: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
-    ) -> None:
-        """Move towards the commanded positions for `dt` seconds.
-
-        Args:
-            arm: Commanded position of the arm.
-            jaw: Commanded position of the jaw.
-            dt: Seconds.
-            foods: All food that could be in the way.
-            others: Bodies of the other robots.
-        """
-        if arm != self.arm:
-            self._move_arm(arm, dt, foods, others)
-        if jaw != self.jaw:
-            self._move_jaw(jaw, dt, foods, others)
-
     def interrupted(self, foods: Sequence[PymunkFood]) -> bool:
         """Whether something crosses the optical barrier between the fingers."""
         if self.held is not None:
@@ -93,9 +76,17 @@ class PymunkGripper:
             if not food.lifted
         )
 
-    def _move_arm(
+    def move_arm(
         self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
     ) -> None:
+        """Move the arm towards a position for `dt` seconds; it does not come down on food or robots.
+
+        Args:
+            target: Commanded position.
+            dt: Seconds.
+            foods: All food that could be in the way.
+            others: Bodies of the other robots.
+        """
         was_on_floor = self.on_floor
         step = ARM_SPEED * dt
         arm = min(target, self.arm + step) if target > self.arm else max(target, self.arm - step)
@@ -134,14 +125,26 @@ class PymunkGripper:
             for food in foods
         ) and not any(place.get_distance(body.position) < FOOD_RADIUS + RADIUS for body in others)
 
-    def _move_jaw(
+    def wants_to_move_jaw(self, target: float) -> bool:
+        """Whether the jaw is on its way: a jaw that holds food closes no further."""
+        return target != self.jaw and (self.held is None or target > self.jaw)
+
+    def move_jaw(
         self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
     ) -> None:
+        """Move the jaw towards a position for `dt` seconds; closing on food holds it, opening lets it go.
+
+        Args:
+            target: Commanded position.
+            dt: Seconds.
+            foods: All food that could be between the fingers or in the way.
+            others: Bodies of the other robots.
+        """
+        if not self.wants_to_move_jaw(target):
+            return
         step = JAW_SPEED * dt
         jaw = min(target, self.jaw + step) if target > self.jaw else max(target, self.jaw - step)
         if self.held is not None:
-            if target < self.jaw:
-                return
             if not self.on_floor and not self._floor_free(foods, others):
                 return
             self._let_go()

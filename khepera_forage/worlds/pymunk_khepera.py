@@ -135,7 +135,9 @@ class PymunkKhepera:
             How many physics steps the round needs, by what the robot can touch in it.
         """
         self._sensor_draws = sensor_draws
-        left, right, _, _ = self._command
+        left, right, arm, _ = self._command
+        if arm != self.gripper.arm:
+            self.gripper.move_arm(arm, CONTROL_PERIOD, self.foods, self.others)
         slip = self._noise.wheel_slip
         left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
         right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
@@ -144,13 +146,14 @@ class PymunkKhepera:
         travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
         x, y, heading = self.pose
         pushing = self._may_push(x, y)
-        self._steering = not self._clear_of_walls(travel, pushing)
+        near_wall = not self._clear_of_walls(travel, pushing)
+        self._steering = near_wall and forward != 0.0
         # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
         # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
         heading += turn * CONTROL_PERIOD / 2
         velocity = forward * math.cos(heading), forward * math.sin(heading)
         self._wheels.velocity, self._wheels.angular_velocity = velocity, turn
-        if self._steering:
+        if near_wall:
             return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL))
         if pushing or self.gripper.held is not None:
             return SUBSTEPS
@@ -160,24 +163,15 @@ class PymunkKhepera:
 
     @property
     def busy(self) -> bool:
-        """Whether wheels, arm or jaw want to be moved along within the round."""
-        gripper = self.gripper
-        _, _, arm, jaw = self._command
-        return (
-            self._steering
-            or arm != gripper.arm
-            or (jaw != gripper.jaw and (gripper.held is None or jaw > gripper.jaw))
-        )
+        """Whether wheels or jaw want to be moved along within the round."""
+        return self._steering or self.gripper.wants_to_move_jaw(self._command.jaw)
 
     def push(self, dt: float) -> None:
-        """Point the wheels' pull for the next `dt` seconds, and move arm and jaw."""
+        """Point the wheels' pull for the next `dt` seconds, and move the jaw."""
         if self._steering:
             angle = self.body.angle
             self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
-        _, _, arm, jaw = self._command
-        gripper = self.gripper
-        if arm != gripper.arm or jaw != gripper.jaw:
-            gripper.move(arm, jaw, dt, self.foods, self.others)
+        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others)
 
     def end_round(self) -> None:
         """Count the wheels' pulses and look where the robot and the walls are now."""

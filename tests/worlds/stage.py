@@ -60,6 +60,13 @@ def stage(
     return world
 
 
+def crowd(arena: Arena, *starts: Pose) -> PymunkWorld:
+    """Several robots in one arena, without food."""
+    world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE)
+    world.reset(np.random.default_rng(0), Layout(starts, ()))
+    return world
+
+
 def run(
     world: PymunkWorld,
     rounds: int,
