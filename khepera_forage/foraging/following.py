@@ -3,7 +3,7 @@
 import math
 
 from khepera_forage.foraging.perception import turn_to
-from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.khepera import MAX_SPEED, Motors
 
 SEPARATION = 14.0
 """Pixels between the learner and where the teacher is beyond which they are separated. Our decision."""
@@ -84,5 +84,6 @@ def _arc(
     motors: Motors, mean: float, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
 ) -> Motors:
     error = turn_to(math.degrees(math.atan2(teacher_y - y, teacher_x - x)), orientation)
-    turn = max(-mean, min(mean, (motors.right - motors.left) / 2 + _GAIN * error))
+    limit = min(mean, MAX_SPEED - mean)
+    turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + _GAIN * error))
     return motors._replace(left=mean - turn, right=mean + turn)

@@ -4,6 +4,7 @@ Nothing teleports: the fingers push what they touch, a closing jaw holds what is
 arm takes it off the floor, and opening leaves it where it is.
 """
 
+import math
 from collections.abc import Sequence
 
 import pymunk
@@ -24,6 +25,7 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.worlds import layers
+from khepera_forage.worlds.polygon import Segment
 from khepera_forage.worlds.pymunk_food import PymunkFood
 
 _THIN = FINGER_THICKNESS / 2
@@ -130,7 +132,12 @@ class PymunkGripper:
         return target != self.jaw and (self.held is None or target > self.jaw)
 
     def move_jaw(
-        self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
+        self,
+        target: float,
+        dt: float,
+        foods: Sequence[PymunkFood],
+        others: Sequence[pymunk.Body],
+        walls: Sequence[Segment],
     ) -> None:
         """Move the jaw towards a position for `dt` seconds; closing on food holds it, opening lets it go.
 
@@ -139,11 +146,14 @@ class PymunkGripper:
             dt: Seconds.
             foods: All food that could be between the fingers or in the way.
             others: Bodies of the other robots.
+            walls: Those near the robot; a finger does not open into one.
         """
         if not self.wants_to_move_jaw(target):
             return
         step = JAW_SPEED * dt
         jaw = min(target, self.jaw + step) if target > self.jaw else max(target, self.jaw - step)
+        if jaw > self.jaw and self._open_into_wall(jaw, walls):
+            return
         if self.held is not None:
             if not self.on_floor and not self._floor_free(foods, others):
                 return
@@ -157,13 +167,27 @@ class PymunkGripper:
         self._left.unsafe_set_endpoints((JAW_ROOT, y), (FINGER_TIP - _THIN, y))
         self._right.unsafe_set_endpoints((JAW_ROOT, -y), (FINGER_TIP - _THIN, -y))
 
+    def _open_into_wall(self, jaw: float, walls: Sequence[Segment]) -> bool:
+        """Whether a finger at this position of the jaw would stand in a wall, seen from the robot's side of it."""
+        centre = self._body.position
+        y = half_gap(jaw) + FINGER_THICKNESS
+        for x1, y1, x2, y2 in walls:
+            ex, ey = x2 - x1, y2 - y1
+            side = math.copysign(1.0 / math.hypot(ex, ey), ex * (centre.y - y1) - ey * (centre.x - x1))
+            for corner in ((JAW_ROOT, y), (FINGER_TIP, y), (JAW_ROOT, -y), (FINGER_TIP, -y)):
+                px, py = self._body.local_to_world(corner)
+                along = ((px - x1) * ex + (py - y1) * ey) / (ex * ex + ey * ey)
+                if 0.0 <= along <= 1.0 and (ex * (py - y1) - ey * (px - x1)) * side < -_TOUCH:
+                    return True
+        return False
+
     def _between(self, jaw: float, foods: Sequence[PymunkFood]) -> PymunkFood | None:
         """The food between the fingers when they close on it: they shift it to the middle and stop there."""
         if half_gap(jaw) > FOOD_RADIUS:
             return None
         for food in foods:
             x, y = self._body.world_to_local(food.body.position)
-            if JAW_ROOT < x < FINGER_TIP and abs(y) < half_gap(JAW_OPEN) and not food.lifted:
+            if JAW_ROOT < x < FINGER_TIP and abs(y) < half_gap(self.jaw) and not food.lifted:
                 return food
         return None
 

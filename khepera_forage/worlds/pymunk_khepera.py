@@ -171,7 +171,7 @@ class PymunkKhepera:
         if self._steering:
             angle = self.body.angle
             self._wheels.velocity = self._forward * math.cos(angle), self._forward * math.sin(angle)
-        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others)
+        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._near_walls)
 
     def end_round(self) -> None:
         """Count the wheels' pulses and look where the robot and the walls are now."""

@@ -77,6 +77,9 @@ class PymunkWorld:
         self._sensor_draws = Draws(sensors.random, 8 * len(self._markers))
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
+        # Contacts are not carried over from step to step: their impulses, scaled to a step of another length, would
+        # throw a robot that pressed a finger against a wall.
+        space.collision_persistence = 1
         for arena in self.arenas:
             for x1, y1, x2, y2 in arena.segments:
                 wall = pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0)
@@ -133,9 +136,13 @@ class PymunkWorld:
         """Put a robot down elsewhere, with what it holds.
 
         Raises:
-            ValueError: The place is not on the free floor.
+            ValueError: The place is not on the free floor, or taken.
         """
         self._arena_of("robot", pose, RADIUS)
+        held = self.robots[robot].gripper.held
+        starts = tuple(other.pose for other in self.robots if other is not self.robots[robot])
+        foods = tuple(Point(*food.place) for food in self.foods if food is not held and not food.lifted)
+        _check_apart(Layout((*starts, pose), foods))
         self.robots[robot].put(pose)
 
     def close(self) -> None:

@@ -8,6 +8,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
 from khepera_forage.policies import Policy
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, Robot, Senses
@@ -52,6 +53,13 @@ class RobotContract:
             assert 215 <= senses.arm <= 255
             assert 0 <= senses.jaw <= 200
             assert senses.object_presence in (0, 255)
+
+    def test_sensing_again_before_the_next_round_reads_the_same(self, stage: Stage) -> None:
+        stage.rounds(5, Motors(6, -4, 255, 0))
+        senses = stage.robot.sense()
+        assert stage.robot.sense() == senses
+        stage.robot.drive(STILL)
+        assert stage.robot.sense() == senses, "a command takes effect with the next round"
 
     def test_applied_motors_are_whole_and_within_limits(self, stage: Stage) -> None:
         applied = stage.robot.drive(Motors(99.0, -3.4, 300, 90))
@@ -102,14 +110,32 @@ class CameraContract:
             scene = stage.camera.look()
             assert isinstance(scene, Scene)
             labels = [region.label for region in scene.regions]
-            assert len(set(labels)) == len(labels)
+            assert labels == sorted(set(labels)), "oldest track first"
             for region in scene.regions:
                 assert isinstance(region, Region)
                 assert region.holes in (0, 1, 2)
                 assert holes.setdefault(region.label, region.holes) == region.holes
                 assert 0 <= region.orientation < 360
-                assert region.area > 0
-                assert region.compactness > 0
+                assert 0 <= region.x <= 640
+                assert 0 <= region.y <= 480
+                assert abs(region.compactness * region.area / region.perimeter**2 - 1) < 1e-6
+
+    def test_a_label_is_never_given_again(self, stage: Stage) -> None:
+        """Food is carried off under the marker, its place is seen empty, and it is set down elsewhere."""
+        old = {region.label for region in stage.camera.look().regions}
+        x, y = stage.layout.foods[0]
+        stage.world.place(0, Pose(x - 57, y, 0.0))
+        stage.rounds(12, Motors(0, 0, 255, 200))
+        stage.rounds(8, Motors(0, 0, 255, 0))
+        stage.rounds(12, Motors(0, 0, 215, 0))
+        stage.rounds(25, Motors(-8, -8, 215, 0))
+        assert not [region for region in stage.camera.look().regions if not region.holes], "dropped"
+        stage.rounds(12, Motors(0, 0, 255, 0))
+        stage.rounds(8, Motors(0, 0, 255, 200))
+        stage.rounds(20, Motors(-6, -6, 255, 200))
+        (food,) = [region for region in stage.camera.look().regions if not region.holes]
+        assert food.label > max(old)
+        assert math.dist((food.x * 5, food.y * 5), stage.world.food_places()[0][:2]) < 10
 
     def test_it_sees_the_robot_where_it_is(self, stage: Stage) -> None:
         stage.rounds(10, Motors(5, 5, 215, 200))
@@ -151,6 +177,21 @@ class WorldContract:
         stage.world.advance()
         pose = stage.world.poses()[0]
         assert math.dist(pose[:2], (x + 50, y)) < 10
+        assert abs(pose.heading - heading - 1.0) < 0.1
+
+    def test_place_refuses_what_is_not_the_free_floor(self, stage: Stage) -> None:
+        x1, y1, _, _ = stage.world.arenas[0].bounds
+        before = stage.world.poses()
+        for pose in (Pose(x1 + 5, y1 + 5, 0.0), Pose(x1 - 500, y1, 0.0)):
+            with pytest.raises(ValueError, match=f"{pose.x:g}"):
+                stage.world.place(0, pose)
+        assert stage.world.poses() == before
+
+    def test_reset_refuses_another_number_of_starts(self, stage: Stage) -> None:
+        starts = stage.layout.starts
+        for wrong in ((), (*starts, starts[0])):
+            with pytest.raises(ValueError, match=f"{len(wrong)} starts"):
+                stage.world.reset(np.random.default_rng(0), stage.layout._replace(starts=wrong))
 
     def test_reset_begins_anew(self, stage: Stage) -> None:
         stage.rounds(10, Motors(8, 8, 255, 0))

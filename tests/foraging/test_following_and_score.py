@@ -19,7 +19,7 @@ from khepera_forage.foraging.following import (
 from khepera_forage.foraging.identification import at_home, drawn_type, explored
 from khepera_forage.foraging.scoring import penalty, score
 from khepera_forage.foraging.states import FoodType
-from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.khepera import MAX_SPEED, Motors, Senses
 
 WHEELS = st.floats(-20.0, 20.0)
 MOTORS = st.builds(Motors, left=WHEELS, right=WHEELS, arm=st.just(215), jaw=st.just(200))
@@ -36,6 +36,29 @@ def test_following_never_changes_the_mean_of_the_wheels(
     assert led[2:] == motors[2:]
     if motors.left + motors.right <= 0 or math.dist((x, y), (tx, ty)) <= SAME_PLACE:
         assert led == motors
+
+
+@given(motors=MOTORS, x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE, teachers=DEGREES)
+def test_what_following_asks_for_wheels_can_do(
+    motors: Motors, x: float, y: float, heading: int, tx: float, ty: float, teachers: int
+) -> None:
+    """Otherwise the robot clamps the faster wheel, which alters the speed after all (4.5.2)."""
+    led = follow(motors, x, y, heading, tx, ty, teachers)
+    assert max(abs(led.left), abs(led.right)) <= MAX_SPEED + 1e-9
+
+
+@given(speed=st.floats(0.5, 20.0), x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE, teachers=DEGREES)
+def test_following_turns_to_the_side_on_which_the_teacher_is(
+    speed: float, x: float, y: float, heading: int, tx: float, ty: float, teachers: int
+) -> None:
+    led = follow(Motors(speed, speed, 215, 200), x, y, heading, tx, ty, teachers)
+    c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
+    left_of_it = (ty - y) * c - (tx - x) * s
+    if abs(left_of_it) > 1e-6:
+        assert (led.right - led.left) * left_of_it >= 0
+    apart = abs((teachers - heading + 180) % 360 - 180)
+    if math.dist((x, y), (tx, ty)) > SAME_PLACE and apart > SAME_HEADING and abs(left_of_it) > 1e-6:
+        assert led.right != led.left or speed == 20.0
 
 
 def test_following_bends_the_way_towards_the_teacher() -> None:
