@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.envs.placement import random_layout
@@ -33,7 +33,7 @@ TOUCH = 1.0
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, WITH_BLOCK], ids=lambda a: a.name)
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
 @given(seed=st.integers(0, 10_000), commands=st.lists(COMMANDS, min_size=10, max_size=25))
 def test_nothing_leaves_the_walls_overlaps_vanishes_or_teleports(
     arena: Arena, seed: int, commands: list[tuple[float, float, int, int, int]]
