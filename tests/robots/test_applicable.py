@@ -77,7 +77,7 @@ def test_clamped_and_rounded(asked: Motors, applied: Motors) -> None:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_refused_with_its_value(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=rf"{field}={value}.*finite"):
-        applicable(Motors(1, 2, 255, 0)._replace(**{field: value}))
+        applicable(Motors(**{**Motors(1, 2, 255, 0)._asdict(), field: value}))
 
 
 def test_the_jaw_stops_on_food_where_the_gap_is_its_width() -> None:

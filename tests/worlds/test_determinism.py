@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worlds.stage import ELL
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout
+from worlds.stage import ELL
 
 ROUNDS = 150
 LAYOUTS = {

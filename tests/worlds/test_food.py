@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from worlds.stage import apart, box, crowd, holding, narrow, run, stage
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, JAW_CLOSED, RADIUS
 from khepera_forage.worlds.arena import Arena, Point, Pose
+from worlds.stage import apart, box, crowd, holding, narrow, run, stage
 
 CENTRE = Pose(1000, 1000, 0)
 CLOSED = narrow(650)
@@ -104,7 +104,9 @@ def test_another_robot_pushed_against_a_wall_stays_inside() -> None:
         (60.0, 60, False),
     ],
 )
-def test_the_barrier_is_crossed_by_food_between_the_fingers(ahead: float, aside: float, present: bool) -> None:
+def test_the_barrier_is_crossed_by_food_between_the_fingers(
+    ahead: float, aside: float, present: bool
+) -> None:
     # The palm just clears food at the barrier: half a millimetre further out than it would push.
     world = stage(CENTRE, (1000 + max(ahead, 54.0), 1000 + aside))
     assert run(world, 1).object_presence == 0, "above it, a raised arm sees nothing"

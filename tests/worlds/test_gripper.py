@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from worlds.stage import FIELD, apart, holding, narrow, run, stage
 
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
@@ -17,6 +16,7 @@ from khepera_forage.robots.khepera import (
     Motors,
 )
 from khepera_forage.worlds.arena import Point, Pose
+from worlds.stage import FIELD, apart, holding, narrow, run, stage
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
@@ -217,27 +217,6 @@ def test_food_let_go_and_gripped_again_at_once_stays_put() -> None:
     assert apart(world.food_places()[0], food) < 2
     run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
     assert world.food_places()[0].lifted
-
-
-def test_an_operator_puts_a_robot_down_with_what_it_holds() -> None:
-    world = holding()
-    world.place(0, Pose(500, 600, math.pi / 2))
-    x, y, _ = world.poses()[0]
-    run(world, 3, jaw=JAW_CLOSED)
-    assert (x, y) == (500, 600)
-    assert world.food_places()[0][:2] == pytest.approx((500, 657), abs=2)
-    assert world.food_places()[0].lifted
-    with pytest.raises(ValueError, match=r"robot at \(10, 600\)"):
-        world.place(0, Pose(10, 600, 0))
-    assert world.poses()[0][:2] == pytest.approx((500, 600), abs=0.1)
-
-
-def test_an_operator_is_told_of_a_place_that_is_taken_or_none() -> None:
-    world = stage(CENTRE, (1500, 1500))
-    for pose in (Pose(1500, 1470, 0), Pose(500, 500, math.nan)):
-        with pytest.raises(ValueError, match="robot at"):
-            world.place(0, pose)
-        assert world.poses()[0] == CENTRE
 
 
 def test_a_stopped_robot_keeps_its_grip() -> None:

@@ -70,7 +70,9 @@ class Forage:
         x, y, heading = self.world.poses()[0]
         gripper = x + 55 * math.cos(heading), y + 55 * math.sin(heading)
         places = self.world.food_places()
-        return min(range(len(places)), key=lambda k: (not places[k].lifted, math.dist(places[k][:2], gripper)))
+        return min(
+            range(len(places)), key=lambda k: (not places[k].lifted, math.dist(places[k][:2], gripper))
+        )
 
 
 def ties_hold(forage: Forage) -> None:

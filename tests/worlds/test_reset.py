@@ -101,9 +101,9 @@ def test_food_lies_on_the_free_floor(food: Point, complaint: str) -> None:
 
 def test_nothing_stands_in_an_obstacle() -> None:
     world = PymunkWorld([ELL], (2,), NONE)
-    with pytest.raises(ValueError, match="ell: food.*inside a wall"):
+    with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
         reset(world, (ELL.start,), (Point(180, 120),))
-    with pytest.raises(ValueError, match="ell: robot.* 20 mm from a wall"):
+    with pytest.raises(ValueError, match=r"ell: robot.* 20 mm from a wall"):
         reset(world, (Pose(230, 120, 0),), (Point(450, 150),))
 
 
