@@ -82,6 +82,11 @@ def test_pick_up_closes_before_it_raises(raw: RawData) -> None:
     assert command(B.PICK_UP_FOOD, held._replace(jaw=126)) == Motors(0, 0, 215, 0)
 
 
+@given(RAW)
+def test_pick_up_reaches_for_food_that_is_not_there_with_an_open_jaw(raw: RawData) -> None:
+    assert command(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=200)) == Motors(2, 2, 255, 200)
+
+
 def test_search_is_fast_and_straight_towards_food_ahead() -> None:
     assert command(B.SEARCH_FOR_FOOD, OPEN_FLOOR)[:2] == (12.0, 12.0)
     assert command(B.MOVE_SLOWLY, OPEN_FLOOR)[:2] == (8.0, 8.0)

@@ -125,7 +125,10 @@ def test_food_is_identified_after_one_still_round_in_the_barrier() -> None:
     assert not explored(in_place, in_place._replace(object_presence=0), still)
     assert not explored(in_place._replace(arm=215), in_place, still)
     assert not explored(in_place, in_place._replace(jaw=126), still)
+    assert not explored(in_place, in_place._replace(arm=215), still)
+    assert not explored(in_place._replace(jaw=126), in_place, still)
     assert not explored(in_place, in_place, still._replace(left=1))
+    assert not explored(in_place, in_place, still._replace(right=-1))
 
 
 def test_home_is_a_disc_with_its_rim() -> None:

@@ -102,6 +102,23 @@ def test_only_equal_distances_match_no_row_and_go_to_the_nearer_state(vector: St
     assert classify(vector, HOME_RADIUS) == classify(nearer, HOME_RADIUS)
 
 
+@pytest.mark.parametrize(
+    ("vector", "state"),
+    [
+        (StateVector(0, HOME_RADIUS, 0, 215, 50), State.AT_HOME_NO_FOOD),
+        (StateVector(1, HOME_RADIUS, 1, 215, 50), State.AT_HOME_WITH_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD), State.NEXT_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD + 1), State.CLOSE_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD), State.CLOSE_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD + 1), State.SEARCH),
+        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT, 9), State.FOOD_IN_HAND),
+        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT + 1, 9), State.READY_TO_PICK_UP_FOOD),
+    ],
+)
+def test_ties_go_to_the_nearer_state(vector: StateVector, state: State) -> None:
+    assert classify(vector, HOME_RADIUS) == state
+
+
 @given(VECTORS)
 def test_the_unknown_state_cannot_be_reached(vector: StateVector) -> None:
     assert classify(vector, HOME_RADIUS) != State.UNKNOWN

@@ -111,10 +111,12 @@ def test_the_sensor_that_faces_a_wall_reads_its_distance(sensor: int, distance: 
 
 
 @pytest.mark.parametrize("sensor", range(8))
-def test_the_sensor_that_points_at_a_disc_sees_its_rim(sensor: int) -> None:
-    x, y = ahead_of(sensor, 30.0 + 17.5)
+@pytest.mark.parametrize("distance", [5.0, 30.0, 55.0])
+def test_the_sensor_that_points_at_a_disc_sees_its_rim(sensor: int, distance: float) -> None:
+    x, y = ahead_of(sensor, distance + 17.5)
     readings = read([], [(x, y, 17.5)])
-    assert readings[sensor] == pytest.approx(response(30.0))
+    assert readings[sensor] == pytest.approx(response(distance))
+    assert readings[sensor] > 0
     assert readings[sensor] == max(readings)
 
 

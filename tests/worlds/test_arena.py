@@ -160,4 +160,4 @@ def test_what_is_no_arena_says_so_with_its_name(change: dict[str, Any], complain
 
 def test_food_just_fits_at_its_radius_from_a_wall() -> None:
     replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),))
-    replace(CORRIDOR, start=Pose(RADIUS, RADIUS, 0))
+    replace(CORRIDOR, start=Pose(RADIUS, 115, 0))

@@ -1,6 +1,7 @@
-"""Arm and jaw: how fast they move, and what becomes of food between the fingers."""
+"""What becomes of food between the fingers, and of a robot whose fingers meet a wall."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -22,31 +23,6 @@ CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
 JAW_STEP = 34
 """Positions that the jaw can move in a round: 200 in 0.6 s."""
-
-# ---------------------------------------------------------------- speeds
-
-
-def test_the_arm_takes_a_second() -> None:
-    world = stage(CENTRE, FAR)
-    assert [run(world, 1, arm=ARM_DOWN).arm for _ in range(11)] == [*range(219, 256, 4), 255]
-    assert [run(world, 1, arm=ARM_RAISED).arm for _ in range(11)] == [*range(251, 214, -4), 215]
-
-
-def test_the_jaw_takes_six_tenths_of_a_second() -> None:
-    world = stage(CENTRE, FAR)
-    closing = [run(world, 1, jaw=JAW_CLOSED).jaw for _ in range(7)]
-    assert closing == pytest.approx([200 - 33.3 * i for i in range(1, 7)] + [0], abs=1)
-    opening = [run(world, 1, jaw=JAW_OPEN).jaw for _ in range(7)]
-    assert opening == pytest.approx([33.3 * i for i in range(1, 7)] + [200], abs=1)
-
-
-def test_on_their_way_arm_and_jaw_can_be_told_otherwise() -> None:
-    world = stage(CENTRE, FAR)
-    half = run(world, 4, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    back = run(world, 1, arm=ARM_RAISED, jaw=JAW_OPEN)
-    assert (half.arm, back.arm) == (231, 227)
-    assert back.jaw - half.jaw == pytest.approx(33, abs=1)
-
 
 # ---------------------------------------------------------------- gripping
 
@@ -134,6 +110,27 @@ def test_lifted_food_passes_above_other_food_and_is_set_down_on_none() -> None:
     assert apart(first, second) >= 2 * FOOD_RADIUS - 0.1
 
 
+@pytest.mark.parametrize("between", [34.0, 20.0, -20.0, -34.0])
+def test_lifted_food_is_not_set_down_half_on_other_food(between: float) -> None:
+    world = holding(CENTRE, (1150, 1000))
+    while world.food_places()[0].x < 1150 - between - 0.5:
+        run(world, 1, 1, 1, jaw=JAW_CLOSED)
+    assert run(world, 10, jaw=JAW_OPEN).jaw == round(JAW_ON_FOOD)
+    assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm < ARM_ON_FLOOR
+    assert world.food_places()[0].lifted
+
+
+def test_lifted_food_stops_at_a_post_that_fits_between_the_fingers() -> None:
+    post = (Point(600, 95), Point(640, 95), Point(640, 105), Point(600, 105))
+    arena = replace(narrow(900), obstacles=(post,), home=Point(790, 115), foods=(Point(300, 60),))
+    world = holding(Pose(300, 100, 0), arena=arena)
+    for _ in range(50):
+        run(world, 1, 8, 8, jaw=JAW_CLOSED)
+        food = world.food_places()[0]
+        assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+    assert world.food_places()[0].x > 560
+
+
 def test_lifted_food_does_not_pass_through_a_wall() -> None:
     world = holding(Pose(300, 100, 0.4), arena=narrow(650))
     for _ in range(60):
@@ -144,28 +141,6 @@ def test_lifted_food_does_not_pass_through_a_wall() -> None:
     food = world.food_places()[0]
     assert not food.lifted
     assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
-
-
-# ---------------------------------------------------------------- the arm and what is below it
-
-
-@pytest.mark.parametrize("below", [(57, 29), (57, -20), (70, 25), (45, 24)])
-def test_an_arm_does_not_come_down_on_food(below: tuple[float, float]) -> None:
-    world = stage(CENTRE, (1000 + below[0], 1000 + below[1]))
-    food = world.food_places()[0]
-    assert run(world, 20, arm=ARM_DOWN).arm == ARM_ON_FLOOR - 1
-    assert apart(world.food_places()[0], food) < 0.01
-    run(world, 12, -8, -8, arm=ARM_DOWN)
-    assert run(world, 10, arm=ARM_DOWN).arm == ARM_DOWN
-    assert apart(world.food_places()[0], food) < 0.01
-
-
-def test_raised_fingers_pass_above_food_and_lowered_ones_push_it() -> None:
-    for arm, moved in ((ARM_RAISED, False), (ARM_DOWN, True)):
-        world = stage(CENTRE, (1000, 1065))
-        run(world, 12, arm=arm)
-        run(world, 6, -5, 5, arm=arm)
-        assert (apart(world.food_places()[0], Point(1000, 1065)) > 5) == moved
 
 
 # ---------------------------------------------------------------- nothing jumps

@@ -2,11 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import JAW_CLOSED
-from khepera_forage.worlds.arena import Pose
-from worlds.stage import holding, run, stage
+from khepera_forage.worlds.arena import CORRIDOR, Point, Pose, copies
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import Layout
+from worlds.stage import NONE, holding, run, stage
 
 CENTRE = Pose(1000, 1000, 0)
 
@@ -30,6 +33,17 @@ def test_an_operator_is_told_of_a_place_that_is_taken_or_none() -> None:
         with pytest.raises(ValueError, match="robot at"):
             world.place(0, pose)
         assert world.poses()[0] == CENTRE
+
+
+def test_a_robot_stays_in_its_own_enclosure() -> None:
+    """Its food and its walls are those of the arena it was reset in."""
+    arenas = copies(CORRIDOR, 2)
+    world = PymunkWorld(arenas, (1, 2), NONE)
+    starts = CORRIDOR.start, arenas[1].start
+    world.reset(np.random.default_rng(0), Layout(starts, (Point(370, 115), Point(370, 415))))
+    with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):
+        world.place(0, Pose(200, 415, 0))
+    assert world.poses() == starts
 
 
 def test_a_robot_that_was_put_down_drives_on_from_there() -> None:

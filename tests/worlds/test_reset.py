@@ -77,6 +77,13 @@ def test_a_robot_stands_on_the_free_floor(start: Pose, complaint: str) -> None:
         reset(pair(), (start, START._replace(y=415)))
 
 
+@pytest.mark.parametrize("start", [Pose(300, 202, math.pi / 2), Pose(300, 170, 1.2), Pose(600, 115, 0.0)])
+def test_a_gripper_does_not_stand_in_a_wall(start: Pose) -> None:
+    """It would be stuck there, or be thrown out of it."""
+    with pytest.raises(ValueError, match=rf"robot at \({start.x:g}, {start.y:g}\)"):
+        reset(pair(), (start, START._replace(y=415)))
+
+
 def test_two_robots_do_not_stand_in_one_place() -> None:
     world = PymunkWorld([RECTANGLE], (1, 2), NONE)
     with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at \(100, 300\)"):
