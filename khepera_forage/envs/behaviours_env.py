@@ -8,7 +8,7 @@ from gymnasium import spaces
 from khepera_forage.envs.checks import behaviour_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.foraging.states import BEHAVIOURS
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 
 
@@ -74,7 +74,7 @@ class BehavioursEnv(RecallEnv[int]):
 
     def _motors(self, action: int, forager: Forager) -> Motors:
         behaviour = behaviour_number(action, 10)
-        self._executed = Behaviour(behaviour)
+        self._executed = BEHAVIOURS[behaviour]
         return forager.motors_for(behaviour)
 
     def _is_correct(self, motors: Motors, forager: Forager) -> bool:

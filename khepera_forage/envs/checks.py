@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import FoodType
+from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.worlds.arena import ARENAS, Arena
 
 FoodOdds = str | FoodType | Mapping[Any, float] | None
@@ -23,6 +23,8 @@ def behaviour_number(action: Any, count: int, agent: str = "") -> int:
     Raises:
         ValueError: Not a whole number in 0..count-1.
     """
+    if type(action) in (int, Behaviour) and 0 <= action < count:  # nearly always, and the quickest to tell
+        return int(action)
     if isinstance(action, np.ndarray) and action.size == 1:
         action = action.item()
     if isinstance(action, numbers.Integral) and not isinstance(action, bool) and 0 <= int(action) < count:

@@ -88,9 +88,10 @@ class Arena:
 
     def clearance(self, place: Point | Pose) -> float:
         """Distance from a place to the nearest wall, negative outside the free floor."""
-        distance = min(polygon.distance(place[0], place[1], s) for s in self.segments)
-        inside = polygon.contains(self.walls, place[0], place[1])
-        blocked = any(polygon.contains(o, place[0], place[1]) for o in self.obstacles)
+        x, y = place[0], place[1]
+        distance = polygon.nearest(x, y, self.segments)
+        inside = polygon.contains(self.walls, x, y)
+        blocked = any(polygon.contains(o, x, y) for o in self.obstacles) if self.obstacles else False
         return distance if inside and not blocked else -distance
 
     def check_free(self, what: str, place: Point | Pose, radius: float) -> None:
