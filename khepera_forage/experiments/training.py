@@ -1,7 +1,7 @@
 """The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,8 +72,10 @@ def attempt(
         if resume:
             for agent in env.possible_agents[1:]:
                 if env.infos[agent]["separated_rounds"] == env.patience - 1:
-                    env.resume_beside(agent)
-                    resumed += 1
+                    # Where there is no room beside the teacher, the attempt is given up after all.
+                    with suppress(ValueError):
+                        env.resume_beside(agent)
+                        resumed += 1
     complete = env.terminations[TEACHER]
     infos = [env.infos[agent] for agent in env.possible_agents]
     rounds = infos[0]["steps"]

@@ -6,12 +6,12 @@ What each commands, in speed units of 8 mm/s (every figure our decision, made wi
 |---|---|---|---|
 | SEARCH FOR FOOD | 12 towards the food, round the home; on the spot if none is seen | 215 | open |
 | MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn to it, 4 on until the barrier is crossed; back 5 for another try | 255 when aimed | open |
+| ORIENT WITH FOOD | turn, then 4 on until the barrier is crossed; back 5 to retry | 255 when aimed | open; shut going back |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
 | PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | closed |
 | AVOID FOOD | back 8 | 255 | open |
-| GO HOME | 12 home | 215 | closed |
+| GO HOME | 12 home | 215 once the jaw is shut | closed |
 | AVOID HOME | out by its open side: back 5 when facing it, otherwise 8 | 215 | open |
 | RELEASE FOOD | 8 on into the home, then 0; back 5 once the jaw is open | 255 | opens once the arm is down |
 | WAIT | 0 | as it is | as it is |

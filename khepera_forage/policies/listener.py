@@ -1,12 +1,11 @@
 """The learner in training: it does what it hears (section 4.5)."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from khepera_forage.foraging.states import Behaviour
-from khepera_forage.policies.policy import HEARD, SEPARATED, Observation
+from khepera_forage.policies.policy import HEARD, Observation, is_training
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +22,7 @@ class Listener:
         Raises:
             ValueError: Not an observation of the training environment.
         """
-        if isinstance(observation, Mapping) or len(observation) != SEPARATED + 1:
+        if not is_training(observation):
             raise ValueError(
                 f"observation is {observation!r}; allowed: seven integers of a training environment"
             )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from operator import index
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,11 @@ Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
 
 HEARD, SEPARATED = 5, 6
 """Where an observation of the training environment has what is heard, and whether robots are separated."""
+
+
+def is_training(observation: Observation) -> TypeGuard[Sequence[Any] | NDArray[Any]]:
+    """Whether an observation is one of the training environment: a row that goes on after the state vector."""
+    return isinstance(observation, Sequence | np.ndarray) and len(observation) > SEPARATED
 
 
 class Policy(Protocol):

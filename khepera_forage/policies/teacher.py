@@ -1,12 +1,11 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from khepera_forage.foraging.states import Behaviour, behaviour_for, classify
-from khepera_forage.policies.policy import SEPARATED, Observation, state_vector_of
+from khepera_forage.policies.policy import SEPARATED, Observation, is_training, state_vector_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +38,6 @@ class Teacher:
         Raises:
             ValueError: The observation holds no state vector.
         """
-        in_training = not isinstance(observation, dict | Mapping) and len(observation) > SEPARATED
-        if in_training and observation[SEPARATED]:  # type: ignore[index]  # a row of seven integers
+        if type(observation) is not dict and is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), self.home_radius))

@@ -128,7 +128,7 @@ class Robot(Protocol):
         ...
 
     def stop(self) -> None:
-        """Wheels to zero, at once; arm and jaw stay where they are."""
+        """Wheels to zero, at once; arm and jaw are not commanded: they finish what they were told."""
         ...
 
     def close(self) -> None:

@@ -104,8 +104,8 @@ class PymunkGripper:
 
     def _room_below(self, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]) -> bool:
         """Whether the arm can come down: the fingers on nothing, held food on no other food or robot."""
-        if self.held is not None:
-            return self._floor_free(foods, others)
+        if self.held is not None and not self._floor_free(foods, others):
+            return False
         finger = half_gap(self.jaw) + _THIN
         for food in foods:
             if food.lifted:

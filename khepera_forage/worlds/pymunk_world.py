@@ -7,7 +7,16 @@ import numpy as np
 import pymunk
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
+from khepera_forage.robots.khepera import (
+    CONTROL_PERIOD,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    JAW_ROOT,
+    RADIUS,
+    half_gap,
+)
 from khepera_forage.vision.overhead import OverheadCamera, Truth
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -70,6 +79,9 @@ class PymunkWorld:
                 f"{len(layout.starts)} starts for {len(self._markers)} robots; allowed: one each"
             )
         homes = [self._arena_of("robot", start, RADIUS) for start in layout.starts]
+        for home, start in zip(homes, layout.starts, strict=True):
+            _check_gripper(home, start)
+        self._homes = homes
         plates = [self._arena_of("food", food, FOOD_RADIUS) for food in layout.foods]
         _check_apart(layout)
         biases, wheels, sensors, camera = rng.spawn(4)
@@ -138,7 +150,8 @@ class PymunkWorld:
         Raises:
             ValueError: The place is not on the free floor, or taken.
         """
-        self._arena_of("robot", pose, RADIUS)
+        self._homes[robot].check_free("robot", pose, RADIUS)
+        _check_gripper(self._homes[robot], pose)
         held = self.robots[robot].gripper.held
         starts = tuple(other.pose for other in self.robots if other is not self.robots[robot])
         foods = tuple(Point(*food.place) for food in self.foods if food is not held and not food.lifted)
@@ -158,6 +171,19 @@ class PymunkWorld:
         nearest = max(self.arenas, key=lambda arena: arena.clearance(place))
         nearest.check_free(what, place, radius)
         return nearest
+
+
+def _check_gripper(arena: Arena, pose: Pose) -> None:
+    """Complain if the open gripper of a robot would stand in a wall."""
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    wide = half_gap(JAW_OPEN) + FINGER_THICKNESS
+    for ahead in (JAW_ROOT, FINGER_TIP):
+        for aside in (-wide, wide):
+            if arena.clearance(Point(pose.x + ahead * c - aside * s, pose.y + ahead * s + aside * c)) < 0:
+                raise ValueError(
+                    f"{arena.name}: robot at ({pose.x:g}, {pose.y:g}) mm has its gripper in a wall; "
+                    f"allowed: {FINGER_TIP:g} mm ahead of its centre free"
+                )
 
 
 def _check_apart(layout: Layout) -> None:

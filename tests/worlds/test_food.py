@@ -1,6 +1,8 @@
 """Food on the floor: pushed by contact, slowed by friction; and what of it a robot senses."""
 
 import math
+from collections.abc import Iterator
+from itertools import product
 
 import pytest
 
@@ -60,24 +62,37 @@ def test_a_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) 
         assert CLOSED.clearance(world.poses()[0]) >= RADIUS - 1
 
 
-@pytest.mark.parametrize("degrees", range(0, 360, 30))
-@pytest.mark.parametrize("turn", [1, -1])
-@pytest.mark.parametrize("room", [45, 80])
-def test_food_swept_by_swinging_fingers_stays_inside(degrees: int, turn: int, room: float) -> None:
-    heading = math.radians(degrees)
-    food = 300.0, 230.0 - room
-    place = heading + 0.9 * turn
-    start = Pose(food[0] - 75 * math.cos(place), food[1] - 75 * math.sin(place), heading)
-    if CLOSED.clearance(start) < RADIUS + 2:
-        start = Pose(start.x, 115, heading)
-    if math.dist(start[:2], food) < RADIUS + FOOD_RADIUS:
-        return
-    world = stage(start, food, arena=CLOSED)
-    run(world, 11, arm=ARM_DOWN)
-    for _ in range(12):
-        run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
-        swept = world.food_places()[0]
-        assert CLOSED.clearance(Point(swept.x, swept.y)) >= FOOD_RADIUS - 1
+def sweeps() -> Iterator[tuple[Pose, tuple[float, float], int]]:
+    """Starts from which a turn on the spot sweeps food, 45 or 80 mm from the wall, past or towards it."""
+    for degrees, turn, room in product(range(0, 360, 15), (1, -1), (45, 80)):
+        heading = math.radians(degrees)
+        food = 300.0, 230.0 - room
+        place = heading + 0.9 * turn
+        start = Pose(food[0] - 75 * math.cos(place), food[1] - 75 * math.sin(place), heading)
+        tips = [
+            Point(
+                start.x + 75 * math.cos(heading) - side * math.sin(heading),
+                start.y + 75 * math.sin(heading) + side * math.cos(heading),
+            )
+            for side in (-32, 32)
+        ]
+        if CLOSED.clearance(start) > RADIUS and min(map(CLOSED.clearance, tips)) > 0:
+            yield start, food, turn
+
+
+def test_food_swept_by_swinging_fingers_stays_inside() -> None:
+    cases = list(sweeps())
+    assert len(cases) > 40
+    moved = 0
+    for start, food, turn in cases:
+        world = stage(start, food, arena=CLOSED)
+        run(world, 11, arm=ARM_DOWN)
+        for _ in range(12):
+            run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
+            swept = world.food_places()[0]
+            assert CLOSED.clearance(Point(swept.x, swept.y)) >= FOOD_RADIUS - 1, start
+        moved += apart(swept, Point(*food)) > 20
+    assert moved > len(cases) / 2
 
 
 def test_another_robot_pushed_against_a_wall_stays_inside() -> None:
