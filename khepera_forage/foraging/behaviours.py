@@ -6,7 +6,7 @@ What each commands, in speed units of 8 mm/s (every figure our decision, made wi
 |---|---|---|---|
 | SEARCH FOR FOOD | 12 towards the food, round the home; on the spot if none is seen | 215 | open |
 | MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn, then 4 on until the barrier is crossed; back 5 to retry | 255 if aimed | open; shut to retry |
+| ORIENT WITH FOOD | turn, 4 on until the barrier is crossed; back 5 to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
 | PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | closed |
