@@ -17,8 +17,8 @@ from khepera_forage.envs.checks import (
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import given_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
-from khepera_forage.envs.rendering import Renderer, View
-from khepera_forage.envs.showing import foods_shown, robot_shown
+from khepera_forage.envs.rendering import View
+from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
 from khepera_forage.foraging.scoring import penalty, score
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
@@ -37,7 +37,7 @@ MARKER = 2
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     """What both kinds of recall environment share: the episode, its score and its pictures."""
 
-    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
 
     def __init__(
         self,
@@ -49,19 +49,15 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         render_mode: str | None = None,
         world: World | None = None,
     ) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ValueError(
-                f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}"
-            )
         self.arena = the_arena(arena)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
+        self._screen = Screen(render_mode)
         self._odds = food_odds(food_types)
         self._site = site_of(self.arena)
         self.world: World = PymunkWorld([self.arena], (MARKER,), noise) if world is None else world
         self._forager: Forager | None = None
-        self._renderer: Renderer | None = None
         self._steps = self._correct = 0
         self._over = True
         self._executed: Behaviour | None = None
@@ -145,14 +141,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
-        if self.render_mode is None:
-            gym.logger.warn(
-                "render() without a render_mode; make the environment with render_mode='rgb_array'"
-            )
-            return None
-        if self._renderer is None:
-            self._renderer = Renderer(self.render_mode)
-        return self._renderer.draw(self.view())
+        return self._screen.show(self.view)
 
     def view(self) -> View:
         """What a picture of the present round shows."""
@@ -174,9 +163,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def close(self) -> None:
         """Stop the robot and close the window."""
         self.world.close()
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._screen.close()
 
     @abstractmethod
     def _motors(self, action: ActionT, forager: Forager) -> Motors:

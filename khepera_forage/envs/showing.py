@@ -1,12 +1,56 @@
-"""From robots at their task to what a picture shows of them."""
+"""From robots at their task to what a picture shows of them, and the screen that shows it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import Forager
-from khepera_forage.envs.rendering import FoodView, RobotView
+from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.worlds.world import World
+
+RENDER_MODES = ("human", "rgb_array")
+
+
+class Screen:
+    """Where an environment shows itself; the window, if any, opens with the first picture.
+
+    Args:
+        mode: One of `RENDER_MODES`, or None.
+
+    Raises:
+        ValueError: Another mode.
+    """
+
+    def __init__(self, mode: str | None) -> None:
+        if mode is not None and mode not in RENDER_MODES:
+            raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(map(repr, RENDER_MODES))}")
+        self._mode = mode
+        self._renderer: Renderer | None = None
+
+    def show(self, view: Callable[[], View]) -> NDArray[np.uint8] | None:
+        """A picture as an array in mode `rgb_array`, in the window in mode `human`.
+
+        Args:
+            view: Called for what to show.
+        """
+        if self._mode is None:
+            gym.logger.warn(
+                "render() without a render_mode; make the environment with render_mode='rgb_array'"
+            )
+            return None
+        if self._renderer is None:
+            self._renderer = Renderer(self._mode)
+        return self._renderer.draw(view())
+
+    def close(self) -> None:
+        """Close the window; a second call does nothing."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
 
 
 def robot_shown(

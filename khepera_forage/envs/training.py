@@ -3,7 +3,6 @@
 import math
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ResetNeeded
@@ -16,8 +15,8 @@ from khepera_forage.envs.company import Company
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import training_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
-from khepera_forage.envs.rendering import Renderer, View
-from khepera_forage.envs.showing import foods_shown, robot_shown
+from khepera_forage.envs.rendering import View
+from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
 from khepera_forage.foraging.scoring import score
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
@@ -74,7 +73,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
         "name": "paired_corridors_v0",
-        "render_modes": ["human", "rgb_array"],
+        "render_modes": list(RENDER_MODES),
         "render_fps": 10,
         "is_parallelizable": True,
     }
@@ -92,13 +91,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     ) -> None:
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ValueError(
-                f"render_mode is {render_mode!r}; allowed: None, {self.metadata['render_modes']}"
-            )
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
         self.patience = whole_number("patience", patience, 1)
         self.render_mode = render_mode
+        self._screen = Screen(render_mode)
         self.arenas = copies(the_arena(arena), learners + 1)
         self._noise = Noise.laboratory() if noise is None else noise
         self._odds = food_odds(food_types)
@@ -113,7 +109,6 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
         self.action_spaces = {a: spaces.Discrete(11) for a in self.possible_agents}
         self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
-        self._renderer: Renderer | None = None
         self._foragers: list[Forager] = []
 
     def observation_space(self, agent: str) -> spaces.Box:
@@ -227,14 +222,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
-        if self.render_mode is None:
-            gym.logger.warn(
-                "render() without a render_mode; make the environment with render_mode='rgb_array'"
-            )
-            return None
-        if self._renderer is None:
-            self._renderer = Renderer(self.render_mode)
-        return self._renderer.draw(self.view())
+        return self._screen.show(self.view)
 
     def view(self) -> View:
         """What a picture of the present round shows."""
@@ -270,9 +258,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def close(self) -> None:
         """Stop the robots and close the window."""
         self.world.close()
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._screen.close()
 
     def _round(self) -> None:
         """Everybody's commands take effect together."""
