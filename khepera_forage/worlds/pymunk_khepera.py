@@ -39,7 +39,7 @@ _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed or carried."""
 _FINE_TRAVEL = 0.8
-"""Mm that a point of a robot may travel in one physics step near a wall, so that overlaps stay below 1 mm."""
+"""How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
 # The property's own function: setting it by name goes through `__setattr__` too and costs twice as much.
 _set_velocity: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.velocity.fset  # type: ignore[attr-defined]
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
