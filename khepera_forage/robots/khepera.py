@@ -116,8 +116,26 @@ def applicable(motors: Motors) -> Motors:
     return Motors(left, right, int(arm + 0.5), JAW_OPEN if jaw > JAW_OPEN / 2 else JAW_CLOSED)
 
 
+class RobotLost(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
+    """A real robot no longer answers, or its line is gone.
+
+    Args:
+        port: Where it was.
+        command: What it was asked last.
+        tries: How often it was asked.
+        reason: What came instead of an answer.
+    """
+
+    def __init__(self, port: str, command: str, tries: int, reason: str) -> None:
+        super().__init__(f"{port}: no answer to {command!r} after {tries} tries: {reason}")
+        self.port = port
+        self.command = command
+        self.tries = tries
+        self.reason = reason
+
+
 class Robot(Protocol):
-    """A Khepera with a gripper, simulated or real."""
+    """A Khepera with a gripper, simulated or real. Any method of a real one may raise `RobotLost`."""
 
     def sense(self) -> Senses:
         """What the robot senses now."""
