@@ -15,6 +15,13 @@ PICTURE_WIDTH = 640.0
 PICTURE_HEIGHT = 480.0
 HOLE_SIDE = 20.0
 """Side in mm of a black square within a marker (figure 3.9)."""
+MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
+    1: ((30.0, 0.0),),
+    2: ((35.0, 0.0), (-5.0, 0.0)),
+}
+"""Centres of a marker's holes in mm, x forward and y left of its middle, by their number."""
+MARKER_FRAME = 8.0
+"""Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 
 FOOD_RADIUS_PX = FOOD_RADIUS / MM_PER_PIXEL
 _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2

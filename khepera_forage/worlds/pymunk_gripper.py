@@ -1,6 +1,6 @@
 """The gripper turret on a pymunk body: arm, two fingers, optical barrier, and the grip on food.
 
-Nothing teleports: the fingers push what they touch, a closing jaw holds what is between them by joints, a raised
+Nothing teleports: the fingers push what they touch, a closing jaw holds what is between them, a raised
 arm takes it off the floor, and opening leaves it where it is.
 """
 
@@ -48,7 +48,6 @@ class PymunkGripper:
         self.arm = float(ARM_RAISED)
         self.jaw = float(JAW_OPEN)
         self.held: PymunkFood | None = None
-        self._joints: tuple[pymunk.Constraint, ...] = ()
         palm = JAW_ROOT - _THIN
         wide = half_gap(JAW_OPEN) + _THIN
         self._palm = pymunk.Segment(body, (palm, -wide), (palm, wide), _THIN)
@@ -68,12 +67,11 @@ class PymunkGripper:
     def interrupted(self, foods: Sequence[PymunkFood]) -> bool:
         """Whether something crosses the optical barrier between the fingers."""
         if self.held is not None:
-            x, y = self._body.world_to_local(self.held.body.position)
-            return _in_barrier(x, y, self.jaw)
+            return _in_barrier(*self._body.world_to_local(self.held.position), self.jaw)
         if not self.on_floor:
             return False
         return any(
-            _in_barrier(*self._body.world_to_local(food.body.position), self.jaw)
+            _in_barrier(*self._body.world_to_local(food.position), self.jaw)
             for food in foods
             if not food.lifted
         )
@@ -110,7 +108,7 @@ class PymunkGripper:
         for food in foods:
             if food.lifted:
                 continue
-            x, y = self._body.world_to_local(food.body.position)
+            x, y = self._body.world_to_local(food.position)
             ahead = max(JAW_ROOT - x, x - FINGER_TIP, 0.0)
             aside = max(abs(abs(y) - finger) - _THIN, 0.0)
             behind_palm = max(abs(y) - finger, 0.0)
@@ -121,11 +119,10 @@ class PymunkGripper:
 
     def _floor_free(self, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]) -> bool:
         assert self.held is not None
-        place = self.held.body.position
+        place = self.held.position
         return not any(
-            food is not self.held and place.get_distance(food.body.position) < 2 * FOOD_RADIUS
-            for food in foods
-        ) and not any(place.get_distance(body.position) < FOOD_RADIUS + RADIUS for body in others)
+            food is not self.held and math.dist(place, food.position) < 2 * FOOD_RADIUS for food in foods
+        ) and not any(math.dist(place, body.position) < FOOD_RADIUS + RADIUS for body in others)
 
     def wants_to_move_jaw(self, target: float) -> bool:
         """Whether the jaw is on its way: a jaw that holds food closes no further."""
@@ -157,11 +154,13 @@ class PymunkGripper:
         if self.held is not None:
             if not self.on_floor and not self._floor_free(foods, others):
                 return
-            self._let_go()
+            self.held.let_go()
+            self.held = None
         elif jaw < self.jaw and self.on_floor and (food := self._between(jaw, foods)) is not None:
             jaw = JAW_ON_FOOD
-            if abs(self._body.world_to_local(food.body.position)[1]) < 2 * _TOUCH:
-                self._hold(food)
+            if abs(self._body.world_to_local(food.position)[1]) < 2 * _TOUCH:
+                food.hold(self._body)
+                self.held = food
         self.jaw = jaw
         y = half_gap(jaw) + _THIN
         self._left.unsafe_set_endpoints((JAW_ROOT, y), (FINGER_TIP - _THIN, y))
@@ -186,27 +185,10 @@ class PymunkGripper:
         if half_gap(jaw) > FOOD_RADIUS:
             return None
         for food in foods:
-            x, y = self._body.world_to_local(food.body.position)
+            x, y = self._body.world_to_local(food.position)
             if JAW_ROOT < x < FINGER_TIP and abs(y) < half_gap(self.jaw) and not food.lifted:
                 return food
         return None
-
-    def _hold(self, food: PymunkFood) -> None:
-        turned = food.body.angle - self._body.angle
-        self._joints = (
-            pymunk.PivotJoint(self._body, food.body, self._body.world_to_local(food.body.position), (0, 0)),
-            pymunk.GearJoint(self._body, food.body, turned, 1),
-        )
-        for joint in self._joints:
-            joint.collide_bodies = False
-        self._space.add(*self._joints)
-        self.held = food
-
-    def _let_go(self) -> None:
-        assert self.held is not None
-        self._space.remove(*self._joints)
-        self.held.set_lifted(False)
-        self.held = None
 
 
 def _in_barrier(x: float, y: float, jaw: float) -> bool:

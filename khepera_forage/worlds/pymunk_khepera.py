@@ -37,7 +37,7 @@ _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a robot may be pushing lies within this of its centre, mm."""
 SUBSTEPS = 5
-"""Physics steps a round, 20 ms each, where something is pushed or carried."""
+"""Physics steps a round, 20 ms each, where something is pushed."""
 _FINE_TRAVEL = 0.8
 """How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
 # The property's own function: setting it by name goes through `__setattr__` too and costs twice as much.
@@ -115,14 +115,10 @@ class PymunkKhepera:
 
     def put(self, pose: Pose) -> None:
         """Stand elsewhere, at rest; food in the gripper comes along."""
-        held = self.gripper.held
-        grip = None if held is None else self.body.world_to_local(held.body.position)
-        twist = 0.0 if held is None else held.body.angle - self.body.angle
         self.body.position, self.body.angle = pose[:2], pose.heading
         self.body.velocity, self.body.angular_velocity = (0, 0), 0
-        if held is not None and grip is not None:
-            held.body.position, held.body.angle = self.body.local_to_world(grip), pose.heading + twist
-            held.body.velocity, held.body.angular_velocity = (0, 0), 0
+        if self.gripper.held is not None:
+            self.gripper.held.end_round()
         self._senses = None
         self._survey()
 
@@ -147,23 +143,31 @@ class PymunkKhepera:
         turn = (right_speed - left_speed) / WHEEL_BASE
         travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
         x, y, heading = self.pose
-        pushing = self._may_push(x, y)
+        pushing, moving = self._may_push(x, y)
+        if travel == 0.0 and not moving and not self.gripper.wants_to_move_jaw(self._command.jaw):
+            # All is still, and one step keeps it so.
+            self._steering = False
+            self._go((0.0, 0.0), 0.0)
+            return 1
         near_wall = not self._clear_of_walls(travel, pushing)
         self._steering = near_wall and forward != 0.0
         # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
         # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
         heading += turn * CONTROL_PERIOD / 2
         velocity = forward * math.cos(heading), forward * math.sin(heading)
-        _set_velocity(self._wheels, velocity)
-        self._wheels.angular_velocity = turn
-        if near_wall:
-            return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL))
-        if pushing or self.gripper.held is not None:
-            return SUBSTEPS
-        # Nothing to push, carry or touch: uniform motion, which one step integrates exactly.
-        _set_velocity(self.body, velocity)
-        self.body.angular_velocity = turn
+        if near_wall or pushing:
+            _set_velocity(self._wheels, velocity)
+            self._wheels.angular_velocity = turn
+            return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL)) if near_wall else SUBSTEPS
+        # Nothing to push or touch: uniform motion, which one step integrates exactly.
+        self._go(velocity, turn)
         return 1
+
+    def _go(self, velocity: tuple[float, float], turn: float) -> None:
+        """Wheels and body at once at this speed: nothing resists."""
+        for body in (self._wheels, self.body):
+            _set_velocity(body, velocity)
+            body.angular_velocity = turn
 
     @property
     def busy(self) -> bool:
@@ -202,13 +206,18 @@ class PymunkKhepera:
         self._near_walls = near
         self._nearest_line = nearest
 
-    def _may_push(self, x: float, y: float) -> bool:
-        """Whether food, other than in the gripper, or another robot is near enough to be pushed."""
+    def _may_push(self, x: float, y: float) -> tuple[bool, bool]:
+        """Whether food, other than in the gripper, or another robot is near enough to be pushed, and whether it moves."""
+        pushing = moving = False
         for food in self.foods:
             food_x, food_y = food.place
             if (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2 and food is not self.gripper.held:
-                return True
-        return any(body.position.get_distance((x, y)) < 2 * _PUSHED for body in self.others)
+                pushing = True
+                moving = moving or food.moved
+        for body in self.others:
+            if body.position.get_distance((x, y)) < 2 * _PUSHED:
+                pushing = moving = True
+        return pushing, moving
 
     def _clear_of_walls(self, travel: float, pushing: bool) -> bool:
         """Whether nothing of the robot, or that it pushes, can touch a wall if no point of it gets further than this.

@@ -1,30 +1,26 @@
 """Simulated bodies: the `World` of pymunk."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import pymunk
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import (
-    CONTROL_PERIOD,
-    FINGER_THICKNESS,
-    FINGER_TIP,
-    FOOD_RADIUS,
-    JAW_OPEN,
-    JAW_ROOT,
-    RADIUS,
-    half_gap,
-)
+from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
 from khepera_forage.vision.overhead import OverheadCamera, Truth
-from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Arena, Point, Pose
 from khepera_forage.worlds.draws import Draws
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.standing import (
+    arena_of,
+    cable_anchor,
+    check_apart,
+    check_robot,
+    check_seen,
+    check_starts,
+)
 from khepera_forage.worlds.world import FoodPlace, Layout
 
 
@@ -45,23 +41,15 @@ class PymunkWorld:
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
-        x2, y2 = max(arena.bounds[2] for arena in arenas), max(arena.bounds[3] for arena in arenas)
-        x1, y1 = min(arena.bounds[0] for arena in arenas), min(arena.bounds[1] for arena in arenas)
-        width, height = PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL
-        if x1 < 0 or y1 < 0 or x2 > width or y2 > height:
-            raise ValueError(
-                f"arenas reach from ({x1:g}, {y1:g}) to ({x2:g}, {y2:g}) mm; "
-                f"allowed: (0, 0) to ({width:g}, {height:g}), what the camera sees"
-            )
+        check_seen(arenas)
         if not markers or any(holes not in (1, 2) for holes in markers):
             raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
         self.arenas = tuple(arenas)
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
         self.robots: tuple[PymunkKhepera, ...] = ()
-        self._markers = tuple(markers)
-        anchor = (x1 + x2) / 2, (y1 + y2) / 2
-        self.camera = OverheadCamera(self._truth, self.noise, anchor)
+        self.markers = tuple(markers)
+        self.camera = OverheadCamera(self.truth, self.noise, cable_anchor(arenas))
         self._space = pymunk.Space()
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
@@ -74,19 +62,16 @@ class PymunkWorld:
         Raises:
             ValueError: A robot or food that does not stand on the free floor of an arena, or stands in another.
         """
-        if len(layout.starts) != len(self._markers):
-            raise ValueError(
-                f"{len(layout.starts)} starts for {len(self._markers)} robots; allowed: one each"
-            )
-        homes = [self._arena_of("robot", start, RADIUS) for start in layout.starts]
+        check_starts(layout, len(self.markers))
+        homes = [arena_of(self.arenas, "robot", start, RADIUS) for start in layout.starts]
         for home, start in zip(homes, layout.starts, strict=True):
-            _check_gripper(home, start)
+            check_robot(home, start)
+        plates = [arena_of(self.arenas, "food", food, FOOD_RADIUS) for food in layout.foods]
+        check_apart(layout)
         self._homes = homes
-        plates = [self._arena_of("food", food, FOOD_RADIUS) for food in layout.foods]
-        _check_apart(layout)
         biases, wheels, sensors, camera = rng.spawn(4)
-        self._wheel_draws = Draws(wheels.standard_normal, 2 * len(self._markers))
-        self._sensor_draws = Draws(sensors.random, 8 * len(self._markers))
+        self._wheel_draws = Draws(wheels.standard_normal, 2 * len(self.markers))
+        self._sensor_draws = Draws(sensors.random, 8 * len(self.markers))
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
         # Contacts are not carried over from step to step: their impulses, scaled to a step of another length, would
@@ -150,12 +135,11 @@ class PymunkWorld:
         Raises:
             ValueError: The place is not on the free floor, or taken.
         """
-        self._homes[robot].check_free("robot", pose, RADIUS)
-        _check_gripper(self._homes[robot], pose)
+        check_robot(self._homes[robot], pose)
         held = self.robots[robot].gripper.held
         starts = tuple(other.pose for other in self.robots if other is not self.robots[robot])
         foods = tuple(Point(*food.place) for food in self.foods if food is not held and not food.lifted)
-        _check_apart(Layout((*starts, pose), foods))
+        check_apart(Layout((*starts, pose), foods))
         self.robots[robot].put(pose)
 
     def close(self) -> None:
@@ -163,36 +147,7 @@ class PymunkWorld:
         for robot in self.robots:
             robot.close()
 
-    def _truth(self) -> Truth:
-        markers = [(*robot.pose, holes) for robot, holes in zip(self.robots, self._markers, strict=True)]
+    def truth(self) -> Truth:
+        """What a camera above this world sees, before any trouble of seeing."""
+        markers = [(*robot.pose, holes) for robot, holes in zip(self.robots, self.markers, strict=True)]
         return Truth(tuple(markers), tuple([food.place for food in self.foods]))
-
-    def _arena_of(self, what: str, place: Point | Pose, radius: float) -> Arena:
-        nearest = max(self.arenas, key=lambda arena: arena.clearance(place))
-        nearest.check_free(what, place, radius)
-        return nearest
-
-
-def _check_gripper(arena: Arena, pose: Pose) -> None:
-    """Complain if the open gripper of a robot would stand in a wall."""
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
-    wide = half_gap(JAW_OPEN) + FINGER_THICKNESS
-    for ahead in (JAW_ROOT, FINGER_TIP):
-        for aside in (-wide, wide):
-            if arena.clearance(Point(pose.x + ahead * c - aside * s, pose.y + ahead * s + aside * c)) < 0:
-                raise ValueError(
-                    f"{arena.name}: robot at ({pose.x:g}, {pose.y:g}) mm has its gripper in a wall; "
-                    f"allowed: {FINGER_TIP:g} mm ahead of its centre free"
-                )
-
-
-def _check_apart(layout: Layout) -> None:
-    discs = [("robot", start[0], start[1], RADIUS) for start in layout.starts]
-    discs += [("food", food[0], food[1], FOOD_RADIUS) for food in layout.foods]
-    for i, (what, x, y, radius) in enumerate(discs):
-        for other, ox, oy, other_radius in discs[:i]:
-            if math.hypot(x - ox, y - oy) < radius + other_radius:
-                raise ValueError(
-                    f"{what} at ({x:g}, {y:g}) mm overlaps {other} at ({ox:g}, {oy:g}) mm; "
-                    f"allowed: at least {radius + other_radius:g} mm apart"
-                )

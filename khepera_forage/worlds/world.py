@@ -50,6 +50,11 @@ class World(Protocol):
         ...
 
     @property
+    def markers(self) -> Sequence[int]:
+        """Holes of each robot's marker, in the same order."""
+        ...
+
+    @property
     def camera(self) -> Camera:
         """The camera above all arenas."""
         ...
