@@ -20,7 +20,7 @@ class PymunkFood:
     Attributes:
         place: Where its centre was at the end of the last round, in mm.
         lifted: Whether it is off the floor.
-        moved: Whether it moved in the last round.
+        moved: Whether it moved of itself in the last round, not in a gripper.
     """
 
     def __init__(self, space: pymunk.Space, place: Point) -> None:
@@ -73,7 +73,7 @@ class PymunkFood:
     def end_round(self) -> None:
         """Take down where it is now."""
         place = self.position
-        self.moved = place != self.place
+        self.moved = self._holder is None and place != self.place
         self.place = place
 
     def _disc(self, body: pymunk.Body, offset: tuple[float, float]) -> pymunk.Circle:

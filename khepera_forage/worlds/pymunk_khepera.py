@@ -40,7 +40,9 @@ SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed."""
 _FINE_TRAVEL = 0.8
 """How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
-# The property's own function: setting it by name goes through `__setattr__` too and costs twice as much.
+# The properties' own functions: setting them by name goes through `__setattr__` too and costs twice as much.
+_set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.position.fset  # type: ignore[attr-defined]
+_set_angle: Callable[[pymunk.Body, float], None] = pymunk.Body.angle.fset  # type: ignore[attr-defined]
 _set_velocity: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.velocity.fset  # type: ignore[attr-defined]
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
@@ -80,7 +82,6 @@ class PymunkKhepera:
         pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
         space.add(self.body, shape, self._wheels, pull, twist)
         self.gripper = PymunkGripper(space, self.body)
-        self.pose = pose
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
         self._walls = [(wall, *line_of(wall)) for wall in walls]
@@ -90,9 +91,11 @@ class PymunkKhepera:
         self._left_pulses = self._right_pulses = 0.0
         self._senses: Senses | None = None
         self._sensor_draws: list[float] = [0.5] * 8
-        self._forward = 0.0
-        self._steering = False
-        self._survey()
+        self._velocity = self._rolling = 0.0, 0.0
+        self._forward = self._turn = self._turning = 0.0
+        self._steering = self._glided = False
+        self._free = True
+        self._survey(pose)
 
     def sense(self) -> Senses:
         """What the robot senses now; the same until the world advances."""
@@ -119,8 +122,9 @@ class PymunkKhepera:
         self.body.velocity, self.body.angular_velocity = (0, 0), 0
         if self.gripper.held is not None:
             self.gripper.held.end_round()
+        self._rolling, self._turning = (0.0, 0.0), 0.0
         self._senses = None
-        self._survey()
+        self._survey(pose)
 
     def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> int:
         """Fix this round's wheel travel and the noise of the sensors at its end.
@@ -130,44 +134,62 @@ class PymunkKhepera:
             sensor_draws: Eight uniform ones.
 
         Returns:
-            How many physics steps the round needs, by what the robot can touch in it.
+            How many physics steps the round needs, by what the robot can touch in it; 0 where it touches nothing.
         """
         self._sensor_draws = sensor_draws
-        left, right, arm, _ = self._command
-        if arm != self.gripper.arm:
-            self.gripper.move_arm(arm, CONTROL_PERIOD, self.foods, self.others)
+        left, right, arm, jaw = self._command
+        gripper = self.gripper
+        if arm != gripper.arm:
+            gripper.move_arm(arm, CONTROL_PERIOD, self.foods, self.others)
         slip = self._noise.wheel_slip
         left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
         right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
         forward = self._forward = (left_speed + right_speed) / 2
-        turn = (right_speed - left_speed) / WHEEL_BASE
+        turn = self._turn = (right_speed - left_speed) / WHEEL_BASE
         travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
         x, y, heading = self.pose
-        pushing, moving = self._may_push(x, y)
-        if travel == 0.0 and not moving and not self.gripper.wants_to_move_jaw(self._command.jaw):
-            # All is still, and one step keeps it so.
-            self._steering = False
-            self._go((0.0, 0.0), 0.0)
-            return 1
-        near_wall = not self._clear_of_walls(travel, pushing)
-        self._steering = near_wall and forward != 0.0
         # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
         # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
         heading += turn * CONTROL_PERIOD / 2
-        velocity = forward * math.cos(heading), forward * math.sin(heading)
-        if near_wall or pushing:
-            _set_velocity(self._wheels, velocity)
-            self._wheels.angular_velocity = turn
-            return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL)) if near_wall else SUBSTEPS
-        # Nothing to push or touch: uniform motion, which one step integrates exactly.
-        self._go(velocity, turn)
-        return 1
+        self._velocity = forward * math.cos(heading), forward * math.sin(heading)
+        self._steering = False
+        self._free = True
+        pushing, moving = self._may_push(x, y)
+        moves_jaw = gripper.wants_to_move_jaw(jaw)
+        if travel == 0.0 and not moving and not moves_jaw:
+            return 0
+        if self._clear_of_walls(travel, pushing):
+            self._free = not pushing
+            return SUBSTEPS if pushing else 1 if moves_jaw else 0
+        self._free = False
+        self._steering = forward != 0.0
+        return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL))
 
-    def _go(self, velocity: tuple[float, float], turn: float) -> None:
-        """Wheels and body at once at this speed: nothing resists."""
-        for body in (self._wheels, self.body):
-            _set_velocity(body, velocity)
-            body.angular_velocity = turn
+    def glide(self) -> None:
+        """The whole round where nothing resists: uniform motion, for which no physics is needed."""
+        x, y, angle = self.pose
+        velocity_x, velocity_y = self._rolling = self._velocity
+        turn = self._turning = self._turn
+        if velocity_x or velocity_y or turn:
+            x, y = x + velocity_x * CONTROL_PERIOD, y + velocity_y * CONTROL_PERIOD
+            angle += turn * CONTROL_PERIOD
+            _set_position(self.body, (x, y))
+            _set_angle(self.body, angle)
+        self._glided = True
+        self._end_round(x, y, angle)
+        if self.gripper.held is not None:
+            self.gripper.held.end_round()
+
+    def engage(self) -> None:
+        """Hand the wheels over to the physics of this round."""
+        _set_velocity(self._wheels, self._velocity)
+        self._wheels.angular_velocity = self._turn
+        if self._free:
+            self._rolling, self._turning = self._velocity, self._turn
+        if self._free or self._glided:
+            _set_velocity(self.body, self._rolling)
+            self.body.angular_velocity = self._turning
+            self._glided = False
 
     @property
     def busy(self) -> bool:
@@ -182,25 +204,28 @@ class PymunkKhepera:
         self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._near_walls)
 
     def end_round(self) -> None:
-        """Count the wheels' pulses and look where the robot and the walls are now."""
+        """Take down where physics has brought the robot."""
+        x, y = self.body.position
+        self._end_round(x, y, self.body.angle)
+
+    def _end_round(self, x: float, y: float, angle: float) -> None:
         left, right, _, _ = self._command
         self._left_pulses += left * _PULSES
         self._right_pulses += right * _PULSES
         self._senses = None
-        self._survey()
+        self._survey(Pose(x, y, angle))
 
-    def _survey(self) -> None:
-        """Where the robot is, and which walls are in range of its sensors."""
-        body = self.body
-        x, y = body.position
-        angle = body.angle
-        self.pose = Pose(x, y, angle)
+    def _survey(self, pose: Pose) -> None:
+        """Which walls are in range of its sensors."""
+        self.pose = pose
+        x, y, _ = pose
         # The distance from a wall's line is cheap, and mostly shows that the wall is out of range.
         nearest = math.inf
         near = []
         for wall, normal_x, normal_y, offset in self._walls:
             off_line = abs(normal_x * x + normal_y * y - offset)
-            nearest = min(nearest, off_line)
+            if off_line < nearest:
+                nearest = off_line
             if off_line < REACH and distance(x, y, wall) < REACH:
                 near.append(wall)
         self._near_walls = near

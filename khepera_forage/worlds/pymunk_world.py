@@ -12,7 +12,7 @@ from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Arena, Point, Pose
 from khepera_forage.worlds.draws import Draws
 from khepera_forage.worlds.pymunk_food import PymunkFood
-from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.pymunk_khepera import SUBSTEPS, PymunkKhepera
 from khepera_forage.worlds.standing import (
     arena_of,
     cable_anchor,
@@ -76,6 +76,7 @@ class PymunkWorld:
         space.collision_bias = 0.7**60
         # Contacts are not carried over from step to step: their impulses, scaled to a step of another length, would
         # throw a robot that pressed a finger against a wall.
+        space.iterations = 30
         space.collision_persistence = 1
         for arena in self.arenas:
             for x1, y1, x2, y2 in arena.segments:
@@ -104,22 +105,35 @@ class PymunkWorld:
             raise RuntimeError("advance() before reset()")
         wheel_draws, sensor_draws = self._wheel_draws.next(), self._sensor_draws.next()
         robots = self.robots
-        substeps = 1
+        substeps = 0
         for i, robot in enumerate(robots):
             needed = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
-            substeps = max(substeps, needed)
+            if needed > substeps:
+                substeps = needed
+        if not substeps and any([food.moved for food in self.foods]):
+            substeps = SUBSTEPS
+        if substeps:
+            self._step(substeps)
+        else:
+            for robot in robots:
+                robot.glide()
+        self.camera.expose()
+
+    def _step(self, substeps: int) -> None:
+        """A round of physics."""
+        for robot in self.robots:
+            robot.engage()
+        busy = [robot for robot in self.robots if robot.busy]
         dt = CONTROL_PERIOD / substeps
         step = self._space.step
-        busy = [robot for robot in robots if robot.busy]
         for _ in range(substeps):
             for robot in busy:
                 robot.push(dt)
             step(dt)
         for food in self.foods:
             food.end_round()
-        for robot in robots:
+        for robot in self.robots:
             robot.end_round()
-        self.camera.expose()
 
     def poses(self) -> tuple[Pose, ...]:
         """Where the robots truly are."""
