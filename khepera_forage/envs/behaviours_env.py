@@ -44,16 +44,18 @@ class BehavioursEnv(RecallEnv[int]):
     places them, in mm.
 
     ## Episode end
-    Terminated when all food is delivered or known to be poisonous; truncated after `limit` steps.
+    Terminated when all food is delivered or known to be poisonous; truncated after `limit` steps, or when a real robot
+    or camera is lost: the robot is then stopped, and the last observation repeated.
 
     ## Info
     `state`, `correct_behaviour` (what the teacher would do now), `pose` (x, y in pixels, degrees, as the camera
-    reports it), `score` (equation 5.1, percent), `penalty`, `correct`, `steps`, `delivered`, `poison_home`.
+    reports it), `score` (equation 5.1, percent), `penalty`, `correct`, `steps`, `delivered`, `poison_home`; when a
+    real robot or camera was lost also `robot_lost`, the reason.
 
     ## Arguments
     `arena` (an `Arena`), `foods` (number of objects), `limit` (steps), `noise` (a `Noise`, by default the
     laboratory's), `food_types` (one type, or odds by type; by default all PICKABLE), `render_mode`, `world` (another
-    `World` than the simulated one).
+    `World` than the simulated one, in whose one arena everything then takes place).
 
     ## Version history
     v0: first version.

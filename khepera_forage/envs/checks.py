@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.worlds.arena import ARENAS, Arena
+from khepera_forage.worlds.world import World
 
 FoodOdds = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
@@ -82,6 +83,19 @@ def the_arena(arena: Arena | str) -> Arena:
     if isinstance(arena, str) and arena in ARENAS:
         return ARENAS[arena]
     raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+
+
+def arenas_of(world: World, count: int) -> tuple[Arena, ...]:
+    """The arenas of a world that a user gave, one a robot.
+
+    Raises:
+        ValueError: Not as many robots and arenas as the environment needs.
+    """
+    if not len(world.arenas) == len(world.markers) == count:
+        raise ValueError(
+            f"world has {len(world.markers)} robots in {len(world.arenas)} arenas; allowed: {count}, one in each"
+        )
+    return tuple(world.arenas)
 
 
 def whole_number(name: str, value: Any, least: int) -> int:

@@ -4,7 +4,7 @@ import math
 
 from khepera_forage.envs.register import FoodRegister
 from khepera_forage.foraging.behaviours import command
-from khepera_forage.foraging.perception import RawData, Site, nearest_food, own_region, perceive, state_vector
+from khepera_forage.foraging.perception import RawData, Site, nearest_food, own_region, perceive, state_vector, wall_of
 from khepera_forage.foraging.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
@@ -21,7 +21,10 @@ def site_of(arena: Arena) -> Site:
         math.degrees(math.atan2((y1 + y2) / 2 - arena.home.y, (x1 + x2) / 2 - arena.home.x)),
         round(arena.diagonal / MM_PER_PIXEL),
         (x1 / MM_PER_PIXEL, y1 / MM_PER_PIXEL, x2 / MM_PER_PIXEL, y2 / MM_PER_PIXEL),
-        tuple(tuple(c / MM_PER_PIXEL for c in s) for s in arena.segments),  # type: ignore[misc]
+        tuple(
+            wall_of(x1 / MM_PER_PIXEL, y1 / MM_PER_PIXEL, x2 / MM_PER_PIXEL, y2 / MM_PER_PIXEL)
+            for x1, y1, x2, y2 in arena.segments
+        ),
     )
 
 

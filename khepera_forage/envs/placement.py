@@ -36,17 +36,21 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
         ValueError: The arena has no room.
     """
     x1, y1, x2, y2 = arena.bounds
+    width, height = x2 - x1, y2 - y1
     for _ in range(_TRIES):
-        start = Pose(
-            float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)), float(rng.uniform(-math.pi, math.pi))
-        )
+        u, v, w = rng.random(3).tolist()
+        start = Pose(x1 + width * u, y1 + height * v, -math.pi + 2.0 * math.pi * w)
         if not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
             continue
         places: list[Point] = []
         for _ in range(50 * foods):
-            place = Point(float(rng.uniform(x1, x2)), float(rng.uniform(y1, y2)))
+            u, v = rng.random(2).tolist()
+            place = Point(x1 + width * u, y1 + height * v)
             if (
-                arena.clearance(place) >= FOOD_CLEARANCE
+                # What is too near the outer bounds needs no look at the walls.
+                x1 + FOOD_CLEARANCE <= place.x <= x2 - FOOD_CLEARANCE
+                and y1 + FOOD_CLEARANCE <= place.y <= y2 - FOOD_CLEARANCE
+                and arena.clearance(place) >= FOOD_CLEARANCE
                 and _outside_home(arena, place, FOOD_RADIUS)
                 and math.dist(place, start[:2]) > CLOSE_TO_FOOD * MM_PER_PIXEL + _MARGIN
                 and all(math.dist(place, other) >= FOOD_SPACING for other in places)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.checks import (
     FoodOdds,
+    arenas_of,
     food_odds,
     the_arena,
     whole_number,
@@ -26,7 +27,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import World
+from khepera_forage.worlds.world import LOST, World
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
@@ -49,14 +50,14 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         render_mode: str | None = None,
         world: World | None = None,
     ) -> None:
-        self.arena = the_arena(arena)
+        self.world: World = PymunkWorld([the_arena(arena)], (MARKER,), noise) if world is None else world
+        (self.arena,) = arenas_of(self.world, 1)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode)
         self._odds = food_odds(food_types)
         self._site = site_of(self.arena)
-        self.world: World = PymunkWorld([self.arena], (MARKER,), noise) if world is None else world
         self._forager: Forager | None = None
         self._steps = self._correct = 0
         self._over = True
@@ -103,7 +104,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in self.layout.foods],
             FoodTypes(self.foods, self._odds, types),
         )
-        self._forager = Forager(self.world.robots[0], self._site, MARKER, register)
+        self._forager = Forager(self.world.robots[0], self._site, self.world.markers[0], register)
         self._forager.perceive(self.world.camera.look())
         self._steps = self._correct = 0
         self._over = False
@@ -126,11 +127,16 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         register = forager.register
         delivered, poison = register.delivered_food, register.poison_home
         correct = self._is_correct(motors, forager)
-        forager.drive(motors)
-        self.world.advance()
-        forager.perceive(self.world.camera.look())
         self._steps += 1
         self._correct += correct
+        try:
+            forager.drive(motors)
+            self.world.advance()
+            forager.perceive(self.world.camera.look())
+        except LOST as lost:
+            self._over = True
+            info = {**self._info(forager), "robot_lost": str(lost)}
+            return self._observation(forager), -1.0 / self.limit, False, True, info
         reward = (register.delivered_food - delivered) - (register.poison_home - poison) - 1.0 / self.limit
         terminated = register.finished
         truncated = not terminated and self._steps >= self.limit
@@ -180,10 +186,10 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def _info(self, forager: Forager) -> dict[str, Any]:
         register, raw = forager.register, forager.raw
         delivered, deliverable = register.delivered_food, register.deliverable
-        state = forager.state
+        state = int(forager.state)
         return {
-            "state": int(state),
-            "correct_behaviour": int(state),
+            "state": state,
+            "correct_behaviour": state,
             "pose": np.array((raw.x, raw.y, raw.orientation)),
             "score": score(self._correct, self._steps, delivered, deliverable),
             "penalty": penalty(delivered, deliverable),

@@ -10,7 +10,14 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
-from khepera_forage.envs.checks import FoodOdds, behaviour_number, food_odds, the_arena, whole_number
+from khepera_forage.envs.checks import (
+    FoodOdds,
+    arenas_of,
+    behaviour_number,
+    food_odds,
+    the_arena,
+    whole_number,
+)
 from khepera_forage.envs.company import Company
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import training_layout
@@ -24,7 +31,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena, Pose, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import World
+from khepera_forage.worlds.world import LOST, World
 
 TEACHER = "teacher_0"
 PATIENCE = 100
@@ -60,15 +67,19 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     ## Episode end
     Terminated (complete, 5.3) when every robot has delivered its food, or knows it to be poisonous, and is outside
-    its home. Truncated after `max_cycles` rounds, or when a learner has been separated for `patience` rounds.
+    its home. Truncated after `max_cycles` rounds, when a learner has been separated for `patience` rounds, or when a
+    real robot or camera is lost: all robots are then stopped, and the last observations repeated.
 
     ## Info
     Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
-    them), `score`, `correct`, `steps`, `delivered`, `poison_home`, `complete`, `separated_rounds`, `separations`.
+    them), `score`, `correct`, `steps`, `delivered`, `poison_home`, `complete`, `separated_rounds`, `separations`;
+    when a real robot or camera was lost also `robot_lost`, the reason.
 
     ## Arguments
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
-    food of all arenas is of one type), `patience`, `render_mode`, `world`.
+    food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated
+    one, in whose arenas everything then takes place, one robot in each; give `noise=Noise.none()` with a real one,
+    so that its operator is asked for the marks themselves).
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
@@ -95,12 +106,14 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.patience = whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode)
-        self.arenas = copies(the_arena(arena), learners + 1)
+        if world is None:
+            world = PymunkWorld(copies(the_arena(arena), learners + 1), (1,) + (2,) * learners, noise)
+        self.world: World = world
+        self.arenas = arenas_of(world, learners + 1)
         self._noise = Noise.laboratory() if noise is None else noise
         self._odds = food_odds(food_types)
-        self._markers = (1,) + (2,) * learners
+        self._markers = tuple(world.markers)
         self._sites = [site_of(a) for a in self.arenas]
-        self.world: World = PymunkWorld(self.arenas, self._markers, self._noise) if world is None else world
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
         diagonal = self._sites[0].diagonal
@@ -208,6 +221,8 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def resume_beside(self, agent: str) -> None:
         """Pause and resume (5.3.1): put a learner where the teacher is, in its own arena, and go on.
 
+        A real robot or camera that is lost meanwhile ends the episode, as in a round.
+
         Raises:
             ValueError: Not a learner, or its arena has no room there.
         """
@@ -217,7 +232,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                 f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
             )
         x, y, heading = self._company.teacher_beside(i)
-        self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
+        try:
+            self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
+        except LOST as lost:
+            self._cut_short(lost)
         self._company.rounds[i] = 0
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -264,14 +282,18 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         """Everybody's commands take effect together."""
         foragers = self._foragers
         before = [(f.register.delivered_food, f.register.poison_home) for f in foragers]
-        for i, forager in enumerate(foragers):
-            self._correct[i] += self._actions[i] == forager.state
-            forager.drive(self._motors_of(i, forager))
-        self.world.advance()
-        scene = self.world.camera.look()
-        for forager in foragers:
-            forager.perceive(scene)
         self._steps += 1
+        try:
+            for i, forager in enumerate(foragers):
+                self._correct[i] += self._actions[i] == forager.state
+                forager.drive(self._motors_of(i, forager))
+            self.world.advance()
+            scene = self.world.camera.look()
+            for forager in foragers:
+                forager.perceive(scene)
+        except LOST as lost:
+            self._cut_short(lost)
+            return
         self._company.update()
         complete = all(
             f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers
@@ -290,6 +312,13 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self.infos[agent] = self._info(i, complete)
         if self.render_mode == "human":
             self.render()
+
+    def _cut_short(self, lost: Exception) -> None:
+        """End the episode where a robot or the camera was lost; nothing new is perceived."""
+        for i, agent in enumerate(self.agents):
+            self.rewards[agent] = -1.0 / self.max_cycles
+            self.truncations[agent] = True
+            self.infos[agent] = {**self._info(i), "robot_lost": str(lost)}
 
     def _motors_of(self, i: int, forager: Forager) -> Motors:
         motors = forager.motors_for(self._actions[i])

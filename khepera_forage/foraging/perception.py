@@ -22,7 +22,7 @@ class Site(NamedTuple):
         home_opening: Degrees from the home to the middle of the floor: the side on which it can be passed.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
         bounds: Smallest x and y, largest x and y.
-        walls: Segments (x1, y1, x2, y2).
+        walls: For each wall one end, the way to the other, and the square of its length.
     """
 
     home_x: float
@@ -31,7 +31,13 @@ class Site(NamedTuple):
     home_opening: float
     diagonal: int
     bounds: tuple[float, float, float, float]
-    walls: tuple[tuple[float, float, float, float], ...]
+    walls: tuple[tuple[float, float, float, float, float], ...]
+
+
+def wall_of(x1: float, y1: float, x2: float, y2: float) -> tuple[float, float, float, float, float]:
+    """A wall between two points as `Site.walls` keeps it."""
+    ex, ey = x2 - x1, y2 - y1
+    return x1, y1, ex, ey, ex * ex + ey * ey
 
 
 class RawData(NamedTuple):
@@ -106,7 +112,8 @@ def nearest_food(scene: Scene, site: Site, x: float, y: float, settled: Containe
     best = math.inf
     for region in scene.regions:
         if region.holes == 0 and region.label not in settled and within(region, site):
-            squared = (region.x - x) ** 2 + (region.y - y) ** 2
+            dx, dy = region.x - x, region.y - y
+            squared = dx * dx + dy * dy
             if squared < best:
                 nearest, best = region, squared
     return nearest
@@ -126,10 +133,8 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
     x, y = own.x, own.y
     nearest = math.inf
     wx = wy = 0.0
-    for x1, y1, x2, y2 in site.walls:
-        ex = x2 - x1
-        ey = y2 - y1
-        t = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
+    for x1, y1, ex, ey, squared in site.walls:
+        t = ((x - x1) * ex + (y - y1) * ey) / squared
         t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
         dx = x1 + t * ex - x
         dy = y1 + t * ey - y

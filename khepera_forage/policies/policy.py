@@ -73,6 +73,9 @@ def state_vector_of(observation: Observation) -> StateVector:
     if len(values) != 5:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
-        return StateVector(*[index(v.item() if type(v) is np.ndarray else v) for v in values])
+        presence, home, food_type, arm, food = [
+            v if type(v) is int else index(v.item() if type(v) is np.ndarray else v) for v in values
+        ]
+        return StateVector(presence, home, food_type, arm, food)
     except (TypeError, ValueError):
         raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None

@@ -123,16 +123,20 @@ def measured(
         floor: Readings up to this are noise.
         draws: Eight uniform numbers in [0, 1).
     """
-    readings = []
-    for i in range(8):
-        if arm_down and i < 6:
-            low, high = HIDDEN_BY_ARM
-            readings.append(int(low + (high - low + 1) * (draws[i] if gain else 0.5)))
-            continue
-        reading = clean[i] * (1.0 + gain * (2.0 * draws[i] - 1.0))
-        if reading <= floor:
-            readings.append(int((floor + 1) * draws[i]) if floor else int(reading))
-        else:
-            readings.append(int(reading) if reading < MAX_READING else MAX_READING)
-    a, b, c, d, e, f, g, h = readings
+    if arm_down:
+        low, high = HIDDEN_BY_ARM
+        a, b, c, d, e, f = [int(low + (high - low + 1) * (u if gain else 0.5)) for u in draws[:6]]
+        g, h = [_reported(clean[i], gain, floor, draws[i]) for i in (6, 7)]
+    else:
+        a, b, c, d, e, f, g, h = [
+            _reported(value, gain, floor, u) if value > 0.0 else int((floor + 1) * u) if floor else 0
+            for value, u in zip(clean, draws, strict=True)
+        ]
     return a, b, c, d, e, f, g, h
+
+
+def _reported(clean: float, gain: float, floor: int, draw: float) -> int:
+    reading = clean * (1.0 + gain * (2.0 * draw - 1.0))
+    if reading <= floor:
+        return int((floor + 1) * draw) if floor else int(reading)
+    return int(reading) if reading < MAX_READING else MAX_READING

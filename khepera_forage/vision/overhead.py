@@ -156,16 +156,24 @@ class OverheadCamera:
         markers, foods = truth
         count, lost = len(markers), self._lost
         self._plates = plates = [Plate(x, y, math.cos(h), math.sin(h)) for x, y, h, _ in markers]
-        self._lost_foods = [food for i, food in enumerate(foods, count) if lost[i]]
+        if True in lost:
+            self._lost_foods = [food for i, food in enumerate(foods, count) if lost[i]]
+        elif self._lost_foods:
+            self._lost_foods = []
         seen = []
+        edge = False
         for i, marker in enumerate(markers):
             if not lost[i]:
-                seen.append(self._marker(marker, plates[i], normals, 3 * i, chances[len(lost) + i]))
+                shown = self._marker(marker, plates[i], normals, 3 * i, chances[len(lost) + i])
+                edge = edge or shown.edge
+                seen.append(shown)
         for i, (x, y) in enumerate(foods, count):
             if not lost[i] and not under_plate(x, y, FOOD_RADIUS, plates):
-                seen.append(self._food(x, y, normals, 3 * count + 2 * (i - count)))
-        # Whatever touches the edge may lie outside as a whole, and only that needs a second look.
-        seen = [d for d in seen if not d.edge or in_picture(d.x, d.y)]
+                shown = self._food(x, y, normals, 3 * count + 2 * (i - count))
+                edge = edge or shown.edge
+                seen.append(shown)
+        if edge:  # What touches the edge may lie outside as a whole.
+            seen = [d for d in seen if not d.edge or in_picture(d.x, d.y)]
         self._scene = self._tracks.update(seen, self._visible)
 
     def _marker(

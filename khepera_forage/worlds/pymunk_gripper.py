@@ -149,7 +149,7 @@ class PymunkGripper:
             return
         step = JAW_SPEED * dt
         jaw = min(target, self.jaw + step) if target > self.jaw else max(target, self.jaw - step)
-        if jaw > self.jaw and self._open_into_wall(jaw, walls):
+        if jaw > self.jaw and walls and self._open_into_wall(jaw, walls):
             return
         if self.held is not None:
             if not self.on_floor and not self._floor_free(foods, others):
@@ -168,15 +168,20 @@ class PymunkGripper:
 
     def _open_into_wall(self, jaw: float, walls: Sequence[Segment]) -> bool:
         """Whether a finger at this position of the jaw would stand in a wall, seen from the robot's side of it."""
-        centre = self._body.position
-        y = half_gap(jaw) + FINGER_THICKNESS
+        centre_x, centre_y = self._body.position
+        cosine, sine = math.cos(self._body.angle), math.sin(self._body.angle)
+        aside = half_gap(jaw) + FINGER_THICKNESS
+        corners = [
+            (centre_x + ahead * cosine - left * sine, centre_y + ahead * sine + left * cosine)
+            for ahead in (JAW_ROOT, FINGER_TIP)
+            for left in (aside, -aside)
+        ]
         for x1, y1, x2, y2 in walls:
             ex, ey = x2 - x1, y2 - y1
-            side = math.copysign(1.0 / math.hypot(ex, ey), ex * (centre.y - y1) - ey * (centre.x - x1))
-            for corner in ((JAW_ROOT, y), (FINGER_TIP, y), (JAW_ROOT, -y), (FINGER_TIP, -y)):
-                px, py = self._body.local_to_world(corner)
-                along = ((px - x1) * ex + (py - y1) * ey) / (ex * ex + ey * ey)
-                if 0.0 <= along <= 1.0 and (ex * (py - y1) - ey * (px - x1)) * side < -_TOUCH:
+            side = math.copysign(1.0 / math.hypot(ex, ey), ex * (centre_y - y1) - ey * (centre_x - x1))
+            for x, y in corners:
+                along = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
+                if 0.0 <= along <= 1.0 and (ex * (y - y1) - ey * (x - x1)) * side < -_TOUCH:
                     return True
         return False
 

@@ -69,7 +69,8 @@ class PymunkWorld:
         plates = [arena_of(self.arenas, "food", food, FOOD_RADIUS) for food in layout.foods]
         check_apart(layout)
         self._homes = homes
-        biases, wheels, sensors, camera = rng.spawn(4)
+        wheels, sensors = rng.spawn(2)
+        bias = self.noise.wheel_bias * wheels.standard_normal((len(homes), 2))
         self._wheel_draws = Draws(wheels.standard_normal, 2 * len(self.markers))
         self._sensor_draws = Draws(sensors.random, 8 * len(self.markers))
         space = self._space = pymunk.Space()
@@ -85,7 +86,6 @@ class PymunkWorld:
                 wall.filter = layers.WALL
                 space.add(wall)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
-        bias = self.noise.wheel_bias * biases.standard_normal((len(homes), 2))
         self.robots = tuple(
             PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])))
             for start, arena, b in zip(layout.starts, homes, bias, strict=True)
@@ -97,7 +97,7 @@ class PymunkWorld:
                 for other, its in zip(self.robots, homes, strict=True)
                 if its is home and other is not robot
             ]
-        self.camera.reset(camera)
+        self.camera.reset(rng)
 
     def advance(self) -> None:
         """One round of 0.1 s."""

@@ -9,11 +9,12 @@ from khepera_forage.envs.rendering.layout import Layout
 from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.pen import FINER, Pen, Spot, around, placed
-from khepera_forage.envs.rendering.robot_shape import HOLES, LIFT, MARKER, draw_beams, draw_marker, draw_robot
+from khepera_forage.envs.rendering.robot_shape import LIFT, MARKER, draw_beams, draw_marker, draw_robot
 from khepera_forage.envs.rendering.view import FoodView, RobotView, View
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
+from khepera_forage.vision.shapes import MARKER_HOLES
 from khepera_forage.worlds.arena import Arena, Pose
 
 WALL = 7.0
@@ -131,7 +132,7 @@ def draw_region(pen: Pen, region: Region) -> None:
     colour = palette.FOUND if region.found else palette.LOST
     x, y = region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL
     pose = Pose(x, y, math.radians(region.orientation))
-    if region.holes in HOLES:
+    if region.holes in MARKER_HOLES:
         pen.path(placed(pose, MARKER), colour, 1.0, dash=None if region.found else 4.0)
         stroke = placed(pose, ((0.0, 0.0), (MARKER_LENGTH / 2, 0.0)))
         pen.line(stroke[0], stroke[1], colour, 1.0)

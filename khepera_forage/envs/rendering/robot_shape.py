@@ -21,12 +21,10 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.robots.proximity import MAX_READING, SENSORS
+from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_HOLES
 from khepera_forage.worlds.arena import Pose
 
 MARKER = block(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2)
-HOLE = 20.0
-HOLES: dict[int, tuple[float, ...]] = {1: (0.0,), 2: (-30.0, 30.0)}
-"""Centres of a marker's holes, mm along its long side (figure 3.9; our reading of the places)."""
 BEAM = math.radians(15.0)
 """Half the opening of a beam."""
 LIFT = 7.0
@@ -69,9 +67,9 @@ def draw_robot(pen: Pen, robot: RobotView, accent: Colour) -> None:
     centre = (robot.pose.x, robot.pose.y)
     pen.disc(centre, RADIUS, accent)
     pen.disc(centre, RADIUS - 4.0, palette.BODY)
-    for along in HOLES.get(robot.holes, ()):
-        half = HOLE / 2
-        hole = placed(robot.pose, block(along - half, -half, along + half, half))
+    for along, aside in MARKER_HOLES.get(robot.holes, ()):
+        half = HOLE_SIDE / 2
+        hole = placed(robot.pose, block(along - half, aside - half, along + half, aside + half))
         pen.polygon(hole, palette.MARKER, alpha=36)
         pen.path(hole, palette.SHADOW, 0.8)
     _draw_gripper(pen, robot)
