@@ -26,16 +26,15 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.proximity import REACH, cast, measured
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Pose
-from khepera_forage.worlds.polygon import Segment, distance, line_of
+from khepera_forage.worlds.polygon import Segment
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_gripper import PymunkGripper
+from khepera_forage.worlds.wall_watch import PUSHED, WallWatch
 
 _TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
-_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
-"""A circle around the gripper and what it holds, mm."""
-_PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
-"""Food that a robot may be pushing lies within this of its centre, mm."""
+_SHOVED = RADIUS + FOOD_RADIUS + 1.0
+"""Food that the body itself may push lies within this of its centre, mm."""
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed."""
 _FINE_TRAVEL = 0.8
@@ -84,7 +83,7 @@ class PymunkKhepera:
         self.gripper = PymunkGripper(space, self.body)
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
-        self._walls = [(wall, *line_of(wall)) for wall in walls]
+        self._walls = WallWatch(walls)
         self._noise = noise
         self._left_share, self._right_share = 1.0 + bias[0], 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
@@ -95,7 +94,8 @@ class PymunkKhepera:
         self._forward = self._turn = self._turning = 0.0
         self._steering = self._glided = False
         self._free = True
-        self._survey(pose)
+        self.pose = pose
+        self._walls.survey(pose.x, pose.y)
 
     def sense(self) -> Senses:
         """What the robot senses now; the same until the world advances."""
@@ -124,7 +124,8 @@ class PymunkKhepera:
             self.gripper.held.end_round()
         self._rolling, self._turning = (0.0, 0.0), 0.0
         self._senses = None
-        self._survey(pose)
+        self.pose = pose
+        self._walls.survey(pose.x, pose.y)
 
     def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> int:
         """Fix this round's wheel travel and the noise of the sensors at its end.
@@ -154,11 +155,11 @@ class PymunkKhepera:
         self._velocity = forward * math.cos(heading), forward * math.sin(heading)
         self._steering = False
         self._free = True
-        pushing, moving = self._may_push(x, y)
+        pushing, moving = self._may_push(x, y, travel)
         moves_jaw = gripper.wants_to_move_jaw(jaw)
         if travel == 0.0 and not moving and not moves_jaw:
             return 0
-        if self._clear_of_walls(travel, pushing):
+        if self._walls.clear(self.pose, travel, pushing):
             self._free = not pushing
             return SUBSTEPS if pushing else 1 if moves_jaw else 0
         self._free = False
@@ -201,7 +202,7 @@ class PymunkKhepera:
         if self._steering:
             angle = self.body.angle
             _set_velocity(self._wheels, (self._forward * math.cos(angle), self._forward * math.sin(angle)))
-        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._near_walls)
+        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._walls.near)
 
     def end_round(self) -> None:
         """Take down where physics has brought the robot."""
@@ -213,55 +214,29 @@ class PymunkKhepera:
         self._left_pulses += left * _PULSES
         self._right_pulses += right * _PULSES
         self._senses = None
-        self._survey(Pose(x, y, angle))
+        self.pose = Pose(x, y, angle)
+        self._walls.survey(x, y)
 
-    def _survey(self, pose: Pose) -> None:
-        """Which walls are in range of its sensors."""
-        self.pose = pose
-        x, y, _ = pose
-        # The distance from a wall's line is cheap, and mostly shows that the wall is out of range.
-        nearest = math.inf
-        near = []
-        for wall, normal_x, normal_y, offset in self._walls:
-            off_line = abs(normal_x * x + normal_y * y - offset)
-            if off_line < nearest:
-                nearest = off_line
-            if off_line < REACH and distance(x, y, wall) < REACH:
-                near.append(wall)
-        self._near_walls = near
-        self._nearest_line = nearest
+    def _may_push(self, x: float, y: float, travel: float) -> tuple[bool, bool]:
+        """Whether food, other than in the gripper, or another robot can be pushed, and whether that moves already.
 
-    def _may_push(self, x: float, y: float) -> tuple[bool, bool]:
-        """Whether food, other than in the gripper, or another robot is near enough to be pushed, and whether it moves."""
+        Args:
+            x: Of the robot.
+            y: Of the robot.
+            travel: How far any point of it gets in this round, mm.
+        """
         pushing = moving = False
+        # A raised gripper passes above food.
+        reach = (PUSHED if self.gripper.on_floor else _SHOVED) + travel
         for food in self.foods:
             food_x, food_y = food.place
-            if (food_x - x) ** 2 + (food_y - y) ** 2 < _PUSHED**2 and food is not self.gripper.held:
+            if (food_x - x) ** 2 + (food_y - y) ** 2 < reach * reach and food is not self.gripper.held:
                 pushing = True
                 moving = moving or food.moved
         for body in self.others:
-            if body.position.get_distance((x, y)) < 2 * _PUSHED:
+            if body.position.get_distance((x, y)) < 2 * PUSHED:
                 pushing = moving = True
         return pushing, moving
-
-    def _clear_of_walls(self, travel: float, pushing: bool) -> bool:
-        """Whether nothing of the robot, or that it pushes, can touch a wall if no point of it gets further than this.
-
-        Args:
-            travel: In mm.
-            pushing: Whether there is something that it may push.
-        """
-        if self._nearest_line > _PUSHED + travel:
-            return True
-        x, y, angle = self.pose
-        reach = travel + (_PUSHED if pushing else RADIUS)
-        tip_x, tip_y = x + _GRIPPER_AHEAD * math.cos(angle), y + _GRIPPER_AHEAD * math.sin(angle)
-        for wall, normal_x, normal_y, offset in self._walls:
-            if abs(normal_x * x + normal_y * y - offset) < _PUSHED + travel and (
-                distance(x, y, wall) < reach or distance(tip_x, tip_y, wall) < _GRIPPER_RADIUS + travel
-            ):
-                return False
-        return True
 
     def _read(self) -> Senses:
         gripper = self.gripper
@@ -276,10 +251,9 @@ class PymunkKhepera:
             ox, oy = other.position
             if (ox - x) ** 2 + (oy - y) ** 2 < (REACH + RADIUS) ** 2:
                 discs.append((ox, oy, RADIUS))
-        if self._near_walls or discs:
-            clean = cast(
-                x, y, math.cos(angle), math.sin(angle), self._near_walls, discs, first=6 if blocked else 0
-            )
+        walls = self._walls.near
+        if walls or discs:
+            clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
         else:
             clean = [0.0] * 8
         return Senses(

@@ -110,7 +110,7 @@ class PymunkWorld:
             needed = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
             if needed > substeps:
                 substeps = needed
-        if not substeps and any([food.moved for food in self.foods]):
+        if not substeps and any(food.moved for food in self.foods):
             substeps = SUBSTEPS
         if substeps:
             self._step(substeps)
