@@ -4,13 +4,19 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: reproduce test lint throughput clean
+.PHONY: reproduce test test-baselines lint throughput clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
 
 test: $(VENV)/installed lint
 	$(BIN)/python -m pytest
+
+# torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
+test-baselines: $(VENV)/installed
+	$(BIN)/pip install --quiet torch==2.13.0
+	$(BIN)/pip install --quiet --editable '.[dev,baselines]'
+	$(BIN)/python -m pytest tests/baselines
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .

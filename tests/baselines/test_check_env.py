@@ -1,0 +1,14 @@
+"""stable-baselines3's own check of what it can train on."""
+
+import gymnasium as gym
+import pytest
+from stable_baselines3.common.env_checker import check_env
+
+import khepera_forage  # noqa: F401 (registers)
+
+
+@pytest.mark.parametrize("name", ["Corridor", "Rectangle", "CorridorWheels", "RectangleWheels"])
+def test_check_env(name: str) -> None:
+    env = gym.make(f"khepera_forage/{name}-v0", render_mode="rgb_array")
+    check_env(env.unwrapped, warn=True)
+    env.close()
