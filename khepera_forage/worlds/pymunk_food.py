@@ -1,5 +1,7 @@
 """A food object as a pymunk body: a wooden disc that is pushed by contact and slows on the floor."""
 
+import math
+
 import pymunk
 
 from khepera_forage.robots.khepera import FOOD_RADIUS
@@ -20,7 +22,7 @@ class PymunkFood:
     Attributes:
         place: Where its centre was at the end of the last round, in mm.
         lifted: Whether it is off the floor.
-        moved: Whether it moved of itself in the last round, not in a gripper.
+        moved: How far it got in the last round on the floor, in mm.
     """
 
     def __init__(self, space: pymunk.Space, place: Point) -> None:
@@ -36,7 +38,7 @@ class PymunkFood:
         self._grip = 0.0, 0.0
         self.place: tuple[float, float] = place
         self.lifted = False
-        self.moved = False
+        self.moved = 0.0
         self._shape = self._disc(self._body, (0.0, 0.0))
         space.add(self._body, self._shape, self._slide, self._spin)
 
@@ -73,7 +75,7 @@ class PymunkFood:
     def end_round(self) -> None:
         """Take down where it is now."""
         place = self.position
-        self.moved = self._holder is None and place != self.place
+        self.moved = math.dist(place, self.place) if self._holder is None else 0.0
         self.place = place
 
     def _disc(self, body: pymunk.Body, offset: tuple[float, float]) -> pymunk.Circle:

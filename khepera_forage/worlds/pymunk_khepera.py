@@ -37,7 +37,7 @@ _SHOVED = RADIUS + FOOD_RADIUS + 1.0
 """Food that the body itself may push lies within this of its centre, mm."""
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed."""
-_FINE_TRAVEL = 0.8
+FINE_TRAVEL = 0.8
 """How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
 # The properties' own functions: setting them by name goes through `__setattr__` too and costs twice as much.
 _set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.position.fset  # type: ignore[attr-defined]
@@ -164,7 +164,7 @@ class PymunkKhepera:
             return SUBSTEPS if pushing else 1 if moves_jaw else 0
         self._free = False
         self._steering = forward != 0.0
-        return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL))
+        return max(SUBSTEPS, math.ceil(travel / FINE_TRAVEL))
 
     def glide(self) -> None:
         """The whole round where nothing resists: uniform motion, for which no physics is needed."""
@@ -232,7 +232,7 @@ class PymunkKhepera:
             food_x, food_y = food.place
             if (food_x - x) ** 2 + (food_y - y) ** 2 < reach * reach and food is not self.gripper.held:
                 pushing = True
-                moving = moving or food.moved
+                moving = moving or food.moved > 0.0
         for body in self.others:
             if body.position.get_distance((x, y)) < 2 * PUSHED:
                 pushing = moving = True
