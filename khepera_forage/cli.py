@@ -25,6 +25,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         ("train", commands.train, "train a learner in the paired corridors and keep its experience"),
         ("recall", commands.recall, "let a trained learner, or the teacher, forage alone"),
         ("watch", commands.watch, "show a training or a recall as it happens, or save it as a film"),
+        ("robot", commands.robot, "try out a real Khepera, or start a virtual one"),
+        ("camera", commands.camera, "calibrate the overhead camera, see what it sees, or print the markers"),
     ):
         subparser = subparsers.add_parser(name, help=help_text, description=help_text.capitalize() + ".")
         module.add_arguments(subparser)
@@ -32,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     try:
         status: int = arguments.run(arguments)
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, ImportError) as error:
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

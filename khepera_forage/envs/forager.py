@@ -4,7 +4,15 @@ import math
 
 from khepera_forage.envs.register import FoodRegister
 from khepera_forage.foraging.behaviours import command
-from khepera_forage.foraging.perception import RawData, Site, nearest_food, own_region, perceive, state_vector, wall_of
+from khepera_forage.foraging.perception import (
+    RawData,
+    Site,
+    nearest_food,
+    own_region,
+    perceive,
+    state_vector,
+    wall_of,
+)
 from khepera_forage.foraging.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene

@@ -18,6 +18,10 @@ from khepera_forage.worlds.arena import Arena
 Watch = Callable[[], object]
 
 
+class RecallCutShort(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
+    """A real robot or the camera was lost: the episode is no result."""
+
+
 def recall_env(
     arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
@@ -66,6 +70,9 @@ def recall(
         number: Of the recall with these files, for the row.
         experience_size: Experience vectors the policy had, for the row.
         watch: Called after the reset and after every step.
+
+    Raises:
+        RecallCutShort: A real robot or the camera was lost; the robot was stopped.
     """
     draws = np.random.default_rng((seed, 1))
     imitator = policy if isinstance(policy, NearestNeighbourImitator) else None
@@ -98,6 +105,8 @@ def recall(
         over = terminated or truncated
     if watch is not None:
         watch()
+    if "robot_lost" in info:
+        raise RecallCutShort(f"after {info['steps']} steps: {info['robot_lost']}")
     start = env.layout.starts[0]
     x, y, heading = _in_arena(env.arena, start.x, start.y, start.heading)
     foods = [_in_arena(env.arena, food.x, food.y) for food in env.layout.foods]

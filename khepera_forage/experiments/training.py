@@ -1,7 +1,9 @@
 """The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
 
+import logging
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
+from itertools import count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,6 +20,10 @@ from khepera_forage.policies.policy import HEARD
 MAX_ATTEMPTS = 200
 """Attempts after which a training counts as hopeless. Our decision."""
 
+ROBOT_LOST = "robot lost"
+"""The reason of an attempt in which a real robot, or the camera, was lost."""
+_log = logging.getLogger(__name__)
+
 Record = Callable[[StateVector, Behaviour], None]
 Watch = Callable[[], object]
 
@@ -31,6 +37,7 @@ class Attempt(NamedTuple):
         separations: Times a learner got separated.
         resumed: Times the learner was put beside the teacher (pause and resume).
         reason: Why it is incomplete; empty for a complete one.
+        lost: Which robot was lost and how, or that the camera was; otherwise empty.
     """
 
     complete: bool
@@ -38,6 +45,7 @@ class Attempt(NamedTuple):
     separations: int
     resumed: int
     reason: str
+    lost: str = ""
 
 
 class HopelessTraining(RuntimeError):  # noqa: N818 (it is a finding, as much as an error)
@@ -69,7 +77,7 @@ def attempt(
             env.step(int(policy.act(observation)))
             if agent == last and watch is not None:
                 watch()
-        if resume:
+        if resume and not env.truncations[TEACHER]:
             for agent in env.possible_agents[1:]:
                 if env.infos[agent]["separated_rounds"] == env.patience - 1:
                     # Where there is no room beside the teacher, the attempt is given up after all.
@@ -80,7 +88,13 @@ def attempt(
     infos = [env.infos[agent] for agent in env.possible_agents]
     rounds = infos[0]["steps"]
     reason = "" if complete else "separated" if rounds < env.max_cycles else "out of time"
-    return Attempt(complete, rounds, sum(info["separations"] for info in infos), resumed, reason)
+    lost = infos[0].get("robot_lost", "")
+    separations = sum(info["separations"] for info in infos)
+    return Attempt(complete, rounds, separations, resumed, ROBOT_LOST if lost else reason, lost)
+
+
+class _CutShort(Exception):  # noqa: N818 (it ends a recording, and nothing more)
+    """The recording of an attempt ends before the attempt would have."""
 
 
 def train(
@@ -94,6 +108,10 @@ def train(
     watch: Watch | None = None,
 ) -> tuple[Experience, list[TrainingRow]]:
     """Demonstrate "as if it was the first time" until an episode is complete (5.2); incomplete ones are forgotten.
+
+    An attempt in which a real robot or the camera was lost is incomplete too, but what was recorded is kept beside
+    `path`, as `g1.lost-2.csv` for the second attempt at `g1.csv`, without the closing line of a complete file
+    (`Experience.load(..., recover=True)` reads it). A warning is logged that says so.
 
     Args:
         env: The paired corridors.
@@ -117,20 +135,33 @@ def train(
         vectors: list[StateVector] = []
         behaviours: list[Behaviour] = []
         arena = env.arenas[0].name
-        with ExperienceWriter(path, arena, attempt_seed) if path is not None else nullcontext() as writer:
+        begun = False
+        try:
+            with (
+                suppress(_CutShort),
+                ExperienceWriter(path, arena, attempt_seed) if path is not None else nullcontext() as writer,
+            ):
+                begun = path is not None
 
-            def record(
-                vector: StateVector,
-                behaviour: Behaviour,
-                made: tuple[list[StateVector], list[Behaviour]] = (vectors, behaviours),
-                writer: ExperienceWriter | None = writer,
-            ) -> None:
-                made[0].append(vector)
-                made[1].append(behaviour)
-                if writer is not None:
-                    writer.append(vector, behaviour)
+                def record(
+                    vector: StateVector,
+                    behaviour: Behaviour,
+                    made: tuple[list[StateVector], list[Behaviour]] = (vectors, behaviours),
+                    writer: ExperienceWriter | None = writer,
+                ) -> None:
+                    made[0].append(vector)
+                    made[1].append(behaviour)
+                    if writer is not None:
+                        writer.append(vector, behaviour)
 
-            result = attempt(env, attempt_seed, record, resume, watch)
+                result = attempt(env, attempt_seed, record, resume, watch)
+                if result.lost:
+                    raise _CutShort
+        except BaseException:
+            # An operator may give up before anything happens: no file then stands in the way of the next training.
+            if begun and path is not None and not vectors:
+                path.unlink()
+            raise
         rows.append(
             TrainingRow(
                 replication=replication,
@@ -147,9 +178,22 @@ def train(
         )
         if result.complete:
             return Experience(vectors, behaviours, arena=arena, seed=attempt_seed), rows
-        if path is not None:
+        if result.lost:
+            _keep(path, number, len(vectors), result.lost)
+        elif path is not None:
             path.unlink()
     raise HopelessTraining(f"none of {MAX_ATTEMPTS} attempts at a training episode was complete")
+
+
+def _keep(path: Path | None, number: int, vectors: int, lost: str) -> None:
+    """Put what a cut-short attempt has recorded aside, and say where."""
+    where = "not kept: no file was asked for"
+    if path is not None:
+        names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
+        kept = next(name for name in names if not name.exists())
+        path.rename(kept)
+        where = f"kept in {kept}"
+    _log.warning("attempt %d ended: %s; its %d experience vectors are %s", number, lost, vectors, where)
 
 
 def arrays(experiences: list[Experience]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -23,7 +23,8 @@ keeps it off the walls (3.4).
 
 import math
 
-from khepera_forage.foraging.perception import RawData, turn_to
+from khepera_forage.foraging.angles import bearing_of, length, turn_to
+from khepera_forage.foraging.perception import RawData
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.foraging.steering import TURN, bearing, clip, detour, steer
 from khepera_forage.robots.khepera import (
@@ -73,7 +74,7 @@ def command(behaviour: int, raw: RawData) -> Motors:
     if behaviour == Behaviour.ORIENT_WITH_FOOD:
         return _orient(raw)
     if behaviour == Behaviour.EXPLORE_FOOD:
-        return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if behaviour == Behaviour.PICK_UP_FOOD:
         return _pick_up(raw)
     if behaviour == Behaviour.PUSH_FOOD:
@@ -91,7 +92,7 @@ def command(behaviour: int, raw: RawData) -> Motors:
 
 def wait(raw: RawData) -> Motors:
     """Stand still and keep arm and jaw as they are."""
-    return Motors(0, 0, raw.arm, JAW_CLOSED if raw.jaw <= _JAW_SHUT else JAW_OPEN)
+    return Motors(0.0, 0.0, raw.arm, JAW_CLOSED if raw.jaw <= _JAW_SHUT else JAW_OPEN)
 
 
 def _search(raw: RawData) -> Motors:
@@ -103,7 +104,7 @@ def _search(raw: RawData) -> Motors:
 
 def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
     """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
-    near = raw.food_seen and math.hypot(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR
+    near = raw.food_seen and length(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR
     if near or raw.arm >= ARM_ON_FLOOR:
         # First clear of what may lie between the fingers, such as poison.
         return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
@@ -113,10 +114,10 @@ def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
 
 def _orient(raw: RawData) -> Motors:
     if raw.object_presence:
-        return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if not raw.food_seen:
         return Motors(-_CREEP, _CREEP, ARM_DOWN, JAW_OPEN)
-    distance = math.hypot(raw.food_x - raw.x, raw.food_y - raw.y)
+    distance = length(raw.food_x - raw.x, raw.food_y - raw.y)
     error = bearing(raw, raw.food_x, raw.food_y)
     if abs(error) > _ASTRAY:
         # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
@@ -142,12 +143,12 @@ def _pick_up(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT or raw.object_presence:
         reach = 0.0 if raw.object_presence else 2.0
         return Motors(reach, reach, _arm_after_jaw(raw), JAW_CLOSED if raw.object_presence else JAW_OPEN)
-    return Motors(0, 0, ARM_RAISED, JAW_CLOSED)
+    return Motors(0.0, 0.0, ARM_RAISED, JAW_CLOSED)
 
 
 def _push(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
-        return Motors(0, 0, ARM_DOWN, JAW_CLOSED)
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_CLOSED)
     left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _PUSHING)
     return Motors(left, right, ARM_DOWN, JAW_CLOSED)
 
@@ -158,7 +159,7 @@ def _go_home(raw: RawData) -> Motors:
 
 
 def _avoid_home(raw: RawData) -> Motors:
-    away = math.degrees(math.atan2(raw.y - raw.home_y, raw.x - raw.home_x))
+    away = bearing_of(raw.x - raw.home_x, raw.y - raw.home_y)
     # Behind the home there is no way out: out means its open side.
     out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
     error = turn_to(out, raw.orientation)
@@ -174,13 +175,13 @@ def _release(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
         back = -_RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
         return Motors(back, back, ARM_DOWN, JAW_OPEN)
-    if math.hypot(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
+    if length(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
         left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _SLOW)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
-        return Motors(-1, 1, ARM_DOWN, JAW_CLOSED)
-    return Motors(0, 0, ARM_DOWN, JAW_OPEN)
+        return Motors(-1.0, 1.0, ARM_DOWN, JAW_CLOSED)
+    return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
 
 
 def _arm_after_jaw(raw: RawData) -> int:

@@ -1,8 +1,6 @@
 """The learner's arc towards the teacher (4.5.2), and when the two count as separated."""
 
-import math
-
-from khepera_forage.foraging.perception import turn_to
+from khepera_forage.foraging.angles import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 
 SEPARATION = 14.0
@@ -27,7 +25,7 @@ def separated(x: float, y: float, teacher_x: float, teacher_y: float) -> bool:
         teacher_x: Of the teacher, moved into the learner's arena.
         teacher_y: Of the teacher, moved into the learner's arena.
     """
-    return math.hypot(teacher_x - x, teacher_y - y) > SEPARATION
+    return length(teacher_x - x, teacher_y - y) > SEPARATION
 
 
 def follow(
@@ -56,7 +54,7 @@ def follow(
     mean = (motors.left + motors.right) / 2
     if mean <= 0.0:
         return motors
-    if math.hypot(teacher_x - x, teacher_y - y) <= SAME_PLACE:
+    if length(teacher_x - x, teacher_y - y) <= SAME_PLACE:
         return motors
     if abs(turn_to(teacher_orientation, orientation)) <= SAME_HEADING:
         return motors
@@ -76,14 +74,14 @@ def recover(
         teacher_x: Of the teacher, moved into the learner's arena.
         teacher_y: Of the teacher.
     """
-    nominal = motors._replace(left=NOMINAL_SPEED, right=NOMINAL_SPEED)
+    nominal = Motors(NOMINAL_SPEED, NOMINAL_SPEED, motors.arm, motors.jaw)
     return _arc(nominal, NOMINAL_SPEED, x, y, orientation, teacher_x, teacher_y)
 
 
 def _arc(
     motors: Motors, mean: float, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
 ) -> Motors:
-    error = turn_to(math.degrees(math.atan2(teacher_y - y, teacher_x - x)), orientation)
+    error = turn_to(bearing_of(teacher_x - x, teacher_y - y), orientation)
     limit = min(mean, MAX_SPEED - mean)
     turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + _GAIN * error))
-    return motors._replace(left=mean - turn, right=mean + turn)
+    return Motors(mean - turn, mean + turn, motors.arm, motors.jaw)

@@ -1,7 +1,6 @@
 """When food is identified, and when it is delivered (4.2.3, 5.3)."""
 
-import math
-
+from khepera_forage.foraging.angles import length
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, Senses
 
@@ -46,4 +45,4 @@ def drawn_type(draw: float, pickable: float, pushable: float) -> FoodType:
 
 def at_home(x: float, y: float, home_x: float, home_y: float, home_radius: float) -> bool:
     """Whether a food object's centre is inside the home; all in pixels."""
-    return math.hypot(x - home_x, y - home_y) <= home_radius
+    return length(x - home_x, y - home_y) <= home_radius

@@ -4,6 +4,7 @@ import math
 from collections.abc import Container
 from typing import NamedTuple
 
+from khepera_forage.foraging.angles import bearing_of, length, turn_to
 from khepera_forage.foraging.states import FoodType, StateVector
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.vision.scene import Region, Scene
@@ -129,18 +130,63 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
         food_type: Of the object in the gripper, as far as it is known.
         site: Its enclosure.
     """
-    a, b, c, d, e, f, _, _ = senses.proximity
     x, y = own.x, own.y
     nearest = math.inf
-    wx = wy = 0.0
-    for x1, y1, ex, ey, squared in site.walls:
-        t = ((x - x1) * ex + (y - y1) * ey) / squared
-        t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-        dx = x1 + t * ex - x
-        dy = y1 + t * ey - y
+    wall_x = wall_y = 0.0
+    for wall in site.walls:
+        dx, dy = way_to_wall(x, y, *wall)
         squared = dx * dx + dy * dy
         if squared < nearest:
-            nearest, wx, wy = squared, dx, dy
+            nearest, wall_x, wall_y = squared, dx, dy
+    if food is None:
+        return raw_data(
+            senses, x, y, own.orientation, own.found, False, 0.0, 0.0, food_type, wall_x, wall_y, site
+        )
+    return raw_data(
+        senses, x, y, own.orientation, own.found, True, food.x, food.y, food_type, wall_x, wall_y, site
+    )
+
+
+def way_to_wall(
+    x: float, y: float, x1: float, y1: float, ex: float, ey: float, squared: float
+) -> tuple[float, float]:
+    """From a place to the nearest point of a wall as `Site.walls` keeps it."""
+    t = ((x - x1) * ex + (y - y1) * ey) / squared
+    t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
+    return x1 + t * ex - x, y1 + t * ey - y
+
+
+def raw_data(
+    senses: Senses,
+    x: float,
+    y: float,
+    orientation: int,
+    tracked: bool,
+    food_seen: bool,
+    food_x: float,
+    food_y: float,
+    food_type: int,
+    wall_x: float,
+    wall_y: float,
+    site: Site,
+) -> RawData:
+    """Raw data of one robot, once its regions have been picked from the scene.
+
+    Args:
+        senses: What the robot reports of itself.
+        x: Of its marker's region.
+        y: Of its marker's region.
+        orientation: Of its marker's region.
+        tracked: Whether that region is tracked now.
+        food_seen: Whether there is a candidate food.
+        food_x: Of the nearest one; 0 without one.
+        food_y: Of the nearest one; 0 without one.
+        food_type: Of the object in the gripper, as far as it is known.
+        wall_x: From the robot to the nearest point of a wall.
+        wall_y: From the robot to the nearest point of a wall.
+        site: Its enclosure.
+    """
+    a, b, c, d, e, f, _, _ = senses.proximity
     return RawData(
         (a, b, c, d, e, f),
         senses.arm,
@@ -148,24 +194,19 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
         senses.object_presence,
         x,
         y,
-        own.orientation,
-        own.found,
-        food is not None,
-        0.0 if food is None else food.x,
-        0.0 if food is None else food.y,
+        orientation,
+        tracked,
+        food_seen,
+        food_x,
+        food_y,
         food_type if senses.object_presence else FoodType.UNKNOWN,
         site.home_x,
         site.home_y,
         site.home_radius,
         site.home_opening,
-        math.sqrt(nearest),
-        turn_to(math.degrees(math.atan2(wy, wx)), own.orientation),
+        math.sqrt(wall_x * wall_x + wall_y * wall_y),
+        turn_to(bearing_of(wall_x, wall_y), orientation),
     )
-
-
-def turn_to(direction: float, orientation: float) -> float:
-    """Degrees to turn from an orientation to a direction, -180..180, left positive."""
-    return (direction - orientation + 180.0) % 360.0 - 180.0
 
 
 def state_vector(raw: RawData, diagonal: int) -> StateVector:
@@ -175,8 +216,8 @@ def state_vector(raw: RawData, diagonal: int) -> StateVector:
         raw: What is perceived now.
         diagonal: Of the arena in pixels: the food distance where there is no candidate.
     """
-    home = math.hypot(raw.x - raw.home_x, raw.y - raw.home_y)
-    food = math.hypot(raw.x - raw.food_x, raw.y - raw.food_y) if raw.food_seen else diagonal
+    home = length(raw.x - raw.home_x, raw.y - raw.home_y)
+    food = length(raw.x - raw.food_x, raw.y - raw.food_y) if raw.food_seen else diagonal
     return StateVector(
         1 if raw.object_presence else 0,
         int(home + 0.5),

@@ -2,7 +2,8 @@
 
 import math
 
-from khepera_forage.foraging.perception import RawData, turn_to
+from khepera_forage.foraging.angles import arcsine, bearing_of, length, sine, turn_to
+from khepera_forage.foraging.perception import RawData
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -26,25 +27,25 @@ _BLOCKED = 600
 
 def bearing(raw: RawData, x: float, y: float) -> float:
     """Degrees to turn to face a place, -180..180, left positive."""
-    return turn_to(math.degrees(math.atan2(y - raw.y, x - raw.x)), raw.orientation)
+    return turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
 
 
 def detour(raw: RawData) -> float:
     """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
     hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
     fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
-    home, food = math.hypot(hx, hy), math.hypot(fx, fy)
+    home, food = length(hx, hy), length(fx, fy)
     if not raw.food_seen or home <= raw.home_radius or food == 0.0:
         return 0.0
     along = (hx * fx + hy * fy) / food
-    aside = math.degrees(math.atan2(hx * fy - hy * fx, hx * fx + hy * fy))
-    berth = math.degrees(math.asin(min(1.0, (raw.home_radius + _AROUND_HOME) / home)))
+    aside = bearing_of(hx * fx + hy * fy, hx * fy - hy * fx)
+    berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
     if along <= 0.0 or along >= food or abs(aside) >= berth:
         return 0.0
     # Past the side nearer to the food, unless the home stands against a wall there.
-    opening = math.radians(turn_to(raw.home_opening, math.degrees(math.atan2(hy, hx))))
+    opening = turn_to(raw.home_opening, bearing_of(hx, hy))
     side = math.copysign(1.0, aside)
-    if berth - abs(aside) > _SQUARE and side * math.sin(opening) < -0.6:
+    if berth - abs(aside) > _SQUARE and side * sine(opening) < -0.6:
         side = -side
     return math.copysign(berth, side) - aside
 

@@ -1,13 +1,20 @@
-"""Other learners as policies: scikit-learn's classifiers, and models in the manner of Stable-Baselines3."""
+"""Other learners as policies: scikit-learn's classifiers, models of Stable-Baselines3, and whatever else acts.
 
-from dataclasses import dataclass
+`as_policy` is the one line that makes a forager of any of them.
+"""
+
+import inspect
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import Behaviour
-from khepera_forage.policies.policy import Observation, state_vector_of
+from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.policies.policy import Observation, Policy, state_vector_of
+
+MEMO_SIZE = 32768
+"""State vectors whose probabilities are remembered."""
 
 
 class Classifier(Protocol):
@@ -28,10 +35,16 @@ class ClassifierPolicy:
         classifier: Fitted on state vectors of five columns and behaviours as numbers.
         sample: Whether a behaviour is drawn with its probability, as with the imitator's confidence levels,
             or the most probable one executed.
+        remember: Whether what the classifier says is kept for state vectors that come again: decisions are then
+            ten to a thousand times as fast. Only for a classifier that learns no further.
     """
 
     classifier: Classifier
     sample: bool = True
+    remember: bool = False
+    _memo: dict[StateVector, NDArray[np.float64]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour drawn, or the most probable one.
@@ -44,8 +57,7 @@ class ClassifierPolicy:
             TypeError: A behaviour is to be drawn and `rng` is not a NumPy generator.
             ValueError: The observation holds no state vector, or the label found is not a behaviour.
         """
-        row = np.array([state_vector_of(observation)], np.int64)
-        levels = self.classifier.predict_proba(row)[0]
+        levels = self._levels(state_vector_of(observation))
         if not self.sample:
             return Behaviour(self.classifier.classes_[levels.argmax()].item())
         if not isinstance(rng, np.random.Generator):
@@ -53,6 +65,17 @@ class ClassifierPolicy:
         steps = levels.cumsum()
         drawn = steps.searchsorted(rng.random() * steps[-1], side="right")
         return Behaviour(self.classifier.classes_[drawn].item())
+
+    def _levels(self, vector: StateVector) -> NDArray[np.float64]:
+        if not self.remember:
+            return self.classifier.predict_proba(np.array([vector], np.int64))[0]
+        levels = self._memo.get(vector)
+        if levels is None:
+            levels = self.classifier.predict_proba(np.array([vector], np.int64))[0]
+            if len(self._memo) >= MEMO_SIZE:
+                self._memo.clear()
+            self._memo[vector] = levels
+        return levels
 
 
 class Model(Protocol):
@@ -88,3 +111,69 @@ class ModelPolicy:
         """
         action, _ = self.model.predict(observation, deterministic=self.deterministic)
         return Behaviour(int(action))
+
+
+class Agent(Protocol):
+    """Whatever decides by the observation alone."""
+
+    def act(self, observation: Observation, /) -> Any:
+        """The behaviour to execute now, as its number in table 4.1."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class AgentPolicy:
+    """Executes what an agent without `rng` says.
+
+    Attributes:
+        agent: It is shown observations as the environment gives them.
+    """
+
+    agent: Agent
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The behaviour that the agent says.
+
+        Args:
+            observation: What the robot perceives, passed on unchanged.
+            rng: Not used: the agent has no argument for it.
+
+        Raises:
+            ValueError: The agent's action is not a behaviour.
+        """
+        return Behaviour(int(self.agent.act(observation)))
+
+
+def as_policy(learner: Any) -> Policy:
+    """A policy of whatever can decide.
+
+    Args:
+        learner: One of these, the first that fits: something with `act(observation, rng)`, which is a policy
+            already; with `act(observation)`; a fitted classifier with `predict_proba`, whose behaviours are drawn
+            with their probabilities; a trained model with `predict(observation, deterministic=...)`. For other
+            choices make `ClassifierPolicy` or `ModelPolicy` yourself.
+
+    Raises:
+        TypeError: Nothing of these, or a class where an instance of it is needed.
+    """
+    if not isinstance(learner, type):
+        if callable(getattr(learner, "act", None)):
+            return learner if _takes(learner.act, 2) else AgentPolicy(learner)
+        if callable(getattr(learner, "predict_proba", None)):
+            return ClassifierPolicy(learner)
+        predict = getattr(learner, "predict", None)
+        if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
+            return ModelPolicy(learner)
+    raise TypeError(
+        f"learner is {learner!r}; allowed: an instance with act(observation), act(observation, rng), predict_proba(rows) "
+        "or predict(observation, deterministic=...)"
+    )
+
+
+def _takes(method: Any, count: int) -> bool:
+    """Whether a method can be called with that many arguments in a row."""
+    try:
+        inspect.signature(method).bind(*range(count))
+    except TypeError:
+        return False
+    return True

@@ -12,9 +12,10 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.policies.merging import merged
 from khepera_forage.policies.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
-from khepera_forage.policies.votes import PixelVotes, PlainVotes, VoteIndex, are_pixels
+from khepera_forage.policies.votes import PixelVotes, PlainVotes, VoteIndex, all_pixels
 
 MEMO_SIZE = 32768
 """State vectors remembered, some 15 MB. Of a corridor a policy sees a few thousand distinct ones."""
@@ -43,7 +44,7 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
     Whole numbers of magnitude below 2**40 are compared in integer arithmetic, so that ties are exact;
     anything else in floats. Rows of other than five columns are no state vectors: there each column is taken
     for a distance in pixels, and the distance is the sum of the differences by the diagonal. Equal experience
-    vectors are merged into counts.
+    vectors are merged into counts, and what is learned one by one is found like all the rest (`Plane`).
 
     The neighbours of single state vectors are remembered, up to `MEMO_SIZE` of them. They follow from
     experience, parameters and state vector alone; they are forgotten when experience or a parameter changes,
@@ -184,8 +185,7 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
         if not np.isin(seen, allowed).all():
             raise ValueError(f"labels are {seen.tolist()}; allowed: those among classes, {allowed.tolist()}")
         self._memo = None
-        vectors = rows.tolist()
-        pixels = all(map(are_pixels, vectors))
+        pixels = all_pixels(rows)
         if anew:
             self.classes_ = allowed
             self._index = PixelVotes(len(allowed)) if pixels else PlainVotes(rows.shape[1], len(allowed))
@@ -194,11 +194,11 @@ class NearestNeighbourImitator(ClassifierMixin, BaseEstimator):  # type: ignore[
             self._index.recode(np.searchsorted(self.classes_, known).tolist(), len(self.classes_))
         if isinstance(self._index, PixelVotes):
             if pixels:
-                vectors = rows.astype(np.int64).tolist()
+                rows = rows.astype(np.int64)
             else:
                 self._index = self._index.plain()
-        for row, code in zip(vectors, np.searchsorted(self.classes_, labels).tolist(), strict=True):
-            self._index.add(row, code)
+        for row, code, times in merged(rows, np.searchsorted(self.classes_, labels)):
+            self._index.add(row, code, times)
         return self
 
     def _parameters(self) -> tuple[int, Fraction]:

@@ -2,8 +2,7 @@
 
 `PixelVotes` holds state vectors of whole numbers and counts distances in whole units of 1 / (55 * diagonal),
 so that ties are exact. `PlainVotes` holds any other numbers. Both merge equal vectors into one row with a
-count for every class. An index for millions of vectors (a k-d tree over the two distances of each group) can
-take the place of `PixelVotes`: what the imitator needs of it is `VoteIndex` and `plain`.
+count for every class.
 """
 
 import operator
@@ -12,8 +11,10 @@ from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.foraging.states import StateVector
+from khepera_forage.policies.plane import Counts, Plane
 from khepera_forage.policies.tally import Tally
 
 ARM_SPAN = 55
@@ -22,12 +23,19 @@ ARM_SPAN = 55
 MAX_PLANS = 4096
 """More than the kinds of query that foraging has (2 presences, 4 types, 41 heights)."""
 PIXEL_LIMIT = 2**40
-"""Magnitude below which whole numbers are compared as integers; their sums stay far from overflow."""
+"""Magnitude below which whole numbers are compared as integers: floats hold them exactly."""
+BEYOND = 2**44
+"""A distance longer than any of two vectors below `PIXEL_LIMIT`, whatever the diagonal."""
 
 
 def are_pixels(row: Sequence[float]) -> bool:
     """Whether a row can go into `PixelVotes`: five whole numbers, none too large."""
     return len(row) == 5 and all(-PIXEL_LIMIT < value < PIXEL_LIMIT and value % 1 == 0 for value in row)
+
+
+def all_pixels(rows: NDArray[Any]) -> bool:
+    """Whether every row is such a one."""
+    return bool(rows.shape[1] == 5 and ((rows > -PIXEL_LIMIT) & (rows < PIXEL_LIMIT) & (rows % 1 == 0)).all())
 
 
 def distance(a: StateVector, b: StateVector, diagonal: int) -> Fraction:
@@ -60,8 +68,8 @@ class Votes(NamedTuple):
 class VoteIndex(Protocol):
     """A store of vectors with their classes that finds the ones nearest to a query."""
 
-    def add(self, row: Sequence[Any], code: int) -> None:
-        """Take in one vector of class `code`."""
+    def add(self, row: Sequence[Any], code: int, times: int = 1) -> None:
+        """Take in a vector of class `code`, once or several times."""
         ...
 
     def recode(self, columns: Sequence[int], classes: int) -> None:
@@ -77,42 +85,42 @@ class PixelVotes:
     """Votes among state vectors of whole numbers, as `are_pixels` has them.
 
     Vectors are grouped by presence, food type and arm. Within a group only the two distances in pixels are
-    left to compare, and a group whose other attributes alone are further away than the best vector so far is
-    never looked at: of the groups, a query mostly needs one.
+    left to compare, in a `Plane`, and a group whose other attributes alone are further away than the best vector so
+    far is never looked at: of the groups, a query mostly needs one. One more vector never rebuilds anything: a new
+    class neither, as planes keep classes by the order in which they came.
     """
 
     def __init__(self, classes: int) -> None:
-        self._classes = classes
-        self._groups: dict[tuple[int, int, int], Tally] = {}
-        self._plans: dict[tuple[int, int, int, int], list[tuple[int, Tally]]] = {}
+        self._columns = list(range(classes))  # of the classes, in the order in which they came
+        self._orders = list(range(classes))  # the other way round
+        self._groups: dict[tuple[int, int, int], Plane] = {}
+        self._plans: dict[tuple[int, int, int, int], list[tuple[int, Plane]]] = {}
         self._plain: PlainVotes | None = None
 
-    def add(self, row: Sequence[int], code: int) -> None:
+    def add(self, row: Sequence[int], code: int, times: int = 1) -> None:
         """See `VoteIndex.add`."""
         presence, home, food_type, arm, food = row
         group = self._groups.get((presence, food_type, arm))
         if group is None:
-            group = self._groups[presence, food_type, arm] = Tally(2, self._classes, np.int64)
+            group = self._groups[presence, food_type, arm] = Plane()
             self._plans = {}
-        group.add((home, food), code)
+        group.add(home, food, self._orders[code], times)
         self._plain = None
 
     def recode(self, columns: Sequence[int], classes: int) -> None:
         """See `VoteIndex.recode`."""
-        self._classes = classes
-        for group in self._groups.values():
-            group.recode(columns, classes)
+        known = [columns[column] for column in self._columns]
+        self._columns = known + sorted(set(range(classes)) - set(known))
+        self._orders = [self._columns.index(column) for column in range(classes)]
         self._plain = None
 
     def plain(self) -> "PlainVotes":
         """The same vectors, to be compared as floats."""
-        plain = PlainVotes(5, self._classes)
+        plain = PlainVotes(5, len(self._columns))
         for (presence, food_type, arm), group in self._groups.items():
-            homes, foods = group.columns
-            for home, food, counts in zip(homes.tolist(), foods.tolist(), group.counts.tolist(), strict=True):
-                for code, times in enumerate(counts):
-                    if times:
-                        plain.add((presence, home, food_type, arm, food), code, times)
+            for home, food, counts in group.items():
+                for order, times in counts.items():
+                    plain.add((presence, home, food_type, arm, food), self._columns[order], times)
         return plain
 
     def nearest(self, query: Sequence[float], diagonal: int, threshold: Fraction) -> Votes:
@@ -123,32 +131,32 @@ class PixelVotes:
             return self._plain.nearest(query, diagonal, threshold)
         presence, home, food_type, arm, food = map(int, query)
         unit = ARM_SPAN * diagonal
-        slack = int(threshold * unit) if threshold else 0  # rounded down: no distance lies in between
         kind = (diagonal, presence, food_type, arm)
-        best = None
-        seen = []
-        for base, group in self._plans.get(kind) or self._plan(*kind):
-            if best is not None and base > best + slack:
+        plan = self._plans.get(kind) or self._plan(*kind)
+        best = BEYOND * unit
+        chosen: list[Counts] = []
+        for base, group in plan:
+            if base > best:
                 break
-            # Fresh arrays, not buffers kept for all queries: several threads may ask at once.
-            homes, foods = group.columns
-            pixels = np.subtract(homes, home)
-            np.absolute(pixels, pixels)
-            other = np.subtract(foods, food)
-            pixels += np.absolute(other, other)
-            least = base + ARM_SPAN * int(pixels[pixels.argmin()])
-            if best is None or least < best:
-                best = least
-            seen.append((base, least, pixels, group))
-        assert best is not None, "no vectors"
-        counts = [0] * self._classes
-        for base, least, pixels, group in seen:
-            if least <= best + slack:
-                chosen = (pixels <= (best + slack - base) // ARM_SPAN).nonzero()[0]
-                counts = list(map(operator.add, counts, group.votes(chosen)))
+            away, found = group.nearest(home, food, (best - base) // ARM_SPAN)
+            if found:
+                total = base + ARM_SPAN * away
+                chosen = found if total < best else chosen + found
+                best = total
+        assert chosen, "no vectors"
+        if threshold:
+            reach = best + int(threshold * unit)  # rounded down: no distance lies in between
+            chosen = []
+            for base, group in plan:
+                if base <= reach:
+                    chosen += group.within(home, food, (reach - base) // ARM_SPAN)
+        counts = [0] * len(self._columns)
+        for seen in chosen:
+            for order, times in seen.items():
+                counts[self._columns[order]] += times
         return Votes(best / unit, counts)
 
-    def _plan(self, diagonal: int, presence: int, food_type: int, arm: int) -> list[tuple[int, Tally]]:
+    def _plan(self, diagonal: int, presence: int, food_type: int, arm: int) -> list[tuple[int, Plane]]:
         """All groups, nearest first, each with the distance that presence, food type and arm make up."""
         unit = ARM_SPAN * diagonal
         plan = [

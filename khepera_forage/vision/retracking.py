@@ -27,6 +27,8 @@ less than the 35 mm between the centres of two touching food objects, so that on
 
 _GATE_SQUARED = GATE * GATE
 
+_Rank = Callable[[Region, "Detection", bool], int | None]
+
 
 class Detection(NamedTuple):
     """What one frame shows of one region: the attributes of `Region` that need no memory."""
@@ -69,12 +71,46 @@ class Tracks:
         shown = _obvious(self._regions, detections)
         started: list[Detection] = []
         if shown is None:
-            shown, started = _assigned(self._regions, detections)
+            shown, started = _assigned(self._regions, detections, _rank)
         regions = []
         for region, detection in zip(self._regions, shown, strict=True):
             if detection is not None:
                 regions.append(_tracked(region.label, detection))
             elif region.holes > 0 or not visible(region.x, region.y):
+                regions.append(region._replace(found=False) if region.found else region)
+        for detection in started:
+            regions.append(_tracked(self._next_label, detection))
+            self._next_label += 1
+        self._regions = regions
+        return Scene(tuple(regions))
+
+
+class FeaturelessTracks:
+    """The same by place alone, for markers without holes or holes that cannot be told apart (3.5).
+
+    A detection continues the nearest track within `GATE`, whatever its number of holes; tracked ones come before lost
+    ones. The number of holes is then what the last frame showed. "There is no evidence that a redetected region
+    corresponds to a previous lost one" (3.5): a region that reappears further off is another, and every lost region is
+    dropped once its last place can be seen and is empty, a marker's like food's.
+    """
+
+    def __init__(self) -> None:
+        self._regions: list[Region] = []
+        self._next_label = 0
+
+    def reset(self) -> None:
+        """Forget every track; labels start at 0 again."""
+        self._regions = []
+        self._next_label = 0
+
+    def update(self, detections: Sequence[Detection], visible: Callable[[float, float], bool]) -> Scene:
+        """The scene after one more frame; arguments as of `Tracks.update`."""
+        shown, started = _assigned(self._regions, detections, _rank_by_place)
+        regions = []
+        for region, detection in zip(self._regions, shown, strict=True):
+            if detection is not None:
+                regions.append(_tracked(region.label, detection))
+            elif not visible(region.x, region.y):
                 regions.append(region._replace(found=False) if region.found else region)
         for detection in started:
             regions.append(_tracked(self._next_label, detection))
@@ -111,7 +147,7 @@ def _obvious(regions: Sequence[Region], detections: Sequence[Detection]) -> list
 
 
 def _assigned(
-    regions: Sequence[Region], detections: Sequence[Detection]
+    regions: Sequence[Region], detections: Sequence[Detection], rank_of: _Rank
 ) -> tuple[list[Detection | None], list[Detection]]:
     """What shows each region, and what starts new tracks: the best pair first, then the next best."""
     ordered = sorted(detections, key=lambda d: (-d.first_y, d.first_x, d))
@@ -120,7 +156,7 @@ def _assigned(
         for j, detection in enumerate(ordered):
             dx, dy = region.x - detection.x, region.y - detection.y
             distance_squared = dx * dx + dy * dy
-            rank = _rank(region, detection, distance_squared <= _GATE_SQUARED)
+            rank = rank_of(region, detection, distance_squared <= _GATE_SQUARED)
             if rank is not None:
                 pairs.append((rank, distance_squared, i, j))
     shown: list[Detection | None] = [None] * len(regions)
@@ -142,3 +178,10 @@ def _rank(region: Region, detection: Detection, near: bool) -> int | None:
     if not region.found:
         return 1
     return 0 if near else 2
+
+
+def _rank_by_place(region: Region, detection: Detection, near: bool) -> int | None:
+    """The same when only places count, and nothing may jump."""
+    if not near:
+        return None
+    return 0 if region.found else 1

@@ -16,10 +16,15 @@ PICTURE_HEIGHT = 480.0
 HOLE_SIDE = 20.0
 """Side in mm of a black square within a marker (figure 3.9)."""
 MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
-    1: ((30.0, 0.0),),
-    2: ((35.0, 0.0), (-5.0, 0.0)),
+    1: ((25.0, 0.0),),
+    2: ((30.0, 0.0), (-10.0, 0.0)),
 }
-"""Centres of a marker's holes in mm, x forward and y left of its middle, by their number."""
+"""Centres of a marker's holes in mm, x forward and y left of its middle, by their number.
+
+Our decision (figure 3.9 did not survive as a picture): before the middle, so that the holes tell front from back,
+which the thesis' own markers evidently did not (4.2.2); yet at least 4 pixels of white from a hole to the next
+thing that is black, so that blur and a low threshold close no gap. docs/tracker.md has the comparison.
+"""
 MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 

@@ -95,3 +95,21 @@ def check_starts(layout: Layout, robots: int) -> None:
     """
     if len(layout.starts) != robots:
         raise ValueError(f"{len(layout.starts)} starts for {robots} robots; allowed: one each")
+
+
+def check_layout(arenas: Sequence[Arena], layout: Layout) -> None:
+    """Complain unless every robot can stand in its own arena, and the food in any.
+
+    Args:
+        arenas: One a robot.
+        layout: Where they should stand.
+
+    Raises:
+        ValueError: Something cannot stand where it should.
+    """
+    check_starts(layout, len(arenas))
+    for arena, start in zip(arenas, layout.starts, strict=True):
+        check_robot(arena, start)
+    for food in layout.foods:
+        arena_of(arenas, "food", food, FOOD_RADIUS)
+    check_apart(layout)

@@ -5,9 +5,13 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from khepera_forage.robots.khepera import Robot
+from khepera_forage.robots.khepera import Robot, RobotLost
 from khepera_forage.vision.scene import Camera
+from khepera_forage.vision.video import CameraLost
 from khepera_forage.worlds.arena import Arena, Point, Pose
+
+LOST = RobotLost, CameraLost
+"""What any method of a real world may raise: a robot or the camera is gone, and all robots have been stopped."""
 
 
 class Layout(NamedTuple):

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from tqdm import tqdm
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments import recalling
+from khepera_forage.experiments.commands.laboratory import add_lab_argument, recall_env, report
 from khepera_forage.experiments.row_files import RowWriter
 from khepera_forage.experiments.rows import IMITATOR, TEACHER, RecallRow
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
@@ -36,6 +38,7 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--arena", choices=("corridor", "rectangle"), default="corridor", help="(corridor)")
     parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same episodes (0)")
+    add_lab_argument(parser)
 
 
 def forager_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
@@ -51,26 +54,42 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: A number out of range, or an experience file that cannot be used.
+        OSError: With `--lab`, what is in the way of the laboratory.
     """
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; allowed: at least 1")
-    env = recalling.recall_env(arguments.arena, food_types=arguments.food_type)
+    with closing(recall_env(arguments)) as env:
+        rows = _recalled(env, arguments)
+        report(env)
+    if not rows:
+        raise ConnectionError("every recall was cut short")
+    print(
+        f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
+        f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
+    )
+    return 0
+
+
+def _recalled(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
+    """One row an episode; an episode in which a real robot was lost is told of and gives none."""
     policy, learner, size = forager_of(arguments, env)
     seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
     rows = []
+    quiet = arguments.lab is not None or not sys.stderr.isatty()  # an operator is asked on the same screen
     print(" recall    steps  correct  penalty    score     food")
     with RowWriter(arguments.out, RecallRow) as writer:
-        for number, seed in enumerate(tqdm(seeds, unit="recall", disable=not sys.stderr.isatty())):
-            row = recalling.recall(env, policy, seed, learner=learner, number=number, experience_size=size)
+        for number, seed in enumerate(tqdm(seeds, unit="recall", disable=quiet)):
+            try:
+                row = recalling.recall(
+                    env, policy, seed, learner=learner, number=number, experience_size=size
+                )
+            except recalling.RecallCutShort as lost:
+                print(f"{number + 1:7d} cut short {lost}")
+                continue
             writer.write(row)
             rows.append(row)
             print(
                 f"{number + 1:7d} {row.steps:8d} {row.correct:8d} {row.penalty:7d} % {row.score:6.1f} % "
                 f"{row.delivered:4d} / {row.foods}"
             )
-    print(
-        f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
-        f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
-    )
-    env.close()
-    return 0
+    return rows

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from tqdm import tqdm
 
 from khepera_forage.envs.training import PATIENCE, TrainingEnv
 from khepera_forage.experiments import training
+from khepera_forage.experiments.commands.laboratory import add_lab_argument, report, training_env
 from khepera_forage.experiments.row_files import write_rows
 from khepera_forage.experiments.rows import TrainingRow
 
@@ -24,7 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
     parser.add_argument(
-        "--num-learners", type=int, default=1, help="in as many corridors; the first records (1)"
+        "--num-learners",
+        type=int,
+        default=1,
+        help="in as many corridors; the first records (1; with --lab FILE as many as it has)",
     )
     parser.add_argument(
         "--patience", type=int, default=PATIENCE, help=f"rounds of separation borne ({PATIENCE})"
@@ -32,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resume", action="store_true", help="pause and resume: put a lost learner beside the teacher"
     )
+    add_lab_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -39,28 +45,33 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: A number that is out of range.
-        FileExistsError: An experience file is there already.
+        OSError: An experience file is there already; with `--lab`, what is in the way of the laboratory.
     """
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; allowed: at least 1")
-    env = TrainingEnv(
-        num_learners=arguments.num_learners, food_types=arguments.food_type, patience=arguments.patience
-    )
     arguments.out.mkdir(parents=True, exist_ok=True)
     paths = [arguments.out / f"g{number}.csv" for number in range(1, arguments.episodes + 1)]
     for path in paths:
         if path.exists():
             raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
+    with closing(training_env(arguments, patience=arguments.patience)) as env:
+        rows = _trained(env, paths, arguments)
+        report(env)
+    write_rows(arguments.out / "attempts.csv", TrainingRow, rows)
+    return 0
+
+
+def _trained(env: TrainingEnv, paths: list[Path], arguments: argparse.Namespace) -> list[TrainingRow]:
+    """A complete episode a file, and a row an attempt."""
     rows: list[TrainingRow] = []
+    quiet = arguments.lab is not None or not sys.stderr.isatty()  # an operator is asked on the same screen
     seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
     for number, (path, seed) in enumerate(
-        tqdm(list(zip(paths, seeds, strict=True)), unit="episode", disable=not sys.stderr.isatty()), 1
+        tqdm(list(zip(paths, seeds, strict=True)), unit="episode", disable=quiet), 1
     ):
         experience, attempts = training.train(env, seed, file=number, path=path, resume=arguments.resume)
         rows += attempts
         print(
             f"{path}: {len(experience)} experience vectors, {len(attempts)} attempt(s), {attempts[-1].rounds} rounds"
         )
-    write_rows(arguments.out / "attempts.csv", TrainingRow, rows)
-    env.close()
-    return 0
+    return rows

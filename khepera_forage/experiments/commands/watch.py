@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering import save_gif
-from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experiments import recalling, training
+from khepera_forage.experiments.commands.laboratory import recall_env, training_env
 from khepera_forage.experiments.commands.recall import add_policy_arguments, forager_of
 
 
@@ -36,26 +37,24 @@ def run(arguments: argparse.Namespace) -> int:
     mode = "human" if arguments.out is None else "rgb_array"
     frames: list[NDArray[np.uint8]] = []
     if arguments.phase == "training":
-        pair = TrainingEnv(
-            num_learners=arguments.num_learners, food_types=arguments.food_type, render_mode=mode
+        with closing(training_env(arguments, render_mode=mode)) as pair:
+            result = training.attempt(
+                pair, arguments.seed, lambda v, b: None, watch=_camera(pair, frames, arguments)
+            )
+        print(
+            f"{'complete' if result.complete else result.lost or result.reason} after {result.rounds} rounds"
         )
-        result = training.attempt(
-            pair, arguments.seed, lambda v, b: None, watch=_camera(pair, frames, arguments)
-        )
-        pair.close()
-        print(f"{'complete' if result.complete else result.reason} after {result.rounds} rounds")
     else:
-        env = recalling.recall_env(arguments.arena, food_types=arguments.food_type, render_mode=mode)
-        policy, learner, size = forager_of(arguments, env)
-        row = recalling.recall(
-            env,
-            policy,
-            arguments.seed,
-            learner=learner,
-            experience_size=size,
-            watch=_camera(env, frames, arguments),
-        )
-        env.close()
+        with closing(recall_env(arguments, render_mode=mode)) as env:
+            policy, learner, size = forager_of(arguments, env)
+            row = recalling.recall(
+                env,
+                policy,
+                arguments.seed,
+                learner=learner,
+                experience_size=size,
+                watch=_camera(env, frames, arguments),
+            )
         print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
     if arguments.out is not None:
         save_gif(frames, arguments.out, fps=10 / arguments.every)

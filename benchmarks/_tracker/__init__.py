@@ -1,0 +1,1 @@
+"""What `benchmarks/tracker.py` runs and shows."""

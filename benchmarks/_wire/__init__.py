@@ -1,0 +1,1 @@
+"""What `wire.py` is made of."""

@@ -1,0 +1,126 @@
+"""The imitator with attribute weights learned from its experience (asked for in 5.4.1.2 and 5.5)."""
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.utils import check_random_state
+
+from khepera_forage.policies.distinct import DistinctRows
+from khepera_forage.policies.measure import apart, checked_diagonal
+
+CHOICES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+SWEEPS = 20
+"""Rounds over all attributes, at most; the search ends when a round changes nothing, mostly after three."""
+
+
+class WeightedImitator(DistinctRows):
+    """The nearest vectors vote, by a distance whose attributes count with different weights.
+
+    "The more significant attributes should be weighted more" (5.5): here the experience says which. The weights are
+    those with the least leave-one-out error of the imitator itself: every vector is asked for in turn, is not among
+    the voters, and the share of the vote that goes to other behaviours than the one heard is the error. That is the
+    very probability with which the learner that draws (4.6.2) is wrong. The search goes attribute by attribute, from
+    equal weights: the error changes in steps, so there is no gradient to follow, and five attributes are few.
+    Weights are whole numbers, which keeps ties exact. Vectors of one episode are alike, so those of the vector's own
+    episode are better left out together: give `groups`.
+
+    Args:
+        diagonal: Of the arena foraged in now, in pixels.
+        weights: One whole number for each column, at least 0 and not all 0; by default they are learned.
+        choices: Weights to choose from.
+        search_size: Vectors that the search asks for and compares, drawn if there are more.
+        random_state: Of that draw.
+
+    Attributes:
+        classes_: The labels seen, sorted.
+        n_features_in_: Number of columns seen.
+        weights_: What each column counts.
+        error_: Leave-one-out error with these weights, 0..1; not there with weights that are given.
+        plain_error_: The same with equal weights.
+    """
+
+    weights_: tuple[int, ...]
+    error_: float
+    plain_error_: float
+
+    def __init__(
+        self,
+        diagonal: int = 138,
+        weights: Sequence[int] | None = None,
+        choices: Sequence[int] = CHOICES,
+        search_size: int = 600,
+        random_state: Any = None,
+    ) -> None:
+        self.diagonal = diagonal
+        self.weights = weights
+        self.choices = choices
+        self.search_size = search_size
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:  # noqa: N803
+        """Learn from experience vectors, forgetting earlier ones.
+
+        Args:
+            X: State vectors, one a row, attributes in the order of `StateVector`.
+            y: The behaviour heard with each.
+            groups: The training episode of each; vectors of one's own episode are left out with it.
+
+        Raises:
+            ValueError: Parameters out of range, data that is no classification problem, or groups of another length.
+        """
+        rows, codes = self._learn(X, y)
+        if self.weights is not None:
+            self.weights_ = self._whole("weights", self.weights)
+            if len(self.weights_) != rows.shape[1] or not any(self.weights_):
+                raise ValueError(
+                    f"weights are {self.weights_}; allowed: {rows.shape[1]} whole numbers, not all 0"
+                )
+            return self
+        own = np.arange(len(rows)) if groups is None else np.asarray(groups)
+        if own.shape != codes.shape:
+            raise ValueError(f"groups have shape {own.shape}; allowed: {codes.shape}, one for each vector")
+        if len(rows) > self.search_size:
+            chosen = check_random_state(self.random_state).choice(len(rows), self.search_size, replace=False)
+            rows, codes, own = rows[chosen], codes[chosen], own[chosen]
+        self._search(rows, codes, own)
+        return self
+
+    def _shares(self, away: NDArray[np.float64]) -> NDArray[np.float64]:
+        distances = away @ np.array(self.weights_, np.float64)
+        shares: NDArray[np.float64] = self._counts[distances == distances.min()].sum(axis=0)
+        return shares
+
+    def _search(self, rows: NDArray[np.float64], codes: NDArray[np.intp], own: NDArray[Any]) -> None:
+        choices = self._whole("choices", self.choices)
+        pairs = np.stack([apart(rows, row, checked_diagonal(self.diagonal)) for row in rows])
+        same, out = codes[:, None] == codes, own[:, None] == own
+        asked = ~out.all(axis=1)  # nobody is left to vote on the others
+
+        def error(weights: list[int]) -> float:
+            distances = pairs @ np.array(weights, np.float64)
+            distances[out] = np.inf
+            voters = (distances == distances.min(axis=1, keepdims=True))[asked] & ~out[asked]
+            right = (voters & same[asked]).sum(axis=1) / voters.sum(axis=1)
+            return float(1 - right.mean()) if asked.any() else 0.0
+
+        weights = [1] * rows.shape[1]
+        self.plain_error_ = best = error(weights)
+        for _ in range(SWEEPS):
+            before = list(weights)
+            for column in range(len(weights)):
+                for choice in choices:
+                    tried = [*weights[:column], choice, *weights[column + 1 :]]
+                    if any(tried) and (found := error(tried)) < best - 1e-12:  # rounding is no improvement
+                        best, weights = found, tried
+            if weights == before:
+                break
+        self.weights_, self.error_ = tuple(weights), best
+
+    @staticmethod
+    def _whole(name: str, values: Sequence[int]) -> tuple[int, ...]:
+        whole = tuple(int(value) for value in values)
+        if any(value < 0 or value != given for value, given in zip(whole, values, strict=True)):
+            raise ValueError(f"{name} are {tuple(values)}; allowed: whole numbers, at least 0")
+        return whole

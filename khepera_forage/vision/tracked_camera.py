@@ -1,0 +1,78 @@
+"""The real overhead camera: frames from a source, regions from the tracker."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.scene import Scene
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.video import FrameSource
+
+
+class TrackedCamera:
+    """A `Camera` that sees what a `Tracker` finds in the frames of a `FrameSource`.
+
+    Nothing is seen before the first `reset` or `expose`. A context manager: leaving it closes the source.
+
+    Args:
+        source: Of frames; it is closed with the camera.
+        tracker: Its tracks are the camera's alone.
+    """
+
+    def __init__(self, source: FrameSource, tracker: Tracker) -> None:
+        self._source = source
+        self._tracker = tracker
+        self._frame: NDArray[np.uint8] | None = None
+        self._age = 0.0
+
+    def reset(self) -> None:
+        """Forget all tracks, and take the first frame.
+
+        Raises:
+            CameraLost: The source gives no more frames.
+        """
+        self._tracker.reset()
+        self.expose()
+
+    def expose(self) -> None:
+        """Take the newest frame: once a round.
+
+        Raises:
+            CameraLost: The source gives no more frames; the last scene stays.
+        """
+        self._frame, self._age = self._source.newest()
+        self._tracker.update(self._frame)
+
+    def look(self) -> Scene:
+        """The scene of the last frame; empty before the first."""
+        return self._tracker.scene
+
+    @property
+    def tracker(self) -> Tracker:
+        """The tracker, with its settings and calibration."""
+        return self._tracker
+
+    @property
+    def frame(self) -> NDArray[np.uint8]:
+        """The last frame, 480 x 640 grey levels, as the tracker saw it.
+
+        Raises:
+            RuntimeError: There was none yet.
+        """
+        if self._frame is None:
+            raise RuntimeError("frame before any expose(); allowed: after one")
+        return self._frame
+
+    @property
+    def age(self) -> float:
+        """How old the last frame was in s when it was taken from the source."""
+        return self._age
+
+    def close(self) -> None:
+        """Close the source; a second call does nothing."""
+        self._source.close()
+
+    def __enter__(self) -> "TrackedCamera":
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

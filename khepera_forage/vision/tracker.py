@@ -1,0 +1,119 @@
+"""The tracker: grey frames become detections, and detections a scene (3.5)."""
+
+import math
+
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.finder import Finder
+from khepera_forage.vision.floor_watch import FloorWatch
+from khepera_forage.vision.opencv import require_opencv
+from khepera_forage.vision.retracking import Detection, FeaturelessTracks, Tracks
+from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+from khepera_forage.vision.segmentation import Bright, Frame, Segmenter
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+__all__ = ["Tracker", "TrackerSettings"]
+
+
+class Tracker:
+    """Finds markers and food in frames of 640 x 480 grey levels, and keeps track of them.
+
+    Description:
+        What is clearly brighter than the floor around it is a candidate (`segmentation`). A candidate of a marker's
+        size with at least one hole is a marker; its centre and axis come from grey-level-weighted moments of the
+        filled shape, and its front is where the holes are (`marker_finder`). Where a user's own marker has its holes
+        in the middle, the heading is the one nearer to that of the same marker in the frame before; in the first frame
+        it lies between -90 and 90 degrees. A disc of food's size is food (`food_finder`).
+        Everything else is nothing: walls, cables, a marker or food of which too little is seen. A region in doubt is
+        lost, never reported with a number of holes that it may not have.
+
+    Lost food:
+        It is dropped once its last place is visible and empty (`retracking`). A place is visible when food lying there
+        would be inside the picture and clear of every marker, found or lost, and when the pixels there have looked like
+        floor in `settings.patience` frames one after the other (`floor_watch`).
+
+    Attributes:
+        settings: As given.
+        calibration: As given.
+
+    Not thread-safe.
+
+    Args:
+        settings: Sizes, thresholds, patience, and whether to track by features; None for the defaults.
+        calibration: From the picture to the floor; None for `Calibration.identity()`.
+
+    Raises:
+        ImportError: OpenCV is not installed.
+        ValueError: A marker or food as high as the calibration's camera.
+    """
+
+    def __init__(
+        self, settings: TrackerSettings | None = None, calibration: Calibration | None = None
+    ) -> None:
+        require_opencv("the tracker")
+        self.settings = settings = settings or TrackerSettings()
+        self.calibration = calibration or Calibration.identity()
+        scale = _scale(self.calibration, settings)
+        self._segmenter = Segmenter(settings.contrast)
+        self._finder = Finder(settings, self.calibration, scale)
+        self._floor = FloorWatch(settings, self.calibration)
+        self._tracks = FeaturelessTracks() if settings.featureless else Tracks()
+        self._scene = Scene(())
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the last frame; empty before the first."""
+        return self._scene
+
+    def detect(self, frame: Frame) -> list[Detection]:
+        """What one frame shows, in no particular order; no track changes.
+
+        Args:
+            frame: 480 x 640 grey levels, row 0 at the top.
+
+        Raises:
+            ValueError: A frame of another shape or type.
+        """
+        return self._detect(self._segmenter.segment(frame))
+
+    def update(self, frame: Frame) -> Scene:
+        """The scene after one more frame.
+
+        Args:
+            frame: 480 x 640 grey levels, row 0 at the top.
+
+        Raises:
+            ValueError: A frame of another shape or type.
+        """
+        bright = self._segmenter.segment(frame)
+        detections = self._detect(bright)
+        self._floor.expose(bright, detections, self._scene)
+        self._scene = self._tracks.update(detections, self._floor.visible)
+        return self._scene
+
+    def reset(self) -> None:
+        """Forget every track; labels start at 0 again."""
+        self._tracks.reset()
+        self._floor.reset()
+        self._scene = Scene(())
+
+    def _detect(self, bright: Bright) -> list[Detection]:
+        found = self._finder.find(bright)
+        return [detection if sure else self._continued(detection) for detection, sure in found]
+
+    def _continued(self, detection: Detection) -> Detection:
+        """A marker whose holes do not tell its front, turned the way that its nearest last sight was."""
+        before = [r for r in self._scene.regions if r.holes == detection.holes]
+        before.sort(key=lambda r: math.hypot(r.x - detection.x, r.y - detection.y))
+        last = before[0].orientation if before else 0
+        if 90 < (detection.orientation - last) % 360 <= 270:
+            return detection._replace(orientation=(detection.orientation + 180) % 360)
+        return detection
+
+
+def _scale(calibration: Calibration, settings: TrackerSettings) -> float:
+    """Pixels of the picture in a mm, in its middle."""
+    middle = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
+    for height in (settings.marker_height, settings.food_height):
+        calibration.to_region(*middle, height)  # refuses what is above the camera
+    return 1 / (MM_PER_PIXEL * math.sqrt(calibration.stretch(*middle).area))

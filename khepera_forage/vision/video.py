@@ -1,0 +1,202 @@
+"""Frames from a camera, a film or a stream: always the newest one, and its age (3.4)."""
+
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.opencv import require_opencv
+from khepera_forage.vision.segmentation import SHAPE
+
+if TYPE_CHECKING:
+    import cv2
+
+_CLOSING = 5.0
+"""Seconds that `close` waits for a read that hangs in a driver."""
+
+
+class CameraLost(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
+    """A camera gives no more frames.
+
+    Args:
+        source: Which one.
+        reason: What happened.
+        age: Seconds since its last frame; None if there never was one.
+    """
+
+    def __init__(self, source: str, reason: str, age: float | None) -> None:
+        last = "no frame ever came" if age is None else f"the last frame is {age:.1f} s old"
+        super().__init__(f"camera {source}: {reason}; {last}")
+        self.source = source
+        self.reason = reason
+        self.age = age
+
+
+class FrameSource(Protocol):
+    """Where frames come from."""
+
+    def newest(self) -> tuple[NDArray[np.uint8], float]:
+        """The newest frame, 480 x 640 grey levels with row 0 at the top, and its age in s."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the device; a second call does nothing."""
+        ...
+
+
+class VideoSource:
+    """A `FrameSource` on anything that OpenCV can open, read by a thread of its own.
+
+    The thread reads as fast as frames come and keeps only the newest, so that a slow user never sees old ones out of a
+    driver's buffer. A film is played at its own speed, like a camera, and is lost when it ends. Colour is turned into
+    grey. Frames of another size are scaled when they are as wide for their height as 640 x 480, which loses nothing
+    that the calibration does not see as well; other shapes are refused, for they would be distorted or cut.
+
+    A context manager: leaving it closes the source.
+
+    Args:
+        source: Number of a device, file, or URL.
+        timeout: Seconds without a new frame after which the camera counts as lost; the first may take ten times
+            as long.
+
+    Raises:
+        ImportError: OpenCV is not installed.
+        FileNotFoundError: A film that is not there.
+        CameraLost: It cannot be opened, or gives no first frame.
+        ValueError: A timeout that is not above 0, or a picture that is not 4 : 3.
+    """
+
+    def __init__(self, source: int | str | Path, *, timeout: float = 2.0) -> None:
+        require_opencv("a video source")
+        if not 0 < timeout < float("inf"):
+            raise ValueError(f"timeout is {timeout!r} s; allowed: above 0")
+        if isinstance(source, Path) or (isinstance(source, str) and "://" not in source):
+            if str(source).isdigit():
+                source = int(str(source))
+            elif not Path(source).exists():
+                raise FileNotFoundError(f"camera {source}: there is no such file or device")
+        self._name = str(source)
+        self._timeout = timeout
+        self._changed = threading.Condition()
+        self._frame: NDArray[np.uint8] | None = None
+        self._taken = 0.0
+        self._end: Exception | None = None
+        self._closing = threading.Event()
+        capture = _opened(source, self._name)
+        self._reader = threading.Thread(
+            target=self._read, args=(capture,), name=f"camera {self._name}", daemon=True
+        )
+        self._reader.start()
+        try:
+            self._await_first()
+        except BaseException:
+            self.close()
+            raise
+
+    def newest(self) -> tuple[NDArray[np.uint8], float]:
+        """The newest frame and its age in s, at once. The frame is shared between calls: it cannot be written to.
+
+        Raises:
+            CameraLost: The film has ended, the device is gone, or nothing has come for `timeout` seconds.
+            ValueError: The picture has become another shape; or the source was closed.
+        """
+        with self._changed:
+            frame, age, end = self._frame, time.monotonic() - self._taken, self._end
+        if self._closing.is_set():
+            raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
+        if isinstance(end, CameraLost):
+            raise CameraLost(self._name, end.reason, age)
+        if end is not None:
+            raise end
+        if age > self._timeout:
+            raise CameraLost(self._name, f"no new frame within {self._timeout:g} s", age)
+        assert frame is not None
+        return frame, age
+
+    def close(self) -> None:
+        """Stop the thread and let go of the device; a second call does nothing."""
+        self._closing.set()
+        if self._reader is not threading.current_thread():
+            self._reader.join(
+                _CLOSING
+            )  # a driver may hang; the thread then lets go of the device when it returns
+
+    def __enter__(self) -> "VideoSource":
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def _await_first(self) -> None:
+        with self._changed:
+            self._changed.wait_for(
+                lambda: self._frame is not None or self._end is not None, 10 * self._timeout
+            )
+            if self._frame is not None:
+                return
+            end = self._end
+        raise end or CameraLost(self._name, f"opened, but silent for {10 * self._timeout:g} s", None)
+
+    def _read(self, capture: "cv2.VideoCapture") -> None:
+        """The thread: one frame after the other until the end."""
+        import cv2
+
+        length = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        period = 1 / max(1.0, capture.get(cv2.CAP_PROP_FPS)) if length > 0 else 0.0
+        due = time.monotonic()
+        try:
+            while not self._closing.is_set():
+                good, picture = capture.read()
+                if not good:
+                    reason = "the film has ended" if length > 0 else "it gives no more frames"
+                    raise CameraLost(self._name, reason, None)
+                frame = _grey(picture, self._name)  # type: ignore[arg-type] # uint8
+                with self._changed:
+                    self._frame, self._taken = frame, time.monotonic()
+                    self._changed.notify_all()
+                due += period
+                self._closing.wait(max(0.0, due - time.monotonic()))
+        except Exception as error:  # whatever it is, the user's thread must hear of it
+            with self._changed:
+                self._end = error
+                self._changed.notify_all()
+        finally:
+            capture.release()
+
+
+def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
+    import cv2
+
+    capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
+    if not capture.isOpened():
+        raise CameraLost(name, "cannot be opened", None)
+    if capture.get(cv2.CAP_PROP_FRAME_COUNT) <= 0:  # a device: ask for what the thesis had, it may refuse
+        rows, columns = SHAPE
+        capture.set(cv2.CAP_PROP_FRAME_WIDTH, columns)
+        capture.set(cv2.CAP_PROP_FRAME_HEIGHT, rows)
+        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+    return capture
+
+
+def _grey(picture: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
+    """A picture as 480 x 640 grey levels, read-only."""
+    import cv2
+
+    rows, columns = SHAPE
+    height, width = picture.shape[:2]
+    if width * rows != height * columns:
+        raise ValueError(
+            f"camera {name} gives pictures of {width} x {height}; allowed: {columns} x {rows}, or another size that is "
+            "four wide for three high"
+        )
+    if picture.ndim == 3:
+        picture = picture[:, :, 0] if picture.shape[2] == 1 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)  # type: ignore[assignment]
+    if height != rows:
+        how = cv2.INTER_AREA if height > rows else cv2.INTER_LINEAR
+        picture = cv2.resize(picture, (columns, rows), interpolation=how)  # type: ignore[assignment]
+    picture = np.ascontiguousarray(picture)
+    picture.setflags(write=False)
+    return picture

@@ -1,0 +1,40 @@
+"""How the batch is compiled: one place for numba's options."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+from numba.extending import overload, register_jitable
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+# The Python error model checks every division, which keeps loops from being vectorised.
+_OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True}
+
+
+def kernel(function: _F) -> _F:
+    """A function that loops over many worlds, compiled when it is first called by compiled code."""
+    compiled: _F = numba.njit(**_OPTIONS)(function)
+    return compiled
+
+
+def inline(function: _F) -> _F:
+    """A function of one world's numbers, compiled into whatever kernel calls it; plain Python otherwise."""
+    registered: _F = register_jitable(forceinline=True)(function)
+    return registered
+
+
+def stand_in(function: Callable[..., Any]) -> Callable[[_F], _F]:
+    """In compiled code the decorated function takes the place of `function`, of the same arguments.
+
+    Both stay what they are in plain Python, so that a test can compare them.
+    """
+
+    def register(substitute: _F) -> _F:
+        names = ", ".join(substitute.__code__.co_varnames[: substitute.__code__.co_argcount])
+        typing: dict[str, Any] = {}
+        exec(f"def typing({names}):\n    return substitute\n", {"substitute": substitute}, typing)
+        overload(function, jit_options={"forceinline": True}, strict=False)(typing["typing"])
+        return substitute
+
+    return register

@@ -1,0 +1,174 @@
+"""The beginning of a round: the arm's move, what the wheels will travel, and where that leads if nothing resists."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    ARM_SPEED,
+    CONTROL_PERIOD,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    JAW_ROOT,
+    JAW_SPEED,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+    half_gap,
+)
+from khepera_forage.worlds.batch import rows as at
+from khepera_forage.worlds.batch import setting
+from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.gripper import finger_overlap, palm_overlap, room_below
+from khepera_forage.worlds.batch.numbers import normal, word
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.trigonometry import cosine_sine
+
+_32 = np.uint64(32)
+_DRAWS = np.uint64(at.DRAWS)
+_FIRST, _SECOND, _DITHER = (np.uint64(at.DRAW_WHEELS + n) for n in range(3))
+_ARM_STEP, _JAW_STEP = ARM_SPEED * CONTROL_PERIOD, JAW_SPEED * CONTROL_PERIOD
+_PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
+_FAR = 30.0
+"""mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
+
+half_gap = inline(half_gap)
+
+
+@inline
+def towards(target: float, value: float, step: float) -> float:
+    """A value moved by at most `step` towards a target."""
+    return min(target, value + step) if target > value else max(target, value - step)
+
+
+@kernel
+def begin_round(
+    s: NDArray[np.float64], f: NDArray[np.float64], keys: NDArray[np.uint64], foods: int, noise: NDArray[np.float64]
+) -> None:
+    """Move the arms, draw the wheels' slip, and work out the free end of the round for every world of a block."""
+    slip = noise[setting.WHEEL_SLIP]
+    for i in range(LANES):
+        arm, target = s[at.ARM * LANES + i], s[at.ARM_TO * LANES + i]
+        moved = towards(target, arm, _ARM_STEP)
+        s[at.SCRATCH * LANES + i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
+        s[at.ARM * LANES + i] = moved
+    for i in range(LANES):
+        if s[at.SCRATCH * LANES + i] != 0.0 and not room_below(s, f, foods, i):
+            s[at.ARM * LANES + i] = ARM_ON_FLOOR - 1.0
+    for i in range(LANES):
+        key = keys[at.KEY * LANES + i]
+        first = keys[at.ROUND * LANES + i] * _DRAWS
+        dither = word(key, first + _DITHER)
+        left_normal = normal(word(key, first + _FIRST), dither)
+        right_normal = normal(word(key, first + _SECOND), dither >> _32)
+        left = s[at.LEFT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_LEFT * LANES + i] + slip * left_normal)
+        right = s[at.RIGHT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_RIGHT * LANES + i] + slip * right_normal)
+        forward, turn = (left + right) / 2, (right - left) / WHEEL_BASE
+        heading = s[at.HEADING * LANES + i]
+        # The direction in the middle of the round does for all of it: the chord ends where the arc does.
+        c, d = cosine_sine(heading + turn * CONTROL_PERIOD / 2)
+        end = heading + turn * CONTROL_PERIOD
+        end_c, end_s = cosine_sine(end)
+        s[at.FORWARD * LANES + i] = forward
+        s[at.TURN * LANES + i] = turn
+        s[at.FREE_X * LANES + i] = s[at.X * LANES + i] + forward * c * CONTROL_PERIOD
+        s[at.FREE_Y * LANES + i] = s[at.Y * LANES + i] + forward * d * CONTROL_PERIOD
+        s[at.FREE_HEADING * LANES + i] = end
+        s[at.FREE_COS * LANES + i] = end_c
+        s[at.FREE_SIN * LANES + i] = end_s
+        # A jaw that holds food closes no further; one that opens from it is followed step by step.
+        held = s[at.HELD * LANES + i] >= 0.0
+        jaw, jaw_to = s[at.JAW * LANES + i], s[at.JAW_TO * LANES + i]
+        s[at.FREE_JAW * LANES + i] = jaw if held else towards(jaw_to, jaw, _JAW_STEP)
+        travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
+        s[at.SCRATCH * LANES + i] = travel
+        s[at.TOUCHES * LANES + i] = 1.0 if held and jaw_to > jaw else 0.0
+
+
+@kernel
+def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+    """Mark the worlds whose robot would touch a wall at the free end of the round."""
+    for wall in range(walls.shape[0]):
+        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
+        share = walls[wall, setting.SHARE]
+        nx, ny, offset = walls[wall, 5], walls[wall, 6], walls[wall, 7]
+        for i in range(LANES):
+            x, y = s[at.FREE_X * LANES + i], s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            wide = half_gap(s[at.FREE_JAW * LANES + i]) + FINGER_THICKNESS
+            # Which side of the wall the robot is on now.
+            side = nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset
+            side = math.copysign(1.0, side)
+            off = side * (nx * x + ny * y - offset)
+            t = ((x - x1) * ex + (y - y1) * ey) * share
+            t = min(1.0, max(0.0, t))
+            dx, dy = x - x1 - t * ex, y - y1 - t * ey
+            body = dx * dx + dy * dy < RADIUS * RADIUS
+            # How far forward and left of the robot lead away from the wall.
+            ahead, aside = side * (nx * c + ny * d), abs(nx * -d + ny * c)
+            tip = off + FINGER_TIP * ahead - wide * aside < 0.0
+            root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
+            held = s[at.HELD * LANES + i] >= 0.0
+            grip = held and off + s[at.GRIP_X * LANES + i] * ahead - aside * abs(s[at.GRIP_Y * LANES + i]) < FOOD_RADIUS
+            # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
+            along = (x - x1) * ex + (y - y1) * ey
+            reach = 94.0 * math.sqrt(ex * ex + ey * ey)
+            beside = along > -reach and along < ex * ex + ey * ey + reach
+            if body or (beside and (tip or root or grip)):
+                s[at.TOUCHES * LANES + i] = 1.0
+    for corner in range(corners.shape[0]):
+        cx, cy = corners[corner, 0], corners[corner, 1]
+        for i in range(LANES):
+            dx, dy = cx - s[at.FREE_X * LANES + i], cy - s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            u, v = dx * c + dy * d, dy * c - dx * d
+            if finger_overlap(u, v, s[at.FREE_JAW * LANES + i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
+                s[at.TOUCHES * LANES + i] = 1.0
+
+
+@kernel
+def watch_food(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
+    """Mark the worlds whose robot would touch food, other than in its gripper, at the free end of the round."""
+    for food in range(foods):
+        base = food * at.FOOD_ROWS * LANES
+        for i in range(LANES):
+            x, y = f[base + at.FOOD_X * LANES + i], f[base + at.FOOD_Y * LANES + i]
+            dx, dy = x - s[at.FREE_X * LANES + i], y - s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            u, v = dx * c + dy * d, dy * c - dx * d
+            low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
+            held = s[at.HELD * LANES + i]
+            reach = RADIUS + FOOD_RADIUS
+            body = u * u + v * v < reach * reach
+            fingers = finger_overlap(u, v, s[at.FREE_JAW * LANES + i], FOOD_RADIUS) > 0.0
+            palm = palm_overlap(u, v, FOOD_RADIUS) > 0.0
+            gx, gy = u - s[at.GRIP_X * LANES + i], v - s[at.GRIP_Y * LANES + i]
+            other = held >= 0.0 and gx * gx + gy * gy < 4 * FOOD_RADIUS * FOOD_RADIUS
+            fast = s[at.SCRATCH * LANES + i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
+            if held != food and (body or (low and (fingers or palm or other or fast))):
+                s[at.TOUCHES * LANES + i] = 1.0
+
+
+@kernel
+def glide(s: NDArray[np.float64]) -> None:
+    """Take the free end of the round where nothing is touched, or where nothing moves."""
+    for i in range(LANES):
+        still = s[at.SCRATCH * LANES + i] == 0.0 and s[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
+        opens = s[at.HELD * LANES + i] >= 0.0 and s[at.JAW_TO * LANES + i] > s[at.JAW * LANES + i]
+        free = s[at.TOUCHES * LANES + i] == 0.0 or (still and not opens)
+        s[at.TOUCHES * LANES + i] = 0.0 if free else 1.0
+        for row, end in (
+            (at.X, at.FREE_X),
+            (at.Y, at.FREE_Y),
+            (at.HEADING, at.FREE_HEADING),
+            (at.COS, at.FREE_COS),
+            (at.SIN, at.FREE_SIN),
+            (at.JAW, at.FREE_JAW),
+        ):
+            s[row * LANES + i] = s[end * LANES + i] if free else s[row * LANES + i]
+        s[at.PULSES_LEFT * LANES + i] += s[at.LEFT * LANES + i] * _PULSES
+        s[at.PULSES_RIGHT * LANES + i] += s[at.RIGHT * LANES + i] * _PULSES

@@ -1,0 +1,63 @@
+"""The contracts, made by real drivers and a real tracker on virtual devices."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.vision.frames import CameraLook
+from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
+from khepera_forage.worlds.laboratory import Laboratory
+from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+from khepera_forage.worlds.world import Layout
+
+from .suites import CameraContract, RobotContract, Stage, WorldContract
+
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+
+@pytest.fixture(params=["none", "laboratory"])
+def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
+    quiet = request.param == "none"
+    noise = (
+        Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
+    )
+    look = CameraLook.none() if quiet else CameraLook.laboratory()
+    with VirtualLaboratory.of(RECTANGLE, 1, noise=noise, look=look) as world:
+        layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
+        world.reset(np.random.default_rng(3), layout)
+        yield Stage(world, layout)
+
+
+class TestSerialKhepera(RobotContract):
+    def test_it_is_the_real_driver(self, stage: Stage) -> None:
+        assert type(stage.robot) is SerialKhepera
+
+
+class TestTrackedCamera(CameraContract):
+    def test_it_is_the_real_camera(self, stage: Stage) -> None:
+        assert type(stage.camera) is TrackedCamera
+
+    def test_it_sees_where_the_bodies_truly_are(self, stage: Stage) -> None:
+        """The laboratory's own poses are the camera's, so the contract alone would not tell."""
+        assert isinstance(stage.world, VirtualLaboratory)
+        stage.rounds(20, Motors(6, 4, 215, 200))
+        stage.rounds(2, Motors(0, 0, 215, 200))
+        (x, y, heading), (food,) = stage.world.bodies.poses()[0], stage.world.bodies.food_places()
+        for region in stage.camera.look().regions:
+            there = (x, y) if region.holes else food[:2]
+            assert math.dist((region.x * 5, region.y * 5), there) < 5
+            if region.holes:
+                assert abs((region.orientation - math.degrees(heading) + 180) % 360 - 180) < 3
+
+
+class TestLaboratory(WorldContract):
+    def test_it_is_a_laboratory(self, stage: Stage) -> None:
+        assert isinstance(stage.world, Laboratory)

@@ -1,0 +1,215 @@
+"""A robot or the camera is lost in the middle of an episode."""
+
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
+from khepera_forage.experiments import recalling, training
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.robots.line_faults import Faults
+from khepera_forage.worlds.arena import RECTANGLE
+from khepera_forage.worlds.operator import OperatorGaveUp, Request
+from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+
+@pytest.fixture
+def pair() -> Iterator[VirtualLaboratory]:
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        yield lab
+
+
+@pytest.fixture
+def alone() -> Iterator[VirtualLaboratory]:
+    with VirtualLaboratory.of("corridor", 1) as lab:
+        yield lab
+
+
+def unplug(lab: VirtualLaboratory, robot: int) -> None:
+    lab.ports[robot].faults = Faults(unplug=1.0)
+
+
+def standing(lab: VirtualLaboratory) -> bool:
+    lab.bodies.advance()
+    before = [robot.sense()[1:3] for robot in lab.bodies.robots]
+    lab.bodies.advance()
+    return before == [robot.sense()[1:3] for robot in lab.bodies.robots]
+
+
+def rounds(env: TrainingEnv, count: int) -> None:
+    """So many rounds in which everybody searches."""
+    for _ in range(count * len(env.possible_agents)):
+        env.step(0)
+
+
+@pytest.mark.parametrize("robot", [0, 1])
+def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: int) -> None:
+    env = TrainingEnv(world=pair, noise=Noise.none())
+    env.reset(seed=1)
+    rounds(env, 5)
+    assert not any("robot_lost" in info for info in env.infos.values())
+    before = {agent: env.observe(agent) for agent in env.agents}
+    unplug(pair, robot)
+    rounds(env, 1)
+    assert standing(pair)
+    assert env.agents == [TEACHER, "learner_0"], "PettingZoo's own loop takes them away one by one"
+    for agent in env.agents:
+        assert env.truncations[agent]
+        assert not env.terminations[agent]
+        assert env.infos[agent]["robot_lost"].startswith(f"{pair.settings.robots[robot].port}: ")
+        assert env.infos[agent]["steps"] == 6
+        np.testing.assert_array_equal(env.observe(agent)[:5], before[agent][:5])
+    env.reset(seed=2)
+    rounds(env, 5)
+    assert not any(env.truncations.values())
+
+
+def test_the_usual_loop_ends(pair: VirtualLaboratory) -> None:
+    env = paired_corridors_v0.env(world=pair, noise=Noise.none())
+    env.reset(seed=1)
+    reasons = []
+    for count, agent in enumerate(env.agent_iter()):
+        _, _, terminated, truncated, info = env.last()
+        if count == 20:
+            unplug(pair, 1)
+        if truncated:
+            reasons.append((agent, info["robot_lost"]))
+        env.step(None if terminated or truncated else 0)
+    assert [agent for agent, _ in reasons] == [TEACHER, "learner_0"]
+    assert not env.agents
+
+
+def test_a_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:
+    env = TrainingEnv(world=pair, noise=Noise.none())
+    env.reset(seed=1)
+    rounds(env, 5)
+    unplug(pair, 0)
+    env.resume_beside("learner_0")
+    assert all(env.truncations.values())
+    assert "robot_lost" in env.infos[TEACHER]
+    assert standing(pair)
+
+
+@pytest.mark.parametrize("kind", [BehavioursEnv, WheelsEnv])
+def test_recall_is_truncated_with_the_reason(
+    alone: VirtualLaboratory, kind: type[BehavioursEnv] | type[WheelsEnv]
+) -> None:
+    env: gym.Env = kind(world=alone)
+    env.reset(seed=1)
+    action = 0 if kind is BehavioursEnv else np.array((0.5, 0.4, 1.0, -1.0), np.float32)
+    for _ in range(4):
+        observation, _, _, truncated, info = env.step(action)
+        assert not truncated
+        assert "robot_lost" not in info
+    unplug(alone, 0)
+    last, reward, terminated, truncated, info = env.step(action)
+    assert truncated
+    assert not terminated
+    assert reward == -1 / 500
+    assert info["steps"] == 5
+    assert info["robot_lost"].startswith(alone.settings.robots[0].port)
+    for key, value in observation.items():
+        np.testing.assert_array_equal(last[key], value)
+    assert standing(alone)
+    with pytest.raises(gym.error.ResetNeeded):
+        env.step(action)
+    env.reset(seed=2)
+    assert not env.step(action)[3]
+
+
+def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
+    env = BehavioursEnv(world=alone)
+    env.reset(seed=1)
+    frame, _ = alone.frames.newest()
+    monkeypatch.setattr(alone.frames, "newest", lambda: (frame, 2.0))
+    _, _, _, truncated, info = env.step(0)
+    assert truncated
+    assert info["robot_lost"].startswith("camera rendered frames: ")
+    assert standing(alone)
+
+
+def test_what_was_recorded_is_kept(
+    pair: VirtualLaboratory, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    env = TrainingEnv(world=pair, noise=Noise.none())
+    path = tmp_path / "g1.csv"
+    (tmp_path / "g1.lost-1.csv").write_text("of an earlier training")
+    seen: list[int] = []
+
+    def watch() -> None:
+        seen.append(1)
+        if len(seen) == 40:
+            unplug(pair, 1)
+
+    with caplog.at_level(logging.WARNING, training.__name__):
+        experience, rows = training.train(env, np.random.SeedSequence(1), path=path, watch=watch)
+    assert rows[0].reason == training.ROBOT_LOST
+    assert rows[-1].complete
+    assert rows[0].rounds == 41
+    kept = tmp_path / "g1.lost-2.csv"
+    assert f"its {rows[0].vectors} experience vectors are kept in {kept}" in caplog.text
+    with pytest.raises(ExperienceError):
+        Experience.load(kept)
+    with pytest.warns(ExperienceWarning):
+        recovered = Experience.load(kept, recover=True)
+    assert len(recovered) == rows[0].vectors
+    assert rows[0].vectors > 30
+    assert Experience.load(path) == experience
+    assert (tmp_path / "g1.lost-1.csv").read_text() == "of an earlier training"
+
+
+def test_a_recall_that_was_cut_short_is_no_result(alone: VirtualLaboratory) -> None:
+    env = recalling.recall_env("corridor", world=alone)
+    steps: list[int] = []
+
+    def watch() -> None:
+        steps.append(1)
+        if len(steps) == 10:
+            unplug(alone, 0)
+
+    with pytest.raises(recalling.RecallCutShort, match=r"after 10 steps: /dev/"):
+        recalling.recall(env, Teacher(env.home_radius), 3, watch=watch)
+    assert recalling.recall(env, Teacher(env.home_radius), 3).steps > 20
+
+
+def test_a_world_must_have_a_robot_in_each_arena(pair: VirtualLaboratory) -> None:
+    with pytest.raises(ValueError, match="world has 2 robots in 2 arenas; allowed: 1"):
+        BehavioursEnv(world=pair)
+    with pytest.raises(ValueError, match="allowed: 3, one in each"):
+        TrainingEnv(num_learners=2, world=pair)
+
+
+def test_an_environment_takes_arena_and_markers_of_its_world() -> None:
+    with VirtualLaboratory.of(RECTANGLE.shifted(100, 50), 1) as lab:
+        env = BehavioursEnv(foods=2, world=lab)
+        assert env.arena == RECTANGLE.shifted(100, 50)
+        env.reset(seed=1)
+        assert env.forager.holes == 2
+
+
+def test_an_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
+    def nobody(request: Request) -> None:
+        raise OperatorGaveUp("no time")
+
+    path = tmp_path / "g1.csv"
+    with VirtualLaboratory.of("corridor", 2, operator=nobody) as lab:
+        env = TrainingEnv(world=lab, noise=Noise.none())
+        with pytest.raises(OperatorGaveUp):
+            training.train(env, np.random.SeedSequence(1), path=path)
+        assert not path.exists()
+        path.write_text("of an earlier training")
+        with pytest.raises(FileExistsError):
+            training.train(env, np.random.SeedSequence(1), path=path)
+        assert path.read_text() == "of an earlier training"

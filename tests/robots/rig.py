@@ -1,0 +1,94 @@
+"""Real drivers on virtual Kheperas: real bytes over pseudo-terminals or TCP, a simulated world behind them."""
+
+import contextlib
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.firmware import Firmware
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.line_faults import Faults
+from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import Layout
+
+FIELD = Arena(
+    name="field",
+    walls=(Point(0, 0), Point(2000, 0), Point(2000, 2000), Point(0, 2000)),
+    home=Point(1800, 1800),
+    home_radius=100,
+    start=Pose(1000, 1000, 0),
+    foods=(Point(100, 100),),
+)
+"""So wide that nothing is hit by chance."""
+
+
+class Rig:
+    """Simulated robots far apart on a wide floor, each behind a virtual Khepera's port."""
+
+    def __init__(self, world: PymunkWorld, ports: list[VirtualKhepera], firmwares: list[Firmware]) -> None:
+        self.world = world
+        self.ports = ports
+        self.firmwares = firmwares
+        self.lock = threading.RLock()
+
+    @property
+    def url(self) -> str:
+        return self.ports[0].url
+
+    @property
+    def robots(self) -> tuple[PymunkKhepera, ...]:
+        return self.world.robots
+
+    def advance(self, rounds: int = 1) -> None:
+        with self.lock:
+            for _ in range(rounds):
+                self.world.advance()
+                for firmware in self.firmwares:
+                    firmware.tick()
+
+    def wheels(self, number: int = 0) -> tuple[float, float]:
+        """Pulses in one round: what the robot's wheels do now."""
+        robot = self.robots[number]
+        before = robot.sense()
+        self.advance()
+        after = robot.sense()
+        return after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+
+    def stands(self) -> bool:
+        return all(self.wheels(number) == (0, 0) for number in range(len(self.robots)))
+
+
+@contextlib.contextmanager
+def rig(
+    robots: int = 1,
+    *,
+    tcp: bool = False,
+    baud: int | None = None,
+    faults: Faults | None = None,
+    seed: int = 0,
+) -> Iterator[Rig]:
+    poses = [Pose(400 + 400 * (i % 4), 600 + 600 * (i // 4), 0.3 * i) for i in range(robots)]
+    world = PymunkWorld([FIELD], [1 + i % 2 for i in range(robots)], Noise.none())
+    world.reset(np.random.default_rng(seed), Layout(tuple(poses), ()))
+    built = Rig(world, [], [])
+    with contextlib.ExitStack() as stack:
+        for number, robot in enumerate(world.robots):
+            firmware = Firmware(robot, built.lock)
+            port = VirtualKhepera(
+                firmware,
+                tcp=0 if tcp else None,
+                baud=baud,
+                faults=faults,
+                rng=np.random.default_rng((seed, number)),
+            )
+            built.firmwares.append(firmware)
+            built.ports.append(stack.enter_context(port))
+        yield built
+
+
+FORWARD = Motors(5, 5, 215, 200)

@@ -1,0 +1,52 @@
+"""A virtual Khepera in an open arena, for tests."""
+
+import threading
+from typing import NamedTuple
+
+import numpy as np
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.firmware import Firmware
+from khepera_forage.robots.khepera import FOOD_RADIUS
+from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
+from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.worlds.world import Layout
+
+
+class Stage(NamedTuple):
+    """A world with one robot, its firmware, and the lock of both."""
+
+    world: PymunkWorld
+    firmware: Firmware
+    lock: threading.RLock
+
+    @property
+    def robot(self) -> PymunkKhepera:
+        return self.world.robots[0]
+
+    def ask(self, line: str) -> str:
+        """A request and its reply, without line ends."""
+        return self.firmware.answer(line.encode()).decode().removesuffix("\r\n")
+
+    def numbers(self, line: str) -> list[int]:
+        """The values in the reply to a request."""
+        letters = line.lower().split(",")[: 3 if line.startswith("T") else 1]
+        fields = self.ask(line).split(",")
+        assert fields[: len(letters)] == letters
+        return [int(field) for field in fields[len(letters) :]]
+
+    def rounds(self, count: int) -> None:
+        for _ in range(count):
+            self.world.advance()
+            self.firmware.tick()
+
+
+def staged(noise: Noise | None = None, food_ahead: float | None = None) -> Stage:
+    """A robot in the middle of the rectangle, looking along x, and food well away or so far ahead of its centre."""
+    world = PymunkWorld([RECTANGLE], (2,), Noise.none() if noise is None else noise)
+    food = Point(600.0, 560.0) if food_ahead is None else Point(200.0 + food_ahead, 300.0)
+    assert RECTANGLE.clearance(food) > FOOD_RADIUS
+    world.reset(np.random.default_rng(3), Layout((Pose(200.0, 300.0, 0.0),), (food,)))
+    lock = threading.RLock()
+    return Stage(world, Firmware(world.robots[0], lock), lock)

@@ -1,0 +1,125 @@
+"""From picture to floor by four points, and parallax."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.vision.calibration import Calibration
+
+PICTURE = ((52.0, 431.0), (611.0, 440.0), (560.0, 31.0), (95.0, 40.0))
+FLOOR = ((0.0, 0.0), (2400.0, 0.0), (2400.0, 2400.0), (0.0, 2400.0))
+TILTED = Calibration(PICTURE, FLOOR)
+
+inside = st.floats(0.05, 0.95)
+
+
+def test_the_four_points_are_where_they_were_said_to_be() -> None:
+    for point, place in zip(PICTURE, FLOOR, strict=True):
+        assert TILTED.to_region(*point) == pytest.approx((place[0] / 5, place[1] / 5), abs=1e-6)
+        assert TILTED.to_picture(place[0] / 5, place[1] / 5) == pytest.approx(point, abs=1e-6)
+
+
+def test_a_straight_line_stays_straight_and_the_middle_is_where_the_diagonals_cross() -> None:
+    """What a homography does and an interpolation between the four points does not."""
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = PICTURE
+    s, _ = np.linalg.solve([[cx - ax, bx - dx], [cy - ay, by - dy]], [bx - ax, by - ay])
+    assert TILTED.to_region(ax + s * (cx - ax), ay + s * (cy - ay)) == pytest.approx((240, 240), abs=1e-6)
+
+
+def test_identity_is_five_millimetres_a_pixel_with_y_up() -> None:
+    plain = Calibration.identity()
+    assert plain.to_region(0.5, 479.5) == pytest.approx((0.5, 0.5))
+    assert plain.to_region(640, 0) == pytest.approx((640, 480))
+    assert plain.stretch(100, 200) == pytest.approx((1, 0, 0, -1))
+
+
+@given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 23.0, 300.0]))
+def test_there_and_back(u: float, v: float, height: float) -> None:
+    for calibration in (TILTED, Calibration(PICTURE, FLOOR, (1100.0, 1300.0, 2500.0))):
+        assert calibration.to_picture(*calibration.to_region(u, v, height), height) == pytest.approx((u, v))
+
+
+@given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 70.0]))
+def test_the_stretch_is_the_derivative(u: float, v: float, height: float) -> None:
+    calibration = Calibration(PICTURE, FLOOR, (1100.0, 1300.0, 2500.0))
+    stretch, step = calibration.stretch(u, v, height), 1e-4
+    x, y = calibration.to_region(u, v, height)
+    for (du, dv), (dx, dy) in {
+        (step, 0.0): (stretch.xu, stretch.yu),
+        (0.0, step): (stretch.xv, stretch.yv),
+    }.items():
+        moved_x, moved_y = calibration.to_region(u + du, v + dv, height)
+        assert ((moved_x - x) / step, (moved_y - y) / step) == pytest.approx((dx, dy), abs=1e-4)
+
+
+def test_parallax_by_similar_triangles() -> None:
+    """A camera 2 m high; what is 200 mm high is seen 10/9 as far from the point below it."""
+    calibration = Calibration.identity((1600.0, 1200.0, 2000.0))
+    assert calibration.to_region(320 + 100, 240, 200) == pytest.approx((320 + 90, 240))
+    assert calibration.to_region(320, 240 - 100, 200) == pytest.approx((320, 240 + 90))
+    assert calibration.to_region(320 + 100, 240) == pytest.approx((420, 240))
+    assert Calibration.identity().to_region(320 + 100, 240, 200) == pytest.approx((420, 240))
+
+
+@pytest.mark.parametrize("camera", [None, (1234.5, 678.25, 2600.0)])
+def test_saved_and_loaded(tmp_path: Path, camera: tuple[float, float, float] | None) -> None:
+    calibration = Calibration(PICTURE, FLOOR, camera)
+    calibration.save(tmp_path / "calibration.toml")
+    assert Calibration.load(tmp_path / "calibration.toml") == calibration
+    assert Calibration.from_table(calibration.as_table()) == calibration
+
+
+def test_whole_numbers_of_a_file_will_do() -> None:
+    table = {
+        "picture": [[0, 480], [640, 480], [640, 0], [0, 0]],
+        "floor": [[0, 0], [3200, 0], [3200, 2400], [0, 2400]],
+    }
+    assert Calibration.from_table(table).to_region(10.5, 20.5) == pytest.approx((10.5, 459.5))
+
+
+@pytest.mark.parametrize(
+    ("picture", "floor", "camera", "message"),
+    [
+        (PICTURE[:3], FLOOR, None, "four points"),
+        (PICTURE, (*FLOOR[:3], (0.0, math.nan)), None, r"floor point is \(0.0, nan\)"),
+        (PICTURE, (*FLOOR[:3], (0.0, 0.0, 0.0)), None, "2 finite numbers"),
+        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, r"floor has the point \(2400.0, 0.0\) twice"),
+        ((*PICTURE[:3], (331.0, 436.0)), FLOOR, None, r"picture points .*\(331.0, 436.0\) lie on a line"),
+        (PICTURE, (FLOOR[1], FLOOR[0], FLOOR[3], FLOOR[2]), None, "mirrored"),
+        (PICTURE, (FLOOR[0], FLOOR[2], FLOOR[1], FLOOR[3]), None, "crossed"),
+        (PICTURE, FLOOR, (0.0, 0.0, 0.0), r"camera is \(0.0, 0.0, 0.0\).*above 0"),
+        (PICTURE, FLOOR, (0.0, 0.0), "3 finite numbers"),
+    ],
+)
+def test_points_of_which_nothing_can_be_made(
+    picture: object, floor: object, camera: object, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        Calibration.from_table({"picture": picture, "floor": floor, "camera": camera})
+
+
+@given(st.permutations(range(4)))
+def test_the_order_of_the_points_does_not_matter_as_long_as_it_is_the_same(order: list[int]) -> None:
+    calibration = Calibration(tuple(PICTURE[i] for i in order), tuple(FLOOR[i] for i in order))
+    assert calibration.to_region(300, 200) == pytest.approx(TILTED.to_region(300, 200))
+
+
+def test_a_mistake_in_a_table_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="'hight' is unknown"):
+        Calibration.from_table({"picture": PICTURE, "floor": FLOOR, "hight": 2.0})
+    with pytest.raises(ValueError, match="no 'floor'"):
+        Calibration.from_table({"picture": PICTURE})
+    path = tmp_path / "bad.toml"
+    path.write_text("picture = [[")
+    with pytest.raises(ValueError, match=r"bad\.toml"):
+        Calibration.load(path)
+
+
+def test_nothing_is_higher_than_the_camera() -> None:
+    calibration = Calibration.identity((0.0, 0.0, 50.0))
+    with pytest.raises(ValueError, match=r"height is 70\.0 mm"):
+        calibration.to_region(1, 1, 70.0)

@@ -1,0 +1,71 @@
+"""The page to print: sizes are those of figure 3.9, and the tracker knows what is on it."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from khepera_forage.vision.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, save_marker_sheet, svg
+from khepera_forage.vision.tracker import Tracker
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_rectangles_of_the_drawing_have_their_true_size() -> None:
+    root = ElementTree.fromstring(svg().partition("\n")[2])
+    assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
+    assert root.get("viewBox") == "0 0 210 297", "so that a unit is a mm"
+    sizes = [
+        (r.get("fill"), float(r.attrib["width"]), float(r.attrib["height"]))
+        for r in root.iter(f"{SVG}rect")
+        if "%" not in r.attrib["width"]
+    ]
+    assert sizes.count(("white", 120.0, 80.0)) == 2
+    assert sizes.count(("black", 136.0, 96.0)) == 2
+    assert sizes.count(("black", 20.0, 20.0)) == 3
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf"])
+def test_pictures_are_a_page_of_a4(tmp_path: Path, kind: str) -> None:
+    path = save_marker_sheet(tmp_path / f"markers.{kind}")
+    if kind == "pdf":
+        data = path.read_bytes()
+        assert data.startswith(b"%PDF")
+        # In points of 1/72 inch.
+        box = data.partition(b"/MediaBox [")[2].partition(b"]")[0].split()
+        assert [float(side) / 72 * 25.4 for side in box[2:]] == pytest.approx([210, 297], abs=0.1)
+        return
+    with Image.open(path) as image:
+        assert image.info["dpi"] == pytest.approx((DPI, DPI), rel=1e-4)
+        assert image.size == (round(PAGE_WIDTH / 25.4 * DPI), round(PAGE_HEIGHT / 25.4 * DPI))
+
+
+def test_the_tracker_knows_what_was_printed(tmp_path: Path) -> None:
+    """The printed page, cut along the frames, on a grey floor, photographed at 5 mm a pixel."""
+    with Image.open(save_marker_sheet(tmp_path / "markers.png")) as image:
+        page = np.asarray(image.convert("L"))
+    scale = DPI / 25.4
+    floor = np.full((480 * 8, 640 * 8), 105, np.uint8)
+    for row, (x, y) in enumerate(((1000, 1000), (2000, 1400))):
+        top, left = 68 + row * 118 - 48, 105 - 68
+        print_ = page[
+            int(top * scale) : int((top + 96) * scale), int(left * scale) : int((left + 136) * scale)
+        ]
+        small = cv2.resize(print_, (round(136 * 8 / 5), round(96 * 8 / 5)), interpolation=cv2.INTER_AREA)
+        height, width = small.shape
+        up, across = round((2400 - y) * 8 / 5 - height / 2), round(x * 8 / 5 - width / 2)
+        floor[up : up + height, across : across + width] = np.clip(small, 25, 225)
+    frame = cv2.resize(floor, (640, 480), interpolation=cv2.INTER_AREA)
+    seen = {d.holes: d for d in Tracker().detect(np.asarray(frame, np.uint8))}
+    assert sorted(seen) == [1, 2]
+    for holes, (x, y) in ((1, (1000, 1000)), (2, (2000, 1400))):
+        assert (seen[holes].x, seen[holes].y) == pytest.approx((x / 5, y / 5), abs=0.3)
+        assert (seen[holes].orientation + 180) % 360 - 180 == pytest.approx(0, abs=2)
+
+
+def test_another_kind_of_file(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"allowed: a name that ends in \.svg, \.png, \.pdf"):
+        save_marker_sheet(tmp_path / "markers.txt")

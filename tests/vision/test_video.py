@@ -1,0 +1,222 @@
+"""Frames from films and streams: the real OpenCV below, so what is tested is what a user has."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.vision.frame_pen import Disc, Place, draw
+from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
+
+
+def picture(grey: int, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
+    """All of one grey, but for a white bar on the left."""
+    frame = np.full((height, width), grey, np.uint8)
+    frame[:, : width // 8] = 255
+    return frame
+
+
+def film(path: Path, greys: list[int], fps: float, width: int = 640, height: int = 480) -> Path:
+    code = cv2.VideoWriter.fourcc(*"MJPG")
+    writer = cv2.VideoWriter(str(path), code, fps, (width, height), True)
+    for grey in greys:
+        writer.write(cv2.cvtColor(picture(grey, width, height), cv2.COLOR_GRAY2BGR))
+    writer.release()
+    return path
+
+
+def threads() -> list[str]:
+    return [t.name for t in threading.enumerate() if t.name.startswith("camera")]
+
+
+def test_newest_frame_of_a_film(tmp_path: Path) -> None:
+    with VideoSource(film(tmp_path / "film.avi", [100] * 50, 25)) as source:
+        as_source: FrameSource = source
+        frame, age = as_source.newest()
+        assert frame.shape == (480, 640)
+        assert frame.dtype == np.uint8
+        assert abs(int(frame[240, 320]) - 100) <= 3
+        assert frame[240, 20] > 250
+        assert 0 <= age < 2
+        assert len(threads()) == 1
+    assert threads() == []
+
+
+def test_a_film_plays_at_its_own_speed_and_the_newest_frame_wins(tmp_path: Path) -> None:
+    """20 frames a second, each lighter than the last: after half a second about ten have gone by unseen."""
+    greys = list(range(40, 240, 4))
+    with VideoSource(film(tmp_path / "film.avi", greys, 20)) as source:
+        first, start = int(source.newest()[0][240, 320]), time.monotonic()
+        time.sleep(0.5)
+        later, passed = int(source.newest()[0][240, 320]), time.monotonic() - start
+        # Not as many as a loaded machine had time for, and by far not the whole film.
+        assert 4 <= later - first <= 4 * (20 * passed + 2)
+
+
+def test_frames_cannot_be_written_to(tmp_path: Path) -> None:
+    with VideoSource(film(tmp_path / "film.avi", [100] * 20, 10)) as source:
+        frame, _ = source.newest()
+        with pytest.raises(ValueError, match="read-only"):
+            frame[0, 0] = 1
+
+
+def test_the_end_of_a_film_is_told(tmp_path: Path) -> None:
+    path = film(tmp_path / "short.avi", [80, 90, 100], 30)
+    with VideoSource(path) as source:
+        for _ in range(500):
+            try:
+                source.newest()
+            except CameraLost as lost:
+                error = lost
+                break
+            time.sleep(0.01)
+        assert "short.avi" in str(error)
+        assert "film has ended" in str(error)
+        assert error.age is not None
+        assert error.age > 0
+        with pytest.raises(CameraLost, match="film has ended"):
+            source.newest()
+
+
+def test_closing_twice_and_using_what_is_closed(tmp_path: Path) -> None:
+    source = VideoSource(film(tmp_path / "film.avi", [100] * 50, 25))
+    source.close()
+    source.close()
+    with pytest.raises(ValueError, match="closed"):
+        source.newest()
+
+
+@pytest.mark.parametrize(("width", "height"), [(320, 240), (1280, 960)])
+def test_another_size_of_the_same_shape_is_scaled(tmp_path: Path, width: int, height: int) -> None:
+    with VideoSource(film(tmp_path / "film.avi", [100] * 20, 10, width, height)) as source:
+        frame, _ = source.newest()
+        assert frame.shape == (480, 640)
+        assert frame[240, 60] > 250
+        assert abs(int(frame[240, 100]) - 100) <= 4
+
+
+def test_another_shape_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"wide\.avi gives pictures of 640 x 360; allowed: 640 x 480"):
+        VideoSource(film(tmp_path / "wide.avi", [100] * 5, 10, 640, 360))
+    assert threads() == []
+
+
+def test_sources_that_are_none(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.avi"):
+        VideoSource(tmp_path / "nowhere.avi")
+    text = tmp_path / "text.avi"
+    text.write_text("not a film")
+    with pytest.raises(CameraLost, match="cannot be opened; no frame ever came"):
+        VideoSource(text)
+    with pytest.raises(CameraLost, match="camera 99: cannot be opened"):
+        VideoSource("99")
+    with pytest.raises(ValueError, match="timeout is 0"):
+        VideoSource(0, timeout=0)
+    assert threads() == []
+
+
+class Streaming:
+    """A network camera on loopback: a still picture again and again, until told to be silent or to hang up."""
+
+    def __init__(self) -> None:
+        self.silent, self.gone = threading.Event(), threading.Event()
+        self.url = ""
+
+
+@contextmanager
+def network_camera() -> Iterator[Streaming]:
+    camera = Streaming()
+    _, jpeg = cv2.imencode(".jpg", picture(120))
+    part = (
+        b"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % jpeg.size
+        + jpeg.tobytes()
+        + b"\r\n"
+    )
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200)
+            self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+            self.end_headers()
+            try:
+                while not camera.gone.wait(0.02):
+                    if not camera.silent.is_set():
+                        self.wfile.write(part)
+            except OSError:
+                pass
+
+        def log_message(self, *args: object) -> None:
+            pass
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    serving = threading.Thread(target=server.serve_forever, args=(0.05,))
+    serving.start()
+    camera.url = f"http://127.0.0.1:{server.server_address[1]}/video.mjpg"
+    try:
+        yield camera
+    finally:
+        camera.gone.set()
+        server.shutdown()
+        serving.join()
+        server.server_close()
+
+
+def lost_after(source: VideoSource, seconds: float) -> CameraLost:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        try:
+            source.newest()
+        except CameraLost as lost:
+            return lost
+        time.sleep(0.01)
+    raise AssertionError(f"still there after {seconds} s")
+
+
+def test_a_network_camera_that_hangs_up_is_lost() -> None:
+    with network_camera() as camera, VideoSource(camera.url, timeout=3.0) as source:
+        frame, _ = source.newest()
+        assert abs(int(frame[240, 320]) - 120) <= 3
+        camera.gone.set()
+        lost = lost_after(source, 20.0)
+        assert lost.source == camera.url
+        assert camera.url in str(lost)
+        assert lost.age is not None
+
+
+def test_a_network_camera_that_falls_silent_is_lost_when_its_last_frame_is_too_old() -> None:
+    with network_camera() as camera:
+        source = VideoSource(camera.url, timeout=1.0)
+        camera.silent.set()
+        lost = lost_after(source, 20.0)
+        assert "no new frame within 1 s" in str(lost)
+        assert lost.age is not None
+        assert lost.age > 1.0
+        camera.gone.set()  # lets the hanging read return
+        source.close()
+        assert threads() == []
+
+
+def test_a_tracked_camera_on_a_film(tmp_path: Path) -> None:
+    frame = np.full((480, 640), 100, np.uint8)
+    draw(frame, Place(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])
+    path = tmp_path / "food.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 5, (640, 480), True)
+    for _ in range(20):
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    with TrackedCamera(VideoSource(path), Tracker()) as camera:
+        camera.reset()
+        (food,) = camera.look().regions
+        assert (food.x, food.y) == pytest.approx((200.5, 379.5), abs=0.3)
+        assert 0 <= camera.age < 2
+        assert camera.frame.shape == (480, 640)
+    assert threads() == []
