@@ -3,7 +3,7 @@
     python benchmarks/tracker.py --help
 
 Speed on one core; errors of centre and heading over random scenes, under several looks of the picture; and trainings in
-simulation that both cameras watch: rates and lengths of losses, jitter, reversals, slips of identity. A frame with
+simulation that all cameras watch: rates and lengths of losses, jitter, reversals, slips of identity. A frame with
 the tracker's regions drawn on it is saved too.
 """
 
@@ -15,10 +15,11 @@ from typing import TypeVar
 
 import cv2
 import numpy as np
+from _tracker import markers
 from _tracker.drives import Drive
 from _tracker.looks import CONDITIONS, LABORATORY, Scenes
 from _tracker.page import Looks, accuracy_table, model_table, picture, speed_table
-from _tracker.sights import MODEL, TRACKER, Sight
+from _tracker.sights import BARE, MODEL, TRACKER, Sight
 from _tracker.speed import frames_a_second
 from arguments import add_count, count_of, parser_for
 from joblib import Parallel, delayed
@@ -36,6 +37,8 @@ SCENES, QUICK_SCENES = 1000, 30
 DRIVES, QUICK_DRIVES = 60, 2
 ROUNDS, QUICK_ROUNDS = 500, 150
 FRAMES, REPEATS = 200, 5
+PICTURES = 20
+"""Of each layout of holes, with 25 markers each."""
 STEM = "tracker"
 _SHOWN = 25
 """Round of a training that the picture shows: the robots are on their way to the food."""
@@ -102,11 +105,14 @@ def run(arguments: argparse.Namespace) -> int:
     looks = {name: (rows, phantoms) for name, rows, phantoms in results}
     driven = at_work([Drive(i, arguments.seed, rounds).run for i in range(drives)], arguments.jobs, "drives")
     sights = [row for rows, _ in driven for row in rows]
-    phantoms = {camera: sum(count[camera] for _, count in driven) for camera in (TRACKER, MODEL)}
+    phantoms = {camera: sum(count[camera] for _, count in driven) for camera in (TRACKER, MODEL, BARE)}
+    pictures = 1 if quick else PICTURES
+    layouts = [markers.Places(name, arguments.seed, pictures).run for name in markers.LAYOUTS]
     tables = (
         speed_table(*speeds, 40 if quick else FRAMES),
         accuracy_table(looks),
         model_table(sights, phantoms),
+        markers.table(at_work(layouts, arguments.jobs, "markers")),
     )
     print(write(arguments.out, tables, looks, sights, arguments.seed))
     print(f"Tables, pictures and rows are in {arguments.out}")

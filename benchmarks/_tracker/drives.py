@@ -1,11 +1,12 @@
-"""Trainings in simulation, watched by both cameras at once: the tracker on rendered frames, and the model."""
+"""Trainings in simulation, watched by all at once: tracker and bare threshold on rendered frames, and the model."""
 
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from _tracker.sights import MODEL, TRACKER, Sight, sights, straight
+from _tracker import bare
+from _tracker.sights import BARE, MODEL, TRACKER, Sight, sights, straight
 from khepera_forage.experiments.rendered_training import RenderedTraining
 from khepera_forage.noise import Noise
 from khepera_forage.vision.overhead import OverheadCamera
@@ -31,7 +32,7 @@ class Drive:
     rounds: int
 
     def run(self) -> tuple[list[Sight], dict[str, int]]:
-        """All sights of both cameras, and how many regions of nothing each reported."""
+        """All sights of all cameras, and how many regions of nothing each reported."""
         cv2.setNumThreads(1)
         rng = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(self.number,)))
         training = RenderedTraining(int(rng.integers(2**31)))
@@ -44,7 +45,7 @@ class Drive:
         # Not the world's own, whose cables hang between the arenas: the model under the same anchor.
         model = OverheadCamera(training.world.truth, Noise.laboratory(), anchor)
         rows: list[Sight] = []
-        phantoms = {TRACKER: 0, MODEL: 0}
+        phantoms = {TRACKER: 0, MODEL: 0, BARE: 0}
         attempts = 0
         for frame in range(self.rounds):
             picture, _ = training.newest()
@@ -61,6 +62,10 @@ class Drive:
             new, stray = sights(TRACKER, self.number, at, truth, scene.regions, training.renderer.cables)
             rows += new
             phantoms[TRACKER] += stray
+            plain = bare.regions(picture)
+            new, stray = sights(BARE, self.number, at, truth, plain, training.renderer.cables)
+            rows += new
+            phantoms[BARE] += stray
             modelled = model.look().regions
             new, stray = sights(MODEL, self.number, at, truth, modelled, straight(truth, anchor))
             rows += new

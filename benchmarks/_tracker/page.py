@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from _tracker.measures import errors, jitter, losses, relabelled, share
-from _tracker.sights import KINDS, MODEL, TRACKER, Sight
+from _tracker.sights import BARE, KINDS, MODEL, TRACKER, Sight
 from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Looks = Mapping[str, tuple[Sequence[Sight], int]]
 """Sights of random scenes, and regions of nothing, by condition."""
 
-COLOURS = {TRACKER: OURS, MODEL: THESIS}
+COLOURS = {TRACKER: OURS, MODEL: THESIS, BARE: GREY}
 _NAN = math.nan
 
 
@@ -97,7 +97,7 @@ def accuracy_table(looks: Looks) -> Table:
 def model_table(drives: Sequence[Sight], phantoms: Mapping[str, int]) -> Table:
     """The simulated camera beside the tracker, in the figures of `Noise`."""
     noise = Noise.laboratory()
-    by = {camera: [row for row in drives if row.camera == camera] for camera in (MODEL, TRACKER)}
+    by = {camera: [row for row in drives if row.camera == camera] for camera in (MODEL, TRACKER, BARE)}
     rows: list[tuple[str | float | Estimate, ...]] = []
 
     def add(name: str, figure: str | float, *values: str | float | Estimate) -> None:
@@ -121,7 +121,7 @@ def model_table(drives: Sequence[Sight], phantoms: Mapping[str, int]) -> Table:
     add(
         "food near a marker found (%)", "", *(share(sum(r.found for r in rows), len(rows)) for rows in hidden)
     )
-    add("labels that changed things", "", *(_plain(relabelled(by[c])) for c in by))
+    add("labels that changed things", "", *(_plain(_NAN if c == BARE else relabelled(by[c])) for c in by))
     add("regions of nothing, a round", "", *(_plain(phantoms[c] / max(1, _rounds(by[c]))) for c in by))
     add("rounds", "", *(_plain(_rounds(by[c])) for c in by))
     columns = (
@@ -129,10 +129,12 @@ def model_table(drives: Sequence[Sight], phantoms: Mapping[str, int]) -> Table:
         Column("Noise.laboratory()", 4),
         Column("model, measured", 4, estimate=True),
         Column("tracker on rendered frames", 4, estimate=True),
+        Column("bare threshold on them", 4, estimate=True),
     )
     note = (
-        "Trainings in simulation, watched by both cameras under the same cables' anchor, a frame a round; the first "
-        "two columns are what the model was told and what the same measurement makes of it. Jitter: standard deviation "
+        "Trainings in simulation, watched by all cameras under the same cables' anchor, a frame a round; the first "
+        "two columns are what the model was told and what the same measurement makes of it; the bare threshold reads "
+        "contours and holes as they come, and mends nothing. Jitter: standard deviation "
         "of the error along an axis, of things nothing hides; that of headings has in it the rounding to whole degrees "
         "(0.29), which comes after the model's figure. Loss rate: a round; things hidden by a marker do not count. "
         "Shares and rates with Wilson's 95 % interval, loss_rounds with the 5th and 95th percentile."
@@ -169,7 +171,7 @@ def picture(looks: Looks, laboratory: str, drives: Sequence[Sight]) -> "Figure":
     names = []
     for place, (kind, cable) in enumerate((kind, cable) for kind in KINDS for cable in (False, True)):
         names.append(f"{kind}{', cable' if cable else ''}")
-        for shift, camera in ((0.15, TRACKER), (-0.15, MODEL)):
+        for shift, camera in ((0.22, TRACKER), (0.0, MODEL), (-0.22, BARE)):
             own = [row for row in drives if row.camera == camera and row.kind == kind]
             rate = losses(own, cable).rate
             mark(
@@ -186,7 +188,10 @@ def picture(looks: Looks, laboratory: str, drives: Sequence[Sight]) -> "Figure":
     right.set_xlabel("losses in 1000 rounds")
     for axes in (left, middle, right):
         axes.grid(color="0.92")
-    figure.suptitle("The tracker on rendered frames (blue) and the simulated camera (vermilion)", fontsize=11)
+    figure.suptitle(
+        "The tracker on rendered frames (blue), the simulated camera (vermilion), a bare threshold (grey)",
+        fontsize=11,
+    )
     scenes = len({row.frame for row in looks[laboratory][0]})
     figure.supxlabel(
         f"trainings in simulation; single frames: {scenes} random scenes a look", fontsize=8, color=GREY
@@ -206,7 +211,7 @@ def _plain(value: float) -> Estimate:
 def _reversals(rows: Sequence[Sight]) -> Estimate:
     seen = errors(row for row in rows if row.kind != KINDS[0])
     whole = share(seen.reversals, seen.reversals + len(seen.heading))
-    return Estimate(*(value / 100 for value in whole))
+    return Estimate(*(max(0.0, value / 100) for value in whole))
 
 
 def _factor(rows: Sequence[Sight]) -> float:

@@ -14,7 +14,7 @@ from khepera_forage.vision.retracking import Detection
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from khepera_forage.vision.shapes import MARKER_FRAME, Plate, distance_to_segment, under_plate
 
-TRACKER, MODEL = "tracker", "model"
+TRACKER, MODEL, BARE = "tracker", "model", "bare threshold"
 KINDS = ("food", "1 hole", "2 holes")
 """By number of holes."""
 NEAR = 6.0
@@ -28,7 +28,8 @@ class Sight:
     """One thing in one frame.
 
     Attributes:
-        camera: `TRACKER` on rendered frames, or `MODEL`: the simulated camera.
+        camera: `TRACKER` on rendered frames, `MODEL`: the simulated camera, or `BARE`: a plain threshold on rendered
+            frames, which reads no headings.
         drive: Number of the drive.
         frame: Number of the frame in it.
         kind: One of `KINDS`.
@@ -39,7 +40,7 @@ class Sight:
         label: Of its track; -1 if not found.
         dx: Reported minus true centre in pixels; nan if not found.
         dy: The same.
-        turn: Reported minus true heading in degrees, -180 to 180; nan if not found, or food.
+        turn: Reported minus true heading in degrees, -180 to 180; nan if not found or not read, or food.
     """
 
     camera: str
@@ -95,7 +96,8 @@ def sights(
             del found[id(region)]
             label = region.label if isinstance(region, Region) else -1
             dx, dy = region.x - x, region.y - y
-            turn = (region.orientation - math.degrees(heading) + 180) % 360 - 180 if holes else math.nan
+            if holes and camera != BARE:
+                turn = (region.orientation - math.degrees(heading) + 180) % 360 - 180
         result.append(
             Sight(
                 camera,

@@ -1,7 +1,10 @@
 """Who decides: the teacher, the imitator, and adapters for other learners."""
 
-from khepera_forage.policies.adapters import ClassifierPolicy, ModelPolicy
+from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, ModelPolicy, as_policy
+from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import NearestNeighbourImitator
+from khepera_forage.policies.k_nearest import KNearestImitator
 from khepera_forage.policies.listener import Listener
 from khepera_forage.policies.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
@@ -10,7 +13,10 @@ from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.policies.votes import distance
 
 __all__ = [
+    "AgentPolicy",
     "ClassifierPolicy",
+    "GrowingMemory",
+    "KNearestImitator",
     "Listener",
     "ModelPolicy",
     "NearestNeighbourImitator",
@@ -19,6 +25,8 @@ __all__ = [
     "Policy",
     "Teacher",
     "UniformPolicy",
+    "WeightedImitator",
+    "as_policy",
     "distance",
     "state_vector_of",
 ]

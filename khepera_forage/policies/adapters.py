@@ -68,13 +68,16 @@ class ClassifierPolicy:
 
     def _levels(self, vector: StateVector) -> NDArray[np.float64]:
         if not self.remember:
-            return self.classifier.predict_proba(np.array([vector], np.int64))[0]
+            return self._asked(vector)
         levels = self._memo.get(vector)
         if levels is None:
-            levels = self.classifier.predict_proba(np.array([vector], np.int64))[0]
             if len(self._memo) >= MEMO_SIZE:
                 self._memo.clear()
-            self._memo[vector] = levels
+            levels = self._memo[vector] = self._asked(vector)
+        return levels
+
+    def _asked(self, vector: StateVector) -> NDArray[np.float64]:
+        levels: NDArray[np.float64] = self.classifier.predict_proba(np.array([vector], np.int64))[0]
         return levels
 
 
@@ -165,8 +168,8 @@ def as_policy(learner: Any) -> Policy:
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
             return ModelPolicy(learner)
     raise TypeError(
-        f"learner is {learner!r}; allowed: an instance with act(observation), act(observation, rng), predict_proba(rows) "
-        "or predict(observation, deterministic=...)"
+        f"learner is {learner!r}; allowed: an instance with act(observation), act(observation, rng), "
+        "predict_proba(rows) or predict(observation, deterministic=...)"
     )
 
 

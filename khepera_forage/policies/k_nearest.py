@@ -1,7 +1,6 @@
 """Variants of the imitator in which more than the nearest vectors vote."""
 
 from numbers import Integral
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,13 +43,11 @@ class KNearestImitator(DistinctRows):
         reached = self._counts.sum(axis=1)[order].cumsum()
         last = min(int(reached.searchsorted(self.k)), len(order) - 1)
         chosen = (distances <= distances[order[last]]).nonzero()[0]
-        if self.weighting == "uniform":
-            shares: NDArray[Any] = self._counts[chosen].sum(axis=0)
-            return shares
-        near = distances[chosen]
-        if not near.min():
-            return self._counts[chosen[near == 0]].sum(axis=0)
-        return (self._counts[chosen] * (near.min() / near)[:, None]).sum(axis=0)
+        votes, near = self._counts[chosen], distances[chosen]
+        if self.weighting == "distance":
+            votes = votes * (near == 0 if near.min() == 0 else near.min() / near)[:, None]
+        shares: NDArray[np.float64] = votes.sum(axis=0)
+        return shares
 
     def _check(self) -> None:
         if not isinstance(self.k, Integral) or isinstance(self.k, bool) or self.k < 1:

@@ -80,14 +80,17 @@ class Dialogue:
         a, b, c, d, e, f, g, h = self._proximity = self._steady(
             PROXIMITY, self._proximity, lambda: self._numbers("N")
         )
-        arm = self._position(self._arm, ARM, 1, arm_of) if ask_arm else self._arm.value
+        if ask_arm:
+            self._look_at(self._arm, ARM, 1)
         (presence,) = self._presence = self._steady(
             PRESENCE, self._presence, lambda: (present(self._numbers("T,1,G")[0]),)
         )
-        jaw = self._position(self._jaw, JAW, 0, jaw_of) if ask_jaw else self._jaw.value
+        if ask_jaw:
+            self._look_at(self._jaw, JAW, 0)
         self._count()
-        assert arm is not None, "asked until there is one"
-        assert jaw is not None, "asked until there is one"
+        assert self._arm.value is not None, "asked until there is one"
+        assert self._jaw.value is not None, "asked until there is one"
+        arm, jaw = arm_of(self._arm.value), jaw_of(self._jaw.value)
         return Senses((a, b, c, d, e, f, g, h), *self._counters.total, arm, jaw, presence)
 
     def stop(self, for_good: bool) -> None:
@@ -139,12 +142,10 @@ class Dialogue:
 
         return confirmed(ask, surprising, kind.alike)
 
-    def _position(self, position: Position, kind: Kind, selector: int, in_range: Callable[[int], int]) -> int:
-        (value,) = confirmed(
-            lambda: (in_range(self._numbers("T,1,H", selector)[0]),), position.surprising, kind.alike
-        )
+    def _look_at(self, position: Position, kind: Kind, selector: int) -> None:
+        # As the robot says it, and not yet brought into range: a lost digit would be hidden by that.
+        (value,) = confirmed(lambda: self._numbers("T,1,H", selector), position.surprising, kind.alike)
         position.read(value)
-        return value
 
     def _count(self) -> None:
         raw = confirmed(

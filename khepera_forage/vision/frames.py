@@ -1,7 +1,7 @@
 """The overhead camera's picture of a simulated world: grey frames for the real tracker to find its regions in."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import cv2
 import numpy as np
@@ -34,7 +34,7 @@ from khepera_forage.vision.shapes import (
     PICTURE_WIDTH,
 )
 
-__all__ = ["CameraLook", "FrameRenderer", "RenderedSource"]
+__all__ = ["CameraLook", "FrameRenderer", "RenderedSource", "marker_parts"]
 
 _ROBOT_HEIGHT = 45.0
 """mm of the body with the gripper turret: what parallax shifts it by."""
@@ -95,7 +95,7 @@ class FrameRenderer:
         self._cables: Cables | None = None
         self._floor = np.empty((0, 0), np.uint8)
         self._robot = _robot(look)
-        self._markers = {holes: _marker(look, holes) for holes in MARKER_HOLES}
+        self._markers = {holes: marker_parts(look, places) for holes, places in MARKER_HOLES.items()}
         self._food = (Disc(FOOD_RADIUS, look.white),)
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -134,8 +134,11 @@ class FrameRenderer:
 
     @property
     def cables(self) -> list[NDArray[np.float64]]:
-        """Where each robot's cable hung in the newest frame: n x 2 points from the anchor to the middle of its
-        marker, under which its end is hidden; pixels, x to the right and y up. Empty without cables."""
+        """Where each robot's cable hung in the newest frame; empty without cables.
+
+        Each is n x 2 points from the anchor to the middle of the marker, under which its end is hidden: pixels, x
+        to the right and y up.
+        """
         return [] if self._cables is None else [curve.copy() for curve in self._cables.curves]
 
     def _place(self, x: float, y: float, heading: float, height: float) -> Place:
@@ -179,13 +182,18 @@ def _robot(look: CameraLook) -> tuple[Box | Disc, ...]:
     )
 
 
-def _marker(look: CameraLook, holes: int) -> tuple[Box, ...]:
-    """Frame, white sheet and holes of a marker, lowest first."""
+def marker_parts(look: CameraLook, holes: Iterable[tuple[float, float]]) -> tuple[Box, ...]:
+    """Frame, white sheet and holes of a marker, lowest first, for `frame_pen.draw`.
+
+    Args:
+        look: Grey levels.
+        holes: Their centres in mm in the marker's own frame.
+    """
     half = HOLE_SIDE / 2
     return (
         _SHEET._replace(grey=look.black),
         Box(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2, look.white),
-        *(Box(x - half, y - half, x + half, y + half, look.black) for x, y in MARKER_HOLES[holes]),
+        *(Box(x - half, y - half, x + half, y + half, look.black) for x, y in holes),
     )
 
 

@@ -63,16 +63,19 @@ def test_parallax_that_is_not_corrected_shows(accuracy: dict[tuple[str, str], di
     assert float(corrected["centre: median (px)"]) < 0.2 < float(not_corrected["centre: median (px)"])
 
 
-def test_both_cameras_saw_the_same_drives(drives: list[dict[str, str]]) -> None:
-    for camera in ("tracker", "model"):
+def test_all_cameras_saw_the_same_drives(drives: list[dict[str, str]]) -> None:
+    for camera in ("tracker", "model", "bare threshold"):
         own = [row for row in drives if row["camera"] == camera]
         assert len(own) == DRIVES * ROUNDS * sum(KINDS.values())
-    tracker, model = (
+    tracker, model, bare = (
         [(r["drive"], r["frame"], r["kind"], r["thing"]) for r in drives if r["camera"] == camera]
-        for camera in ("tracker", "model")
+        for camera in ("tracker", "model", "bare threshold")
     )
-    assert tracker == model
-    assert all((row["label"] == "-1") == (row["found"] == "0") for row in drives)
+    assert tracker == model == bare
+    assert all(
+        (row["label"] == "-1") == (row["found"] == "0") for row in drives if row["camera"] != "bare threshold"
+    )
+    assert all(row["turn"] == "nan" for row in drives if row["camera"] == "bare threshold")
 
 
 def test_the_model_measures_as_it_was_told(model: dict[str, dict[str, str]]) -> None:

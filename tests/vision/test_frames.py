@@ -251,6 +251,23 @@ def test_cable_crosses_other_markers_and_food() -> None:
     assert min(across) < 200 < max(across)
 
 
+def test_cables_are_told_where_they_are_drawn() -> None:
+    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
+    renderer = FrameRenderer(lambda: truth, replace(NONE, cable_width=4.0), anchor)
+    assert renderer.cables == []
+    renderer.reset(np.random.default_rng(0))
+    frame = renderer.frame().astype(int)
+    (curve,) = renderer.cables
+    assert curve[0] == pytest.approx((400, 200))
+    assert curve[-1] == pytest.approx((100, 200))
+    for x, y in curve[:-3]:
+        assert frame[479 - int(y), int(x)] < NONE.floor - 5
+    still = FrameRenderer(lambda: truth, NONE, anchor)
+    still.reset(np.random.default_rng(0))
+    still.frame()
+    assert still.cables == []
+
+
 def test_cables_sway_slowly() -> None:
     truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
     changes = difference(truth, replace(NONE, cable_width=4.0), anchor, 100)

@@ -15,6 +15,7 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
     JAW_ROOT,
     JAW_SPEED,
+    PULSE,
     RADIUS,
     SPEED_UNIT,
     WHEEL_BASE,
@@ -33,6 +34,7 @@ _DRAWS = np.uint64(at.DRAWS)
 _FIRST, _SECOND, _DITHER = (np.uint64(at.DRAW_WHEELS + n) for n in range(3))
 _ARM_STEP, _JAW_STEP = ARM_SPEED * CONTROL_PERIOD, JAW_SPEED * CONTROL_PERIOD
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
+_PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
 

@@ -33,7 +33,9 @@ NEXT_LABEL = 55
 """Label of the next new track."""
 GHOSTS = 56
 """How many tracks show no food any more."""
-ROBOT_ROWS = 57
+NEW = 57
+"""Whether the coming frame is the first after a reset."""
+ROBOT_ROWS = 58
 
 # A food object: where it is, and whether the camera's tracker is missing it.
 FOOD_X, FOOD_Y, LOST = 0, 1, 2

@@ -1,0 +1,51 @@
+"""A reader of frames as plain as the thesis describes it: one threshold, contours, and the number of holes (3.5).
+
+Our tracker closes gaps as narrow as a cable and reads holes in the upright marker. This one does neither, and so shows
+what cables do to a picture in which nothing is mended.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.frames import CameraLook
+from khepera_forage.vision.retracking import Detection
+from khepera_forage.vision.shapes import FOOD_FEATURES, MARKER_FEATURES, PICTURE_HEIGHT
+
+_LOOK = CameraLook.laboratory()
+LEVEL = (_LOOK.floor + _LOOK.white) / 2
+"""Halfway between floor and white in the middle of the picture."""
+_MARKER = 0.5 * MARKER_FEATURES[2].area
+"""Square pixels that a marker has at least."""
+_FOOD = (0.6 * FOOD_FEATURES.area, 1.6 * FOOD_FEATURES.area)
+_HOLE = 2.0
+"""Square pixels below which a dark spot is noise."""
+
+
+def regions(frame: NDArray[np.uint8]) -> list[Detection]:
+    """The regions of a frame by threshold and contours; orientations are not read."""
+    bright = (frame > LEVEL).astype(np.uint8)
+    contours, hierarchy = cv2.findContours(bright, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    if hierarchy is None:
+        return []
+    parents = hierarchy[0, :, 3].tolist()
+    areas = [cv2.contourArea(contour) for contour in contours]
+    found = []
+    for i, contour in enumerate(contours):
+        if parents[i] >= 0:
+            continue
+        # A contour runs through the middles of its pixels: half a pixel is outside it all along.
+        length = cv2.arcLength(contour, True)
+        area = areas[i] + length / 2 + 1
+        holes = sum(parent == i and areas[j] >= _HOLE for j, parent in enumerate(parents))
+        marker = holes in (1, 2) and area >= _MARKER
+        if marker or (holes == 0 and _FOOD[0] <= area <= _FOOD[1]):
+            u, v = _centroid(contour)
+            x, y = float(u) + 0.5, PICTURE_HEIGHT - float(v) - 0.5
+            found.append(Detection(x, y, holes, 0, False, x, y, area, length, length * length / area))
+    return found
+
+
+def _centroid(contour: cv2.typing.MatLike) -> tuple[float, float]:
+    moments = cv2.moments(contour)
+    return moments["m10"] / moments["m00"], moments["m01"] / moments["m00"]

@@ -1,0 +1,1 @@
+"""What `benchmarks/virtual_lab.py` runs and shows."""

@@ -1,0 +1,104 @@
+"""What the robots of a virtual laboratory would perceive if their lines were never disturbed.
+
+Beside every robot's own perception runs a second one, on the same scene of the camera, that takes its senses from the
+simulated body instead of the line.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from khepera_forage.envs.checks import food_odds
+from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.envs.register import FoodRegister, FoodTypes
+from khepera_forage.foraging.states import StateVector
+from khepera_forage.robots.khepera import Motors, Senses, applicable
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
+from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+
+_PULSES_A_UNIT = 10
+"""Encoder pulses a round and speed unit."""
+
+
+class _Body:
+    """A simulated body to be sensed and not driven: its driver does that, over the line."""
+
+    def __init__(self, body: PymunkKhepera) -> None:
+        self._body = body
+
+    def sense(self) -> Senses:
+        return self._body.sense()
+
+    def drive(self, motors: Motors) -> Motors:
+        return applicable(motors)
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+class Truth:
+    """From the beginning of an episode on; food is of the type that it always is without odds.
+
+    Args:
+        lab: With the bodies.
+        foragers: Those of the episode, as they are at its beginning.
+    """
+
+    def __init__(self, lab: VirtualLaboratory, foragers: Sequence[Forager]) -> None:
+        self._lab = lab
+        self._reported = foragers
+        types = FoodTypes(len(lab.arenas[0].foods), food_odds(None), np.random.default_rng(0))
+        self._foragers = []
+        for body, arena, reported in zip(lab.bodies.robots, lab.arenas, foragers, strict=True):
+            site = site_of(arena)
+            places = [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in arena.foods]
+            register = FoodRegister(site, places, types)
+            self._foragers.append(Forager(_Body(body), site, reported.holes, register))
+        for forager in self._foragers:
+            forager.perceive(lab.camera.look())
+        self._before = [(f.senses, true.senses) for f, true in self._pairs()]
+
+    def take_in(self) -> tuple[bool, bool]:
+        """A round is over.
+
+        Returns:
+            Whether a body has not turned its wheels as its driver had it, and whether a driver reports anything else of
+            its robot than the body does.
+        """
+        halted = misread = False
+        scene = self._lab.camera.look()
+        for i, (reported, true) in enumerate(self._pairs()):
+            true.applied = reported.applied
+            true.perceive(scene)
+            reported_before, true_before = self._before[i]
+            turned = _turned(true_before, true.senses)
+            wanted = tuple(_PULSES_A_UNIT * speed for speed in reported.applied[:2])
+            halted = halted or turned != wanted
+            misread = misread or (
+                _turned(reported_before, reported.senses) != turned
+                or _rest(reported.senses) != _rest(true.senses)
+            )
+            self._before[i] = reported.senses, true.senses
+        return halted, misread
+
+    def vector(self, robot: int) -> StateVector:
+        """The true state vector, as an environment shows it."""
+        forager = self._foragers[robot]
+        presence, home, food_type, arm, food = forager.vector
+        diagonal = forager.site.diagonal
+        return StateVector(presence, min(home, diagonal), food_type, arm, min(food, diagonal))
+
+    def _pairs(self) -> list[tuple[Forager, Forager]]:
+        return list(zip(self._reported, self._foragers, strict=True))
+
+
+def _turned(before: Senses, after: Senses) -> tuple[int, int]:
+    """Pulses of both wheels in a round."""
+    return after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+
+
+def _rest(senses: Senses) -> Senses:
+    """All but the counters, which begin elsewhere."""
+    return senses._replace(left_pulses=0, right_pulses=0)

@@ -1,0 +1,288 @@
+"""What becomes of the food (`envs.register`), in every world of a block.
+
+Mostly every track shows the object it is tied to, and nothing is odd: those worlds are done together. Where a track is
+new, or shows another object than its place in memory says, the register's rule runs in full, one world at a time. A
+track's tie is the number noted beside it.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.envs.batch import compiled_task, rows as at  # noqa: F401 (the first is needed before any kernel)
+from khepera_forage.envs.register import _GRIPPER
+from khepera_forage.foraging.identification import at_home, explored
+from khepera_forage.foraging.perception import _OUTSIDE
+from khepera_forage.foraging.states import FoodType
+from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.worlds.batch import rows as body
+from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.trigonometry import cosine_sine
+
+_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED = (at.SCRATCH + n for n in range(5))
+_UNKNOWN, _POISONOUS = float(FoodType.UNKNOWN), float(FoodType.POISONOUS)
+
+
+@kernel
+def update(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
+    place: NDArray[np.float64],
+) -> None:
+    """Take in what one round has brought, and pick the nearest candidate food and the type of what is gripped.
+
+    Args:
+        s: The robots' rows.
+        f: The food's rows.
+        t: The task's rows.
+        q: The register's rows of the food.
+        foods: Number of food objects in a world.
+        place: What a robot knows of its arena.
+    """
+    _grip(s, t, q, foods)
+    x1, y1, x2, y2 = place[5] - _OUTSIDE, place[6] - _OUTSIDE, place[7] + _OUTSIDE, place[8] + _OUTSIDE
+    home_x, home_y, home_radius = place[0], place[1], place[2]
+    for i in range(LANES):
+        t[_ODD * LANES + i] = s[body.GHOSTS * LANES + i]
+    for food in range(foods):
+        base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            x, y = f[base + body.TRACK_X * LANES + i], f[base + body.TRACK_Y * LANES + i]
+            inside = x1 <= x and x <= x2 and y1 <= y and y <= y2
+            note = f[base + body.NOTE * LANES + i]
+            odd = f[base + body.TRACK * LANES + i] >= 0.0 and (note != food or not inside)
+            t[_ODD * LANES + i] = 1.0 if odd else t[_ODD * LANES + i]
+    for food in range(foods):
+        base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            x, y = f[base + body.TRACK_X * LANES + i], f[base + body.TRACK_Y * LANES + i]
+            lies = (
+                t[_ODD * LANES + i] == 0.0
+                and f[base + body.TRACK_FOUND * LANES + i] != 0.0
+                and t[at.HELD * LANES + i] != food
+            )
+            q[mine + at.CARRIED * LANES + i] = 0.0 if lies else q[mine + at.CARRIED * LANES + i]
+            q[mine + at.PLACE_X * LANES + i] = x if lies else q[mine + at.PLACE_X * LANES + i]
+            q[mine + at.PLACE_Y * LANES + i] = y if lies else q[mine + at.PLACE_Y * LANES + i]
+            home = lies and at_home(x, y, home_x, home_y, home_radius)
+            known = q[mine + at.KNOWN * LANES + i]
+            comes = home and q[mine + at.HOME * LANES + i] == 0.0
+            q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if comes else known
+            q[mine + at.HOME * LANES + i] = 1.0 if home else q[mine + at.HOME * LANES + i]
+    for i in range(LANES):
+        if t[_ODD * LANES + i] != 0.0:
+            _tie(f, t, q, foods, i, place)
+    _count(t, q, foods)
+    _pick(s, f, t, q, foods)
+    for i in range(LANES):
+        if t[_ODD * LANES + i] != 0.0:
+            _pick_among_all(s, f, t, q, foods, i)
+
+
+@inline
+def _grip(s: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int) -> None:
+    """Which object is in the gripper, and whether it has been explored."""
+    for i in range(LANES):
+        c, d = cosine_sine(s[body.OWN_DEGREES * LANES + i] * (math.pi / 180.0))
+        t[_GRIP_X * LANES + i] = s[body.OWN_X * LANES + i] + _GRIPPER * c
+        t[_GRIP_Y * LANES + i] = s[body.OWN_Y * LANES + i] + _GRIPPER * d
+        before = _senses(
+            t[at.BEFORE_PRESENT * LANES + i], t[at.BEFORE_ARM * LANES + i], t[at.BEFORE_JAW * LANES + i]
+        )
+        after = _senses(
+            s[body.PRESENT * LANES + i], s[body.ARM_READ * LANES + i], s[body.JAW_READ * LANES + i]
+        )
+        applied = Motors(s[body.LEFT * LANES + i], s[body.RIGHT * LANES + i], 0, 0)
+        t[_EXPLORED * LANES + i] = 1.0 if explored(before, after, applied) else 0.0
+        # Picked below: the nearest of all objects when something is newly in the barrier.
+        t[_NEAREST * LANES + i] = np.inf
+        new = s[body.PRESENT * LANES + i] == 0.0 or t[at.HELD * LANES + i] < 0.0
+        t[at.HELD * LANES + i] = -1.0 if new else t[at.HELD * LANES + i]
+        t[_ODD * LANES + i] = 1.0 if new and s[body.PRESENT * LANES + i] != 0.0 else 0.0
+    for food in range(foods):
+        mine = food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            dx = q[mine + at.PLACE_X * LANES + i] - t[_GRIP_X * LANES + i]
+            dy = q[mine + at.PLACE_Y * LANES + i] - t[_GRIP_Y * LANES + i]
+            squared = dx * dx + dy * dy
+            nearer = t[_ODD * LANES + i] != 0.0 and squared < t[_NEAREST * LANES + i]
+            t[_NEAREST * LANES + i] = squared if nearer else t[_NEAREST * LANES + i]
+            t[at.HELD * LANES + i] = food if nearer else t[at.HELD * LANES + i]
+    for food in range(foods):
+        mine = food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            held = t[at.HELD * LANES + i] == food
+            known = q[mine + at.KNOWN * LANES + i]
+            told = held and known == _UNKNOWN and t[_EXPLORED * LANES + i] != 0.0
+            q[mine + at.PLACE_X * LANES + i] = t[_GRIP_X * LANES + i] if held else q[mine + at.PLACE_X * LANES + i]
+            q[mine + at.PLACE_Y * LANES + i] = t[_GRIP_Y * LANES + i] if held else q[mine + at.PLACE_Y * LANES + i]
+            q[mine + at.CARRIED * LANES + i] = 1.0 if held else q[mine + at.CARRIED * LANES + i]
+            q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if told else known
+
+
+@inline
+def _senses(present: float, arm: float, jaw: float) -> Senses:
+    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, int(arm), int(jaw), int(present))
+
+
+@inline
+def _count(t: NDArray[np.float64], q: NDArray[np.float64], foods: int) -> None:
+    """How much is delivered, and which type is in the gripper."""
+    for i in range(LANES):
+        t[at.DELIVERED * LANES + i] = 0.0
+        t[at.POISON_HOME * LANES + i] = 0.0
+        t[at.DELIVERABLE * LANES + i] = foods
+        t[at.FOOD_TYPE * LANES + i] = _UNKNOWN
+    for food in range(foods):
+        mine = food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            known, home = q[mine + at.KNOWN * LANES + i], q[mine + at.HOME * LANES + i]
+            poison = 1.0 if known == _POISONOUS else 0.0
+            held = t[at.HELD * LANES + i] == food
+            t[at.DELIVERED * LANES + i] += home * (1.0 - poison)
+            t[at.POISON_HOME * LANES + i] += home * poison
+            t[at.DELIVERABLE * LANES + i] -= poison
+            t[at.FOOD_TYPE * LANES + i] = known if held else t[at.FOOD_TYPE * LANES + i]
+            q[mine + at.SETTLED * LANES + i] = 1.0 if home != 0.0 or (poison != 0.0 and not held) else 0.0
+
+
+@inline
+def _pick(
+    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int
+) -> None:
+    """The nearest candidate, where every track shows the object of its place in memory."""
+    for i in range(LANES):
+        t[_NEAREST * LANES + i] = np.inf
+        t[at.FOOD_SEEN * LANES + i] = 0.0
+        t[at.FOOD_X * LANES + i] = 0.0
+        t[at.FOOD_Y * LANES + i] = 0.0
+    for food in range(foods):
+        base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
+        for i in range(LANES):
+            x, y = f[base + body.TRACK_X * LANES + i], f[base + body.TRACK_Y * LANES + i]
+            dx, dy = x - s[body.OWN_X * LANES + i], y - s[body.OWN_Y * LANES + i]
+            squared = dx * dx + dy * dy
+            candidate = f[base + body.TRACK * LANES + i] >= 0.0 and q[mine + at.SETTLED * LANES + i] == 0.0
+            nearer = candidate and squared < t[_NEAREST * LANES + i]
+            t[_NEAREST * LANES + i] = squared if nearer else t[_NEAREST * LANES + i]
+            t[at.FOOD_SEEN * LANES + i] = 1.0 if nearer else t[at.FOOD_SEEN * LANES + i]
+            t[at.FOOD_X * LANES + i] = x if nearer else t[at.FOOD_X * LANES + i]
+            t[at.FOOD_Y * LANES + i] = y if nearer else t[at.FOOD_Y * LANES + i]
+
+
+@inline
+def _slot(foods: int, slot: int) -> tuple[int, int, int, int]:
+    """Rows of a track's label, x, y and note: those of the foods, then the ghosts."""
+    if slot < foods:
+        base = slot * body.FOOD_ROWS * LANES
+        return (
+            base + body.TRACK * LANES,
+            base + body.TRACK_X * LANES,
+            base + body.TRACK_Y * LANES,
+            base + body.NOTE * LANES,
+        )
+    base = (slot - foods) * body.FOOD_ROWS * LANES
+    return (
+        base + body.GHOST * LANES,
+        base + body.GHOST_X * LANES,
+        base + body.GHOST_Y * LANES,
+        base + body.GHOST_NOTE * LANES,
+    )
+
+
+@inline
+def _within(x: float, y: float, place: NDArray[np.float64]) -> bool:
+    return (
+        place[5] - _OUTSIDE <= x
+        and x <= place[7] + _OUTSIDE
+        and place[6] - _OUTSIDE <= y
+        and y <= place[8] + _OUTSIDE
+    )
+
+
+@inline
+def _tie(
+    f: NDArray[np.float64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
+    i: int,
+    place: NDArray[np.float64],
+) -> None:
+    """Tie new tracks to objects, follow them, and see which lie at home: the register's rule, oldest track first."""
+    held = int(t[at.HELD * LANES + i])
+    last = -1.0
+    for _ in range(2 * foods):
+        slot = -1
+        for other in range(2 * foods):
+            label = f[_slot(foods, other)[0] + i]
+            if label > last and (slot < 0 or label < f[_slot(foods, slot)[0] + i]):
+                slot = other
+        if slot < 0:
+            break
+        label_row, x_row, y_row, note_row = _slot(foods, slot)
+        last = f[label_row + i]
+        x, y = f[x_row + i], f[y_row + i]
+        found = slot < foods and f[slot * body.FOOD_ROWS * LANES + body.TRACK_FOUND * LANES + i] != 0.0
+        if not found or not _within(x, y, place):
+            continue
+        if f[note_row + i] < 0.0:
+            f[note_row + i] = _nearest_untied(f, q, foods, i, x, y)
+        k = int(f[note_row + i])
+        if k < 0 or k == held:
+            continue
+        mine = k * at.TASK_FOOD_ROWS * LANES + i
+        q[mine + at.CARRIED * LANES] = 0.0
+        q[mine + at.PLACE_X * LANES], q[mine + at.PLACE_Y * LANES] = x, y
+        if q[mine + at.HOME * LANES] == 0.0 and at_home(x, y, place[0], place[1], place[2]):
+            q[mine + at.HOME * LANES] = 1.0
+            q[mine + at.KNOWN * LANES] = q[mine + at.TYPE * LANES]
+    for slot in range(2 * foods):
+        label_row, x_row, y_row, note_row = _slot(foods, slot)
+        if f[label_row + i] < 0.0 or not _within(f[x_row + i], f[y_row + i], place):
+            f[note_row + i] = -1.0
+
+
+@inline
+def _nearest_untied(
+    f: NDArray[np.float64], q: NDArray[np.float64], foods: int, i: int, x: float, y: float
+) -> float:
+    """The nearest object that no track shows, or that was carried since; -1 without."""
+    tied = 0
+    for slot in range(2 * foods):
+        label_row, _, _, note_row = _slot(foods, slot)
+        if f[label_row + i] >= 0.0 and f[note_row + i] >= 0.0:
+            tied |= 1 << int(f[note_row + i])
+    best, nearest = np.inf, -1.0
+    for k in range(foods):
+        mine = k * at.TASK_FOOD_ROWS * LANES + i
+        if tied >> k & 1 and q[mine + at.CARRIED * LANES] == 0.0:
+            continue
+        dx, dy = q[mine + at.PLACE_X * LANES] - x, q[mine + at.PLACE_Y * LANES] - y
+        if dx * dx + dy * dy < best:
+            best, nearest = dx * dx + dy * dy, float(k)
+    return nearest
+
+
+@inline
+def _pick_among_all(
+    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int, i: int
+) -> None:
+    """The nearest candidate of one world, ghosts included, whatever object each track is tied to."""
+    best = np.inf
+    t[at.FOOD_SEEN * LANES + i] = t[at.FOOD_X * LANES + i] = t[at.FOOD_Y * LANES + i] = 0.0
+    for slot in range(2 * foods):
+        label_row, x_row, y_row, note_row = _slot(foods, slot)
+        k = int(f[note_row + i])
+        settled = k >= 0 and q[k * at.TASK_FOOD_ROWS * LANES + at.SETTLED * LANES + i] != 0.0
+        dx, dy = f[x_row + i] - s[body.OWN_X * LANES + i], f[y_row + i] - s[body.OWN_Y * LANES + i]
+        squared = dx * dx + dy * dy
+        if f[label_row + i] >= 0.0 and not settled and squared < best:
+            best = squared
+            t[at.FOOD_SEEN * LANES + i] = 1.0
+            t[at.FOOD_X * LANES + i], t[at.FOOD_Y * LANES + i] = f[x_row + i], f[y_row + i]

@@ -1,0 +1,25 @@
+"""Behavioural cloning: a small network that is fitted to what the teacher said."""
+
+from typing import Any
+
+CORRIDOR_DIAGONAL = 138
+"""Pixels by which distances are scaled, whatever the arena: a network learns places in pixels, not in diagonals."""
+
+
+def cloning(random_state: int = 0, **settings: Any) -> Any:
+    """scikit-learn's multi-layer perceptron on coded state vectors (`policies.measure.coded`), not fitted.
+
+    Args:
+        random_state: Of the first weights and of the order of the vectors.
+        **settings: Those of `sklearn.neural_network.MLPClassifier`.
+    """
+    from sklearn.neural_network import MLPClassifier
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import FunctionTransformer
+
+    from khepera_forage.policies.measure import coded
+
+    return make_pipeline(
+        FunctionTransformer(coded, kw_args={"diagonal": CORRIDOR_DIAGONAL}),
+        MLPClassifier(random_state=random_state, **settings),
+    )

@@ -1,0 +1,82 @@
+"""What environments show, as one row of numbers about -1..1 for learners that calculate; many rows at a time."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.policies.measure import CODED, FOOD_TYPES, coded
+
+SCALE = 138
+"""Pixels by which distances are divided: the corridor's diagonal, in every arena."""
+BEHAVIOUR_FEATURES = CODED
+WHEELS_FEATURES = 25
+INFRA_REDS = 6
+MAX_PROXIMITY = 1023.0
+
+
+def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
+    """State vectors of `Corridor-v0` and its kind, coded.
+
+    Args:
+        shown: One observation, or as many as a vector environment shows at a time.
+
+    Returns:
+        Of shape (n, 9); see `policies.measure.coded`.
+
+    Raises:
+        ValueError: An attribute is missing.
+    """
+    keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
+    columns = [_column(shown, key, 1)[:, 0] for key in keys]
+    return coded(np.column_stack(columns), SCALE).astype(np.float32)
+
+
+def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
+    """Raw data of `CorridorWheels-v0` and its kind, as the robot would tell it: places ahead and to the left of it.
+
+    Args:
+        shown: One observation, or as many as a vector environment shows at a time.
+
+    Returns:
+        Of shape (n, 25): six infra-reds, arm, jaw, object presence, tracked, food seen; four columns of food type;
+        food ahead, to the left, distance; home ahead, to the left, distance; distance from the wall, cosine and sine
+        of its bearing; whether at home.
+
+    Raises:
+        ValueError: Part of the raw data is missing.
+    """
+    pose, food, home = _column(shown, "pose", 3), _column(shown, "food", 2), _column(shown, "home", 3)
+    seen, wall = _column(shown, "food_seen", 1), _column(shown, "wall", 2)
+    heading, bearing = np.radians(pose[:, 2]), np.radians(wall[:, 1])
+    home_part = _ahead(home[:, :2] - pose[:, :2], heading)
+    parts = (
+        _column(shown, "proximity", INFRA_REDS) / MAX_PROXIMITY,
+        (_column(shown, "arm", 1) - 215) / 40,
+        _column(shown, "jaw", 1) / 200,
+        _column(shown, "object_presence", 1),
+        _column(shown, "tracked", 1),
+        seen,
+        _column(shown, "food_type", 1) == np.arange(FOOD_TYPES),
+        _ahead(food - pose[:, :2], heading) * seen,
+        home_part,
+        wall[:, :1] / SCALE,
+        np.column_stack((np.cos(bearing), np.sin(bearing))),
+        home_part[:, 2:] * SCALE <= home[:, 2:],
+    )
+    return np.concatenate(parts, axis=1, dtype=np.float32, casting="unsafe")
+
+
+def _ahead(apart: NDArray[np.float64], heading: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ahead, to the left, and distance, of what lies `apart` in the camera's picture."""
+    cosine, sine = np.cos(heading), np.sin(heading)
+    x, y = apart.T
+    return np.column_stack((x * cosine + y * sine, y * cosine - x * sine, np.hypot(x, y))) / SCALE
+
+
+def _column(shown: Mapping[str, Any], key: str, width: int) -> NDArray[Any]:
+    """One part of what is shown, one row an environment."""
+    if key not in shown:
+        raise ValueError(f"observation lacks {key!r}, it has {list(shown)}")
+    return np.asarray(shown[key]).reshape(-1, width)

@@ -1,0 +1,194 @@
+"""Every learner that comes with the package: how it is made, its settings, and what experience it needs.
+
+`LEARNERS` is what comparisons go through; add an entry and a learner has a row. Settings stand here and nowhere else.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.policies.boosting import boosting
+from khepera_forage.policies.cloning import cloning
+from khepera_forage.policies.growing_memory import GrowingMemory
+from khepera_forage.policies.imitator import NearestNeighbourImitator
+from khepera_forage.policies.k_nearest import KNearestImitator
+from khepera_forage.policies.policy import Policy
+from khepera_forage.policies.tree import tree
+
+
+class Needs(Enum):
+    """What a learner learns from."""
+
+    VECTORS = "experience vectors"
+    """State vectors and what was heard with each, recorded in training (4.5)."""
+    QUERIES = "expert queries"
+    """The teacher's word on state vectors that the learner itself comes to."""
+    STEPS = "environment steps"
+    """Rewards of the environment, and nobody to imitate."""
+
+
+@dataclass(frozen=True, slots=True)
+class FromVectors:
+    """A learner that imitates: it is fitted on experience vectors.
+
+    Attributes:
+        title: For tables and figures.
+        make: Makes the classifier, not fitted; it is given `settings` and what the next two ask for.
+        settings: Its keyword arguments.
+        diagonal: Whether it takes `diagonal`, that of the arena foraged in, in pixels.
+        seeded: Whether it takes `random_state`.
+        sample: Whether behaviours are drawn with their probabilities, as the thesis' learner does, or the most
+            probable one executed.
+        grouped: Whether `fit` takes `groups`, the training episode of each vector.
+    """
+
+    title: str
+    make: Callable[..., Any]
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    diagonal: bool = False
+    seeded: bool = False
+    sample: bool = True
+    grouped: bool = False
+    needs: ClassVar[Needs] = Needs.VECTORS
+
+    def classifier(self, diagonal: int = 138, seed: int = 0) -> Any:
+        """The classifier, not fitted.
+
+        Args:
+            diagonal: Of the arena that will be foraged in, in pixels.
+            seed: Of its own draws, if it makes any.
+        """
+        more = {"diagonal": diagonal} if self.diagonal else {}
+        if self.seeded:
+            more["random_state"] = seed
+        return self.make(**self.settings, **more)
+
+    def policy(self, classifier: Any) -> Policy:
+        """A fitted classifier as a policy."""
+        if isinstance(classifier, NearestNeighbourImitator):
+            return classifier
+        return ClassifierPolicy(classifier, sample=self.sample, remember=True)
+
+    def learn(
+        self,
+        vectors: NDArray[np.int64],
+        behaviours: NDArray[np.int64],
+        diagonal: int = 138,
+        seed: int = 0,
+        groups: NDArray[np.int64] | None = None,
+    ) -> Policy:
+        """A policy that has learned from experience vectors, and learns no further.
+
+        Args:
+            vectors: Of shape (n, 5).
+            behaviours: Of shape (n,).
+            diagonal: Of the arena that will be foraged in, in pixels.
+            seed: Of the learner's own draws, if it makes any; the same seed gives the same policy.
+            groups: The training episode of each vector, of shape (n,), for learners that make use of it.
+        """
+        more = {"groups": groups} if self.grouped else {}
+        return self.policy(self.classifier(diagonal, seed).fit(vectors, behaviours, **more))
+
+
+@dataclass(frozen=True, slots=True)
+class FromQueries:
+    """A learner that asks the teacher about what it comes to: `experiments.dagger` runs it.
+
+    Attributes:
+        title: For tables and figures.
+        learner: What is fitted on all that was asked so far.
+        settings: Keyword arguments of `experiments.dagger.dagger`.
+    """
+
+    title: str
+    learner: FromVectors
+    settings: Mapping[str, Any]
+    needs: ClassVar[Needs] = Needs.QUERIES
+
+
+@dataclass(frozen=True, slots=True)
+class FromSteps:
+    """A learner by trial and error, of stable-baselines3: `experiments.reinforcement` trains it.
+
+    Attributes:
+        title: For tables and figures.
+        algorithm: Name of the class in stable-baselines3.
+        wheels: Whether it commands wheels, arm and jaw (`CorridorWheels-v0`) and not behaviours.
+        settings: Keyword arguments of the algorithm.
+        sample: Whether behaviours are drawn with their probabilities in recall too (PPO on behaviours only).
+    """
+
+    title: str
+    algorithm: str
+    wheels: bool
+    settings: Mapping[str, Any]
+    sample: bool = False
+    needs: ClassVar[Needs] = Needs.STEPS
+
+
+Learner = FromVectors | FromQueries | FromSteps
+
+_CLONING = FromVectors(
+    "behavioural cloning",
+    cloning,
+    {"hidden_layer_sizes": (32, 32), "learning_rate_init": 0.005, "max_iter": 3_000},
+    seeded=True,
+)
+
+LEARNERS: dict[str, Learner] = {
+    "imitator": FromVectors("the thesis' imitator", NearestNeighbourImitator, diagonal=True),
+    "k_nearest": FromVectors("5 nearest", KNearestImitator, {"k": 5}, diagonal=True),
+    "distance_weighted": FromVectors(
+        "5 nearest, by distance", KNearestImitator, {"k": 5, "weighting": "distance"}, diagonal=True
+    ),
+    "attribute_weights": FromVectors(
+        "learned weights", WeightedImitator, diagonal=True, seeded=True, grouped=True
+    ),
+    "growing_memory": FromVectors("growing memory", GrowingMemory, diagonal=True),
+    "tree": FromVectors("decision tree", tree, seeded=True),
+    "boosting": FromVectors(
+        "gradient boosting",
+        boosting,
+        {"n_estimators": 50, "max_depth": 3},
+        seeded=True,
+    ),
+    "cloning": _CLONING,
+    "dagger": FromQueries("DAgger", _CLONING, {"queries_a_round": 100}),
+    "dagger_tree": FromQueries(
+        "DAgger, tree", FromVectors("decision tree", tree, seeded=True), {"queries_a_round": 100}
+    ),
+    "ppo": FromSteps(
+        "PPO on behaviours",
+        "PPO",
+        wheels=False,
+        settings={"n_steps": 256, "batch_size": 256, "gamma": 0.995, "ent_coef": 0.01, "learning_rate": 1e-3},
+        sample=True,
+    ),
+    "dqn": FromSteps(
+        "DQN on behaviours",
+        "DQN",
+        wheels=False,
+        settings={
+            "gamma": 0.995,
+            "learning_starts": 2_000,
+            "exploration_fraction": 0.3,
+            "target_update_interval": 1_000,
+        },
+    ),
+    "ppo_wheels": FromSteps(
+        "PPO on wheels",
+        "PPO",
+        wheels=True,
+        settings={"n_steps": 256, "batch_size": 256, "gamma": 0.995, "ent_coef": 0.001},
+    ),
+    "sac_wheels": FromSteps(
+        "SAC on wheels", "SAC", wheels=True, settings={"gamma": 0.995, "learning_starts": 2_000}
+    ),
+}
+"""By name. Every comparison goes through it."""
