@@ -4,7 +4,7 @@ What each commands, in speed units of 8 mm/s (every figure our decision, made wi
 
 | behaviour | wheels | arm | jaw |
 |---|---|---|---|
-| SEARCH FOR FOOD | 12 towards the food, round the home; on the spot if none is seen | 215 | open |
+| SEARCH FOR FOOD | 12 towards the food, round the home; a small circle if none is seen | 215 | open |
 | MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
 | ORIENT WITH FOOD | turn, 4 on until the barrier is crossed; back 5 to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
@@ -40,6 +40,8 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
+_CIRCLE = 1.5
+"""Mean speed of a robot that sees no food: a circle of 16 mm across."""
 _FAST, _SLOW, _CREEP, _PUSHING, _RETREAT = 12.0, 8.0, 4.0, 8.0, 5.0
 
 _AIMED = 5.0
@@ -97,8 +99,9 @@ def wait(raw: RawData) -> Motors:
 
 def _search(raw: RawData) -> Motors:
     if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
-        # Turning uncovers what the robot's own marker hides.
-        return Motors(-TURN, TURN, ARM_RAISED, JAW_OPEN)
+        # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
+        # is just at home out of there (on the spot they would turn for ever).
+        return Motors(_CIRCLE - TURN, _CIRCLE + TURN, ARM_RAISED, JAW_OPEN)
     return _approach(raw, _FAST, detour(raw))
 
 

@@ -110,7 +110,7 @@ def test_separation_that_outlasts_patience_ends_the_attempt() -> None:
 
 
 def test_pause_and_resume_puts_the_learner_beside_the_teacher() -> None:
-    env = TrainingEnv()
+    env = TrainingEnv(noise=Noise.none())
     env.reset(seed=0)
     put_learner(env, 200.0)
     play(env, 3)
