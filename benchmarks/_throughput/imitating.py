@@ -12,14 +12,19 @@ from _throughput.lines import Job, Measure, Values
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experiments.recalling import recall_env
 from khepera_forage.experiments.training import arrays, train
-from khepera_forage.policies import NearestNeighbourImitator, state_vector_of
+from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
 
 VECTORS = 1_000
 GOAL = 40_000
+MANY_VECTORS = 1_000_000
+MANY_GOAL = 20_000
+VECTORS_A_QUERY = 100
+"""Vectors for each query, up to `MANY_VECTORS`: a quick run makes do with fewer."""
 SECTION = "Imitator"
 NOTE = (
     f"{VECTORS:,} experience vectors of complete trainings; `act`, one observation at a time, on those that it has "
-    "while it forages in the corridor, in their order."
+    "while it forages in the corridor, in their order. The same observations are then put to an imitator with as many "
+    "vectors as the last lines say, of the teacher's forages from random places in the corridor."
 )
 MEMO = Measure(SECTION, "imitator as it forages", "decisions/s", "its memo is empty at the start", GOAL)
 NO_MEMO = Measure(
@@ -28,6 +33,12 @@ NO_MEMO = Measure(
 SEEN = Measure(
     SECTION, "queries that the memo answers", "%", "state vectors that came before among the queries"
 )
+MANY = Measure(
+    SECTION, "imitator over many vectors", "decisions/s", "memo emptied before every query", MANY_GOAL
+)
+MORE = Measure(SECTION, "one more vector learned", "vectors/s", "`partial_fit` of one vector after the other")
+SIZE = Measure(SECTION, "vectors of that imitator", "vectors")
+DISTINCT = Measure(SECTION, "distinct among them", "vectors")
 
 Experience = tuple[NDArray[np.int64], NDArray[np.int64]]
 
@@ -47,6 +58,23 @@ def experience(seed: int, size: int = VECTORS) -> Experience:
 
 
 @cache
+def forages(seed: int, size: int) -> Experience:
+    """The state vectors of the teacher's forages from random places in the corridor, and what it does on each."""
+    env = recall_env("corridor")
+    teacher = Teacher(env.home_radius)
+    vectors, done = np.empty((size, 5), np.int64), np.empty(size, np.int64)
+    observation, _ = env.reset(seed=seed)
+    for i in range(size):
+        vectors[i] = state_vector_of(observation)
+        done[i] = teacher.act(observation)
+        observation, _, terminated, truncated, _ = env.step(int(done[i]))
+        if terminated or truncated:
+            observation, _ = env.reset()
+    env.close()
+    return vectors, done
+
+
+@cache
 def queries(seed: int, count: int) -> list[Any]:
     """Observations that an imitator with that experience has in the corridor, in the order it has them."""
     imitator, env, draws = _imitator(seed), recall_env("corridor"), np.random.default_rng(seed)
@@ -62,7 +90,7 @@ def queries(seed: int, count: int) -> list[Any]:
 
 
 def job(count: int, seed: int) -> Job:
-    """Measure `count` decisions with the memo and as many without it."""
+    """Measure `count` decisions with the memo, as many without it, and as many over many vectors."""
 
     def run() -> Values:
         asked = queries(seed, count)
@@ -71,11 +99,32 @@ def job(count: int, seed: int) -> Job:
         as_it_forages = _rate(imitator, asked, seed, lambda: None)
         imitator = _imitator(seed)
         imitator.act(asked[0], np.random.default_rng(seed))  # now there is a memo to empty
-        assert imitator._memo is not None
-        searching = _rate(imitator, asked, seed, imitator._memo.found.clear)
-        return {MEMO: as_it_forages, NO_MEMO: searching, SEEN: 100 * (1 - distinct / count)}
+        searching = _searching(imitator, asked, seed)
+        values = {MEMO: as_it_forages, NO_MEMO: searching, SEEN: 100 * (1 - distinct / count)}
+        return {**values, **_many(asked, seed)}
 
     return run
+
+
+def _many(asked: list[Any], seed: int) -> Values:
+    """Decisions over many vectors, and learning one more; what is learned is what was asked, as if it had been told."""
+    vectors, done = forages(seed, min(MANY_VECTORS, VECTORS_A_QUERY * len(asked)))
+    imitator = NearestNeighbourImitator().fit(vectors, done)
+    imitator.act(asked[0], np.random.default_rng(seed))
+    searching = _searching(imitator, asked, seed)
+    more = [(np.array([state_vector_of(observation)]), [0]) for observation in asked[: len(asked) // 10]]
+    start = perf_counter()
+    for vector, said in more:
+        imitator.partial_fit(vector, said)
+    learning = len(more) / (perf_counter() - start)
+    sizes = {SIZE: float(len(vectors)), DISTINCT: float(len(np.unique(vectors, axis=0)))}
+    return {MANY: searching, MORE: learning, **sizes}
+
+
+def _searching(imitator: NearestNeighbourImitator, asked: list[Any], seed: int) -> float:
+    """Decisions a second with the memo emptied before every one of them."""
+    assert imitator._memo is not None
+    return _rate(imitator, asked, seed, imitator._memo.found.clear)
 
 
 def _rate(

@@ -36,7 +36,10 @@ def speed_table(tracked: Sequence[float], rendered: Sequence[float], frames: int
         Column("highest", 0),
         Column("goal"),
     )
-    note = f"One core, one thread, {frames} frames of a training; median, lowest and highest of {len(tracked)} repeats."
+    note = (
+        f"One thread, by its processor time, {frames} frames of a training; median, lowest and highest of "
+        f"{len(tracked)} repeats."
+    )
     return Table("tracker_speed", "Speed", note, columns, rows)
 
 
@@ -210,7 +213,10 @@ def _plain(value: float) -> Estimate:
 
 def _reversals(rows: Sequence[Sight]) -> Estimate:
     seen = errors(row for row in rows if row.kind != KINDS[0])
-    whole = share(seen.reversals, seen.reversals + len(seen.heading))
+    read = seen.reversals + len(seen.heading)
+    if read == 0:
+        return _plain(_NAN)
+    whole = share(seen.reversals, read)
     return Estimate(*(max(0.0, value / 100) for value in whole))
 
 

@@ -9,7 +9,7 @@ from khepera_forage.vision.tracker import Tracker
 
 
 def frames_a_second(seed: int, frames: int, repeats: int) -> tuple[list[float], list[float]]:
-    """Frames a second of the tracker, and of the renderer, once a repeat; on one thread."""
+    """Frames a second of the tracker, and of the renderer, once a repeat; on one thread, by its processor time."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     training = RenderedTraining(seed)
@@ -17,14 +17,14 @@ def frames_a_second(seed: int, frames: int, repeats: int) -> tuple[list[float], 
     tracked, rendered = [], []
     for _ in range(repeats):
         tracker = Tracker()
-        began = time.perf_counter()
+        began = time.process_time()
         for picture in pictures:
             tracker.update(picture)
-        tracked.append(frames / (time.perf_counter() - began))
-        began = time.perf_counter()
+        tracked.append(frames / (time.process_time() - began))
+        began = time.process_time()
         for _ in pictures:
             training.renderer.frame()
-        rendered.append(frames / (time.perf_counter() - began))
+        rendered.append(frames / (time.process_time() - began))
     training.close()
     cv2.setNumThreads(threads)
     return tracked, rendered

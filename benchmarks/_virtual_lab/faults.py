@@ -10,11 +10,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from _virtual_lab.watched import Notes, Vector, WatchedTraining, moving
 
+from _virtual_lab.watched import Notes, Vector, WatchedTraining, moving
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.experiments.training import HopelessTraining, train
-from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.line_faults import FAULTS, Faults
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
@@ -34,7 +33,6 @@ class DisturbedRow:
         rate: Of it, a share of replies.
         training: Number of the training, from 0; it goes on until an episode is complete.
         attempt: In this training, from 1.
-        placed: Whether the first round could begin.
         rounds: That were begun.
         lost: Why its last round was the last, if something was lost.
         kept: Whether its experience is on disk: complete, cut short by a loss, or by the end of the benchmark;
@@ -45,13 +43,13 @@ class DisturbedRow:
         disturbed: Rounds with a fault.
         recovered: Of these, rounds in which nobody was lost.
         halted: Rounds in which a body did not turn its wheels as its driver had it.
-        misread: Rounds after which a driver reported anything else of its robot than the body does.
+        misread: Rounds after which a driver reported other senses, counters apart, than its body's.
+        miscounted: Rounds in which a driver's counters went on otherwise than its body's.
         moving: Robots that moved on when they should have stood.
         vectors: Shown to the learner with a behaviour that it heard.
         stored: On disk.
         altered: On disk otherwise than shown, or missing there, or too many.
-        wrong_vectors: State vectors that are not those of the body.
-        wrong_words: Behaviours that the teacher would not have called with its body's own senses.
+        wrong: Of those shown, the untrue ones.
         seconds: Of all rounds.
         longest: Seconds of the longest round.
     """
@@ -60,7 +58,6 @@ class DisturbedRow:
     rate: float
     training: int
     attempt: int
-    placed: bool
     rounds: int
     lost: str
     kept: bool
@@ -71,12 +68,12 @@ class DisturbedRow:
     recovered: int
     halted: int
     misread: int
+    miscounted: int
     moving: int
     vectors: int
     stored: int
     altered: int
-    wrong_vectors: int
-    wrong_words: int
+    wrong: int
     seconds: float
     longest: float
 
@@ -103,7 +100,8 @@ class Disturbed:
 
     def run(self) -> list[DisturbedRow]:
         """One row an attempt; the last one ends in its midst, as if somebody had pressed Ctrl-C."""
-        faults = None if self.fault == NOTHING else Faults(**{self.fault: self.rate}, lateness=LATENESS)  # type: ignore[arg-type]
+        rates = {} if self.fault == NOTHING else {self.fault: self.rate}
+        faults = Faults(lateness=LATENESS, **rates)
         left = self.rounds
         rows: list[DisturbedRow] = []
 
@@ -116,17 +114,18 @@ class Disturbed:
         with (
             unheard(),
             TemporaryDirectory() as folder,
-            VirtualLaboratory.of("corridor", 2, faults=faults, fault_seed=self.seed) as lab,
-            closing(WatchedTraining(lab, count)) as env,
+            VirtualLaboratory.of("corridor", 2, fault_seed=self.seed) as lab,
+            closing(WatchedTraining(lab, faults, count)) as env,
         ):
             number = 0
             while left > 0:
                 path = Path(folder) / f"g{number}.csv"
-                # A robot that is lost while it is put in its place ends the training, as it would end the command.
-                with suppress(_Enough, RobotLost, HopelessTraining):
+                with suppress(_Enough, HopelessTraining):
                     train(env, np.random.SeedSequence(self.seed, spawn_key=(number,)), path=path)
                 for attempt, note in enumerate(env.notes, start=1):
-                    rows.append(self._row(number, attempt, note, _file(path, attempt, attempt == len(env.notes))))
+                    rows.append(
+                        self._row(number, attempt, note, _file(path, attempt, attempt == len(env.notes)))
+                    )
                 env.notes.clear()
                 number += 1
             env.close()
@@ -140,7 +139,6 @@ class Disturbed:
             rate=self.rate,
             training=training,
             attempt=attempt,
-            placed=note.placed,
             rounds=note.rounds,
             lost=note.lost,
             kept=file is not None,
@@ -151,12 +149,12 @@ class Disturbed:
             recovered=note.recovered,
             halted=note.halted,
             misread=note.misread,
+            miscounted=note.miscounted,
             moving=note.moving,
             vectors=len(note.heard),
             stored=len(stored),
             altered=0 if file is None else _differences(stored, note.heard),
-            wrong_vectors=note.wrong_vectors,
-            wrong_words=note.wrong_words,
+            wrong=note.wrong,
             seconds=sum(note.seconds),
             longest=max(note.seconds, default=0.0),
         )

@@ -5,6 +5,7 @@ simulated body instead of the line.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,20 @@ from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
 _PULSES_A_UNIT = 10
 """Encoder pulses a round and speed unit."""
+
+
+class Round(NamedTuple):
+    """What was not as it should be in a round of all robots.
+
+    Attributes:
+        halted: A body did not turn its wheels as its driver had it.
+        misread: A driver reported another proximity, object presence, arm or jaw than its body has.
+        miscounted: A driver reported another turn of the wheels in this round than there was.
+    """
+
+    halted: bool
+    misread: bool
+    miscounted: bool
 
 
 class _Body:
@@ -60,28 +75,20 @@ class Truth:
             forager.perceive(lab.camera.look())
         self._before = [(f.senses, true.senses) for f, true in self._pairs()]
 
-    def take_in(self) -> tuple[bool, bool]:
-        """A round is over.
-
-        Returns:
-            Whether a body has not turned its wheels as its driver had it, and whether a driver reports anything else of
-            its robot than the body does.
-        """
-        halted = misread = False
+    def take_in(self) -> "Round":
+        """A round is over."""
+        halted = misread = miscounted = False
         scene = self._lab.camera.look()
         for i, (reported, true) in enumerate(self._pairs()):
             true.applied = reported.applied
             true.perceive(scene)
             reported_before, true_before = self._before[i]
             turned = _turned(true_before, true.senses)
-            wanted = tuple(_PULSES_A_UNIT * speed for speed in reported.applied[:2])
-            halted = halted or turned != wanted
-            misread = misread or (
-                _turned(reported_before, reported.senses) != turned
-                or _rest(reported.senses) != _rest(true.senses)
-            )
+            halted = halted or turned != tuple(_PULSES_A_UNIT * speed for speed in reported.applied[:2])
+            miscounted = miscounted or _turned(reported_before, reported.senses) != turned
+            misread = misread or _rest(reported.senses) != _rest(true.senses)
             self._before[i] = reported.senses, true.senses
-        return halted, misread
+        return Round(halted, misread, miscounted)
 
     def vector(self, robot: int) -> StateVector:
         """The true state vector, as an environment shows it."""

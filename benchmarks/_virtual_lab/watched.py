@@ -6,15 +6,15 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
-from _virtual_lab.truth import Truth
 from numpy.typing import NDArray
 
+from _virtual_lab.truth import Truth
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.robots.line_faults import FaultCounts
+from khepera_forage.robots.line_faults import FaultCounts, Faults
 from khepera_forage.robots.virtual_port import VirtualKhepera
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
@@ -30,32 +30,31 @@ class Notes:
     """What came of an attempt.
 
     Attributes:
-        placed: Whether everybody came to stand where he should, so that the first round could begin.
         rounds: That were begun.
         lost: Why its last round is its last: a robot, or the camera; otherwise empty.
         heard: What the learner was shown whenever it heard a behaviour: the experience.
-        wrong_vectors: State vectors among these that are not those of its body.
-        wrong_words: Behaviours among these that the teacher would not have called, had it sensed what its body does.
+        wrong: Of these, those whose state vector is not that of its body, or whose behaviour the teacher would not have
+            called, had it sensed what its own body does.
         faults: In rounds.
         disturbed: Rounds with a fault.
         recovered: Rounds with a fault in which nobody was lost.
         halted: Rounds in which a body did not turn its wheels as its driver had it.
-        misread: Rounds after which a driver reported anything else of its robot than the body does.
+        misread: Rounds after which a driver reported other senses, counters apart, than its body's.
+        miscounted: Rounds in which a driver's counters went on otherwise than its body's.
         moving: Robots that moved on after the attempt should have stopped them.
         seconds: Of each round.
     """
 
-    placed: bool = False
     rounds: int = 0
     lost: str = ""
     heard: list[Vector] = field(default_factory=list)
-    wrong_vectors: int = 0
-    wrong_words: int = 0
+    wrong: int = 0
     faults: FaultCounts = field(default_factory=FaultCounts)
     disturbed: int = 0
     recovered: int = 0
     halted: int = 0
     misread: int = 0
+    miscounted: int = 0
     moving: int = 0
     seconds: list[float] = field(default_factory=list)
 
@@ -64,33 +63,30 @@ class WatchedTraining(TrainingEnv):
     """`TrainingEnv` in a virtual laboratory, with notes.
 
     Args:
-        lab: Where it takes place.
+        lab: Where it takes place, on undisturbed lines.
+        faults: Of all lines in every round; while the operator is at work there are none.
         end: Called after every round; what it raises ends the training there, in the midst of it.
 
     Attributes:
         notes: One an attempt.
     """
 
-    def __init__(self, lab: VirtualLaboratory, end: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self, lab: VirtualLaboratory, faults: Faults, end: Callable[[], None] = lambda: None
+    ) -> None:
         super().__init__(num_learners=len(lab.markers) - 1, world=lab, noise=Noise.none())
         self.notes: list[Notes] = []
-        self._lab = lab
-        self._end = end
+        self._lab, self._wanted, self._end = lab, faults, end
         self._ports: list[VirtualKhepera] = []
         self._truth: Truth
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """As in any training, on a new page of notes."""
-        note = Notes()
-        self.notes.append(note)
-        try:
-            super().reset(seed, options)
-        except BaseException as error:
-            note.lost = str(error)
-            note.moving = moving(self._lab)
-            raise
-        note.placed = True
+        self.notes.append(Notes())
+        self._disturb(Faults())
+        super().reset(seed, options)
         self._truth = Truth(self._lab, self.foragers)
+        self._disturb(self._wanted)
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """As in any training; what the learner hears is noted, and whether all of it is true."""
@@ -99,10 +95,10 @@ class WatchedTraining(TrainingEnv):
             note = self.notes[-1]
             shown, word = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
             note.heard.append((shown, word))
-            note.wrong_vectors += shown != self._truth.vector(1)
             teacher = super().observe(TEACHER)
             teacher[:5] = self._truth.vector(0)
-            note.wrong_words += word != Teacher(self.home_radius).act(teacher)
+            called = Teacher(self.home_radius).act(teacher)
+            note.wrong += (shown, word) != (self._truth.vector(1), called)
         return observation
 
     def step(self, action: int | None) -> None:
@@ -122,10 +118,15 @@ class WatchedTraining(TrainingEnv):
             note.moving = moving(self._lab)
         else:
             note.recovered += happened.disturbed > 0
-            halted, misread = self._truth.take_in()
-            note.halted += halted
-            note.misread += misread
+            went = self._truth.take_in()
+            note.halted += went.halted
+            note.misread += went.misread
+            note.miscounted += went.miscounted
         self._end()
+
+    def _disturb(self, faults: Faults) -> None:
+        for port in self._lab.ports:
+            port.faults = faults
 
     def _faults(self) -> FaultCounts:
         """On all lines there have been: one that was lost is replaced by another."""
@@ -133,6 +134,8 @@ class WatchedTraining(TrainingEnv):
         total = FaultCounts()
         for port in self._ports:
             total = _sum(total, port.counts, 1)
+            if port not in self._lab.ports:
+                port.close()
         return total
 
 

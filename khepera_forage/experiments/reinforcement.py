@@ -1,11 +1,15 @@
 """Learning by trial and error: stable-baselines3 on the recall environments (extra `baselines`)."""
 
 import pickle
-from collections.abc import Callable, Sequence
+import random
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from importlib import import_module
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import gymnasium as gym
+import numpy as np
 from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 - registers the environments
@@ -93,31 +97,51 @@ def reinforce(
 
     make = make_env if make_env is not None else recall_envs(wheels=learner.wheels)
     env = VectorBridge(make(envs), wheels_features if learner.wheels else behaviour_features)
-    model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **learner.settings)
-    policy = WheelsPolicy(model) if learner.wheels else BaselinePolicy(model, sample=learner.sample)
     kept: list[Trained] = []
     began = perf_counter()
 
-    def keep() -> None:
-        twin = pickle.loads(pickle.dumps(policy))
-        kept.append(Trained(twin, model.num_timesteps, perf_counter() - began))
-
     class Keeper(BaseCallback):  # type: ignore[misc, unused-ignore]
-        """Keeps the policy as it is before the next update, after each amount of steps."""
+        """Keeps the policy as it is before it collects more steps, after each amount of them."""
 
         def _on_step(self) -> bool:
             return True
 
         def _on_rollout_start(self) -> None:
             if watch is not None:
-                watch(model.num_timesteps)
-            while len(kept) < len(wanted) - 1 and model.num_timesteps >= wanted[len(kept)]:
-                keep()
+                watch(self.num_timesteps)
+            self.keep(wanted[:-1])
 
-    try:
-        model.learn(wanted[-1], callback=Keeper())
-        while len(kept) < len(wanted):
-            keep()
-    finally:
-        env.close()
+        def keep(self, reached: Sequence[int]) -> None:
+            """A copy for each of these amounts that is reached and not kept yet."""
+            policy = (
+                WheelsPolicy(self.model) if learner.wheels else BaselinePolicy(self.model, learner.sample)
+            )
+            for amount in reached[len(kept) :]:
+                if self.model.num_timesteps >= amount:
+                    twin = pickle.loads(pickle.dumps(policy))
+                    kept.append(Trained(twin, self.model.num_timesteps, perf_counter() - began))
+
+    with closing(env), _chance_of_its_own():
+        model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **learner.settings)
+        keeper = Keeper()
+        model.learn(wanted[-1], callback=keeper)
+        keeper.keep(wanted)
     return kept
+
+
+@contextmanager
+def _chance_of_its_own() -> Iterator[None]:
+    """Give back the global sources of chance as they were, which stable-baselines3 seeds and draws from.
+
+    On one thread: networks this small are slower on two, and their sums would depend on how many there are.
+    """
+    torch = import_module("torch")
+    before, python, threads = np.random.get_state(), random.getstate(), torch.get_num_threads()  # noqa: NPY002
+    torch.set_num_threads(1)
+    try:
+        with torch.random.fork_rng(devices=[]):
+            yield
+    finally:
+        torch.set_num_threads(threads)
+        random.setstate(python)
+        np.random.set_state(before)  # noqa: NPY002

@@ -3,6 +3,7 @@
 `as_policy` is the one line that makes a forager of any of them.
 """
 
+import copy
 import inspect
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -153,8 +154,9 @@ def as_policy(learner: Any) -> Policy:
     Args:
         learner: One of these, the first that fits: something with `act(observation, rng)`, which is a policy
             already; with `act(observation)`; a fitted classifier with `predict_proba`, whose behaviours are drawn
-            with their probabilities; a trained model with `predict(observation, deterministic=...)`. For other
-            choices make `ClassifierPolicy` or `ModelPolicy` yourself.
+            with their probabilities (the policy is of a copy: what the classifier learns later, it does not know); a
+            trained model with `predict(observation, deterministic=...)`. For other choices make `ClassifierPolicy`
+            or `ModelPolicy` yourself.
 
     Raises:
         TypeError: Nothing of these, or a class where an instance of it is needed.
@@ -163,7 +165,7 @@ def as_policy(learner: Any) -> Policy:
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
-            return ClassifierPolicy(learner)
+            return ClassifierPolicy(copy.deepcopy(learner), remember=True)
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
             return ModelPolicy(learner)

@@ -101,7 +101,8 @@ class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # sc
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:  # noqa: N803
         """The class with the highest share, for each row of `X`."""
-        labels: NDArray[Any] = self.classes_[self.predict_proba(X).argmax(axis=1)]
+        best = self.predict_proba(X).argmax(axis=1)
+        labels: NDArray[Any] = self.classes_[best]
         return labels
 
     def _perceive(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, anew: bool) -> Self:  # noqa: N803

@@ -188,7 +188,10 @@ LEARNERS: dict[str, Learner] = {
         settings={"n_steps": 256, "batch_size": 256, "gamma": 0.995, "ent_coef": 0.001},
     ),
     "sac_wheels": FromSteps(
-        "SAC on wheels", "SAC", wheels=True, settings={"gamma": 0.995, "learning_starts": 2_000}
+        "SAC on wheels",
+        "SAC",
+        wheels=True,
+        settings={"gamma": 0.995, "learning_starts": 2_000, "buffer_size": 300_000},
     ),
 }
 """By name. Every comparison goes through it."""

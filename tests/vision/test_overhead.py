@@ -215,6 +215,12 @@ def test_food_going_under_the_rim_is_not_taken_for_vanished(speed: float) -> Non
 # ---------------------------------------------------------------- jitter and reversal
 
 
+def normal_share(low: float, high: float) -> float:
+    """How much of the heading jitter falls between two errors in degrees."""
+    wide = LABORATORY.heading_jitter * math.sqrt(2)
+    return (math.erf(high / wide) - math.erf(low / wide)) / 2
+
+
 def test_jitter_has_the_stated_size_and_no_bias() -> None:
     frames = 5000
     stage = Stage(((400.0, 300.0, math.radians(90), 1),), ((400.0, 700.0),))
@@ -228,7 +234,7 @@ def test_jitter_has_the_stated_size_and_no_bias() -> None:
     assert np.abs(errors.std(axis=0) - sd).max() < 5 * sd / math.sqrt(2 * frames)
     assert np.abs(np.corrcoef(errors.T) - np.eye(4)).max() < 5 / math.sqrt(frames)
     headings = np.array([only(s, 1).orientation for s in scenes]) - 90
-    rounded_sd = math.sqrt(LABORATORY.heading_jitter**2 + 1 / 12)
+    rounded_sd = math.sqrt(sum(2 * k * k * normal_share(k - 0.5, k + 0.5) for k in range(1, 9)))
     assert abs(headings.mean()) < 5 * rounded_sd / math.sqrt(frames)
     assert abs(headings.std() - rounded_sd) < 5 * rounded_sd / math.sqrt(2 * frames)
 
@@ -287,7 +293,8 @@ def test_two_holes_are_lost_more_often_and_everything_more_often_under_a_cable()
     under = lost_shares(camera_over(stage, noise, anchor=(100.0, 500.0)), 40_000)
     assert free[1] < free[2]
     for holes, rate in ((0, 0.001), (1, 0.001), (2, 0.002)):
-        assert 0.5 * rate * 5 < free[holes] < 1.6 * rate * 5
+        share = rate * LABORATORY.loss_rounds
+        assert 0.5 * share < free[holes] < 1.6 * share
     assert under[0] > 5 * free[0]
     assert under[2] > 4 * free[2]
     assert under[1] == free[1], "its own cable hangs from its own marker"

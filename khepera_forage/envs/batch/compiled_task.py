@@ -49,7 +49,8 @@ def sine(degrees: float) -> float:
 @stand_in(angles.arcsine)
 def arcsine(value: float) -> float:
     """See `angles.arcsine`."""
-    return direction(math.sqrt((1.0 - value) * (1.0 + value)), value) * _DEGREES
+    # `abs` changes nothing, but tells the compiler that the root exists.
+    return direction(math.sqrt(abs((1.0 - value) * (1.0 + value))), value) * _DEGREES
 
 
 @stand_in(applicable)

@@ -81,7 +81,7 @@ def update(
     _pick(s, f, t, q, foods)
     for i in range(LANES):
         if t[_ODD * LANES + i] != 0.0:
-            _pick_among_all(s, f, t, q, foods, i)
+            _pick_among_all(s, f, t, q, foods, i, place)
 
 
 @inline
@@ -271,7 +271,13 @@ def _nearest_untied(
 
 @inline
 def _pick_among_all(
-    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int, i: int
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
+    i: int,
+    place: NDArray[np.float64],
 ) -> None:
     """The nearest candidate of one world, ghosts included, whatever object each track is tied to."""
     best = np.inf
@@ -282,7 +288,8 @@ def _pick_among_all(
         settled = k >= 0 and q[k * at.TASK_FOOD_ROWS * LANES + at.SETTLED * LANES + i] != 0.0
         dx, dy = f[x_row + i] - s[body.OWN_X * LANES + i], f[y_row + i] - s[body.OWN_Y * LANES + i]
         squared = dx * dx + dy * dy
-        if f[label_row + i] >= 0.0 and not settled and squared < best:
+        candidate = f[label_row + i] >= 0.0 and not settled and _within(f[x_row + i], f[y_row + i], place)
+        if candidate and squared < best:
             best = squared
             t[at.FOOD_SEEN * LANES + i] = 1.0
             t[at.FOOD_X * LANES + i], t[at.FOOD_Y * LANES + i] = f[x_row + i], f[y_row + i]

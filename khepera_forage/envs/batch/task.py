@@ -1,7 +1,5 @@
 """The task in every world of a block: commands, perception and the account of an episode."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +7,7 @@ from khepera_forage.envs.batch import compiled_task, rows as at  # noqa: F401 (t
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.perception import RawData, Site, raw_data, state_vector, way_to_wall
 from khepera_forage.foraging.states import classify
-from khepera_forage.robots.khepera import Senses, applicable
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Senses, applicable
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.rows import LANES
@@ -69,10 +67,12 @@ def drive(s: NDArray[np.float64], t: NDArray[np.float64], place: NDArray[np.floa
     site = site_of(place)
     for i in range(LANES):
         motors = applicable(command(int(t[at.BEHAVIOUR * LANES + i]), raw_of(s, t, i, site)))
-        s[body.LEFT * LANES + i] = motors.left
-        s[body.RIGHT * LANES + i] = motors.right
-        s[body.ARM_TO * LANES + i] = motors.arm
-        s[body.JAW_TO * LANES + i] = motors.jaw
+        # Before its first frame a robot stands as it was put down.
+        new = s[body.NEW * LANES + i] != 0.0
+        s[body.LEFT * LANES + i] = 0.0 if new else motors.left
+        s[body.RIGHT * LANES + i] = 0.0 if new else motors.right
+        s[body.ARM_TO * LANES + i] = ARM_RAISED if new else motors.arm
+        s[body.JAW_TO * LANES + i] = JAW_OPEN if new else motors.jaw
 
 
 @kernel
@@ -143,4 +143,4 @@ def perceive(
         t[at.VECTOR_TYPE * LANES + i] = vector.food_type
         t[at.VECTOR_ARM * LANES + i] = vector.arms_height
         t[at.FOOD_DISTANCE * LANES + i] = vector.robot_food_distance
-        t[at.STATE * LANES + i] = classify(vector, site.home_radius)
+        t[at.STATE * LANES + i] = classify(vector, site.home_radius).value

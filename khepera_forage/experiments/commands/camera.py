@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A subcommand for each task."""
     tasks = parser.add_subparsers(dest="task", required=True, metavar="task")
     for name, module, help_text in _TASKS:
-        task = tasks.add_parser(name, help=help_text, description=help_text.capitalize() + ".")
+        task = tasks.add_parser(name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}.")
         module.add_arguments(task)
         task.set_defaults(run_task=module.run)
 

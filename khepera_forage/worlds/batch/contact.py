@@ -59,21 +59,30 @@ def touch(
     for i in range(LANES):
         if s[at.TOUCHES * LANES + i] == 0.0:
             continue
-        allowed = max(_TOLERATED, _overlap(s, f, foods, i, walls))
-        for _ in range(STEPS):
+        # Away from walls there is none to look at.
+        near = walls[: walls.shape[0] if s[at.NEAR_WALL * LANES + i] != 0.0 else 0]
+        late = s[at.LAG * LANES + i] * STEPS
+        allowed = max(_TOLERATED, _overlap(s, f, foods, i, near))
+        for step in range(STEPS):
+            share = late if step == 0 else 0.0
+            goes = s[at.FORWARD * LANES + i] + share * (s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i])
+            turns = s[at.TURN * LANES + i] + share * (s[at.LAST_TURN * LANES + i] - s[at.TURN * LANES + i])
             x, y, heading = s[at.X * LANES + i], s[at.Y * LANES + i], s[at.HEADING * LANES + i]
-            _move_jaw(s, f, foods, i, walls)
-            turn = s[at.TURN * LANES + i] * _DT
+            _move_jaw(s, f, foods, i, near)
+            turn, forward = turns * _DT, goes * _DT
             c, d = cosine_sine(heading + turn / 2)
-            forward = s[at.FORWARD * LANES + i] * _DT
             _put(s, i, x + forward * c, y + forward * d, heading + turn)
+            moved = 1.0
             for _ in range(_REPEATS):
-                moved = _off_walls(s, i, walls, corners)
-                moved += _push_food(s, f, foods, i, walls)
+                moved = _off_walls(s, i, near, corners) + _push_food(s, f, foods, i, near)
                 if moved < _SETTLED:
                     break
-            if _overlap(s, f, foods, i, walls) > allowed:
+            held_back = moved >= _SETTLED and _overlap(s, f, foods, i, near) > allowed
+            if held_back:
                 _put(s, i, x, y, heading)
+            if step == STEPS - 1:
+                s[at.LAST_FORWARD * LANES + i] = 0.0 if held_back else s[at.FORWARD * LANES + i]
+                s[at.LAST_TURN * LANES + i] = 0.0 if held_back else s[at.TURN * LANES + i]
 
 
 @inline

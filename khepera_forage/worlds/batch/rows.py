@@ -35,7 +35,13 @@ GHOSTS = 56
 """How many tracks show no food any more."""
 NEW = 57
 """Whether the coming frame is the first after a reset."""
-ROBOT_ROWS = 58
+LAST_FORWARD, LAST_TURN = 58, 59
+"""How the robot moved at the end of the last round."""
+NEAR_WALL, NEAR_FOOD = 60, 61
+"""Whether anything of the robot could touch a wall, or food, in this round."""
+LAG = 62
+"""Share of the round in which the robot still moves as in the last one."""
+ROBOT_ROWS = 63
 
 # A food object: where it is, and whether the camera's tracker is missing it.
 FOOD_X, FOOD_Y, LOST = 0, 1, 2

@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, PRESENT
-from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS, response
+from khepera_forage.robots.proximity import _AT_RANGE as AT_RANGE
+from khepera_forage.robots.proximity import _GAIN as GAIN
+from khepera_forage.robots.proximity import _OFFSET as OFFSET
+from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.compiling import inline, kernel
@@ -20,8 +23,6 @@ _SENSORS = np.array(SENSORS)
 _LOW, _SPAN = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 # The lanes in reach of a wall or of food are packed into the scratch rows: what is there in the robot's frame.
 _AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE = (at.SCRATCH + n for n in range(6))
-
-response = inline(response)
 
 
 @kernel
@@ -50,67 +51,95 @@ def end_round(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> Non
 
 @kernel
 def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDArray[np.float64]) -> None:
-    """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block."""
+    """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block.
+
+    Behind a lowered arm sensors 0-5 see nothing of the room, so there only the two at the back are cast.
+    """
     for row in range(at.PROXIMITY, at.PROXIMITY + 8):
         for i in range(LANES):
             s[row * LANES + i] = 0.0
     for wall in range(walls.shape[0]):
-        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
         nx, ny, offset = walls[wall, setting.NORMAL_X], walls[wall, setting.NORMAL_Y], walls[wall, setting.OFFSET]
-        share = walls[wall, setting.SHARE]
-        count = 0
-        for i in range(LANES):
-            s[_LANE * LANES + count] = i
-            count += abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset) < REACH
-        for n in range(count):
-            i = int(s[_LANE * LANES + n])
-            c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-            dx, dy = x1 - s[at.X * LANES + i], y1 - s[at.Y * LANES + i]
-            s[_AHEAD * LANES + n] = dx * c + dy * d
-            s[_ASIDE * LANES + n] = dy * c - dx * d
-            s[_ALONG * LANES + n] = ex * c + ey * d
-            s[_ACROSS * LANES + n] = ey * c - ex * d
-        for sensor in range(8):
-            forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
-            axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-            for n in range(count):
-                along, aside = s[_ALONG * LANES + n], s[_ACROSS * LANES + n]
-                dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
-                t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
-                s[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
-            _keep(s, sensor, count)
+        for part in range(2):
+            count = 0
+            for i in range(LANES):
+                s[_LANE * LANES + count] = i
+                near = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset) < REACH
+                count += near & ((part == 1) | (s[at.ARM * LANES + i] < ARM_ON_FLOOR))
+            _cast_wall(s, walls, wall, count, 6 * part, 6 + 2 * part)
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
-        count = 0
-        for i in range(LANES):
-            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-            lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
-            s[_LANE * LANES + count] = i
-            count += (dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2) & (not lifted)
+        for part in range(2):
+            count = 0
+            for i in range(LANES):
+                dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
+                dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
+                raised = s[at.ARM * LANES + i] < ARM_ON_FLOOR
+                s[_LANE * LANES + count] = i
+                near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2
+                lifted = raised & (s[at.HELD * LANES + i] == food)
+                count += near & (not lifted) & ((part == 1) | raised)
+            _cast_food(s, f, base, count, 6 * part, 6 + 2 * part)
+
+
+@inline
+def _cast_wall(
+    s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, count: int, first: int, end: int
+) -> None:
+    """One wall as some sensors of the packed lanes see it."""
+    x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
+    share = walls[wall, setting.SHARE]
+    for n in range(count):
+        i = int(s[_LANE * LANES + n])
+        c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
+        dx, dy = x1 - s[at.X * LANES + i], y1 - s[at.Y * LANES + i]
+        s[_AHEAD * LANES + n] = dx * c + dy * d
+        s[_ASIDE * LANES + n] = dy * c - dx * d
+        s[_ALONG * LANES + n] = ex * c + ey * d
+        s[_ACROSS * LANES + n] = ey * c - ex * d
+    for sensor in range(first, end):
+        forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
+        axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
         for n in range(count):
-            i = int(s[_LANE * LANES + n])
-            c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-            s[_AHEAD * LANES + n] = dx * c + dy * d
-            s[_ASIDE * LANES + n] = dy * c - dx * d
-        for sensor in range(8):
-            forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
-            axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-            for n in range(count):
-                dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
-                s[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
-            _keep(s, sensor, count)
+            along, aside = s[_ALONG * LANES + n], s[_ACROSS * LANES + n]
+            dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
+            t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
+            s[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
+        _keep(s, sensor, count)
+
+
+@inline
+def _cast_food(
+    s: NDArray[np.float64], f: NDArray[np.float64], base: int, count: int, first: int, end: int
+) -> None:
+    """One food object as some sensors of the packed lanes see it."""
+    for n in range(count):
+        i = int(s[_LANE * LANES + n])
+        c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
+        dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
+        dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
+        s[_AHEAD * LANES + n] = dx * c + dy * d
+        s[_ASIDE * LANES + n] = dy * c - dx * d
+    for sensor in range(first, end):
+        forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
+        axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
+        for n in range(count):
+            dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
+            s[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
+        _keep(s, sensor, count)
 
 
 @inline
 def _reading(dx: float, dy: float, axis: float, across: float, radius: float) -> float:
-    """Of one sensor, of an obstacle (dx, dy) mm from it."""
+    """Of one sensor, of an obstacle (dx, dy) mm from it: `response` times the share for its bearing."""
     along = dx * axis + dy * across
     distance = math.sqrt(dx * dx + dy * dy)
+    near = max(distance - radius, 0.0) + OFFSET
+    # One division for both: 1 / near ** 2 and along / distance.
+    inverse = 1.0 / (near * near * distance)
+    response = min(float(MAX_READING), GAIN * (inverse * distance - AT_RANGE))
+    reading = response * (2.0 * along * (inverse * near * near) - 1.0)
     seen = along > 0.0 and distance - radius < RANGE and 2.0 * along > distance
-    reading = response(distance - radius) * (2.0 * along / distance - 1.0)
     return reading if seen else 0.0
 
 

@@ -11,7 +11,7 @@ from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.camera import expose
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.contact import touch
-from khepera_forage.worlds.batch.drive import begin_round, glide, watch_food, watch_walls
+from khepera_forage.worlds.batch.drive import aim, begin_round, glide, look_around, watch_food, watch_walls
 from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.sensing import cast, end_round, measure
@@ -54,6 +54,8 @@ def advance_block(
     for i in range(LANES):
         keys[at.ROUND * LANES + i] += _ONE
     begin_round(s, f, keys, foods, noise)
+    look_around(s, f, foods, walls)
+    aim(s)
     watch_walls(s, walls, corners)
     watch_food(s, f, foods)
     glide(s)

@@ -1,0 +1,236 @@
+"""`benchmarks/virtual_lab.py`: both worlds, a round's parts, and a count of faults that would notice what it counts."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.experiments.row_files import read_rows
+from khepera_forage.experiments.rows import RecallRow, TrainingRow
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.line_faults import FAULTS, Faults
+from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+from khepera_forage.worlds.world import Layout
+
+from .running import ROOT, help_of, is_picture, quick, read
+
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+ROUNDS = 25
+WORLDS = ("pymunk", "virtual")
+RATES = ("0.1", "1", "5")
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run") / "virtual_lab"
+    (folder.parent / "printed").write_text(quick("virtual_lab.py", folder), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def faults(out: Path) -> dict[tuple[str, str], dict[str, str]]:
+    """Both fault tables, by fault and rate."""
+    rounds, experience = read(out / "faults.csv"), read(out / "experience.csv")
+    assert [(row["fault"], row["rate (%)"]) for row in rounds] == [
+        (row["fault"], row["rate (%)"]) for row in experience
+    ]
+    return {
+        (one["fault"], one["rate (%)"]): {**one, **other}
+        for one, other in zip(rounds, experience, strict=True)
+    }
+
+
+def test_every_fault_at_every_rate(faults: dict[tuple[str, str], dict[str, str]]) -> None:
+    assert list(faults) == [("nothing", "0"), *((fault, rate) for fault in FAULTS for rate in RATES)]
+    for (fault, rate), row in faults.items():
+        assert int(row["rounds"]) == ROUNDS
+        assert int(row["rounds disturbed"]) <= min(ROUNDS, int(row["faults"]))
+        if fault == "nothing":
+            assert int(row["faults"]) == 0
+        if rate == "5":
+            assert int(row["faults"]) > 0
+            assert int(row["rounds disturbed"]) > 0
+
+
+def test_rounds_recover_or_end_the_episode_with_everybody_stopped(
+    faults: dict[tuple[str, str], dict[str, str]],
+) -> None:
+    for (fault, _), row in faults.items():
+        lost = int(row["robots lost"])
+        assert int(row["recovered"]) == int(row["rounds disturbed"]) - lost
+        assert lost == (int(row["rounds disturbed"]) if fault == "unplug" else 0)
+        assert int(row["moving"]) == 0
+
+
+def test_no_experience_is_lost_or_wrong(faults: dict[tuple[str, str], dict[str, str]]) -> None:
+    for (fault, _), row in faults.items():
+        assert int(row["shown"]) == int(row["on disk"]) + int(row["forgotten"])
+        assert 0 < int(row["shown"]) <= ROUNDS
+        assert int(row["altered"]) == 0
+        assert int(row["files kept of them"]) == int(row["episodes cut short"])
+        if fault != "garble":
+            assert int(row["unseen"]) == int(row["misread"]) == int(row["wrong"]) == 0
+        if fault not in ("garble", "reset"):
+            assert int(row["miscounted"]) == 0
+
+
+def test_the_tables_are_sums_of_the_rows(out: Path, faults: dict[tuple[str, str], dict[str, str]]) -> None:
+    rows = read(out / "fault_rows.csv")
+    names = {"rounds": "rounds", "faults": "faults", "vectors": "shown", "moving": "moving", "wrong": "wrong"}
+    for (fault, rate), line in faults.items():
+        own = [
+            row
+            for row in rows
+            if row["fault"] == fault and float(row["rate"]) == pytest.approx(float(rate) / 100)
+        ]
+        for name, column in names.items():
+            assert sum(int(row[name]) for row in own) == int(line[column])
+        assert sum(bool(row["lost"]) for row in own) == int(line["robots lost"])
+        for row in own:
+            assert "no answer to" in row["lost"] if row["lost"] else True
+
+
+def test_the_same_trainings_and_recalls_in_both_worlds(out: Path) -> None:
+    recalls = {world: read_rows(out / f"recall_rows_{world}.csv", RecallRow) for world in WORLDS}
+    trainings = {world: read_rows(out / f"training_rows_{world}.csv", TrainingRow) for world in WORLDS}
+    places = [
+        [(row.arena, row.learner, row.seed, row.start_x, row.food_x) for row in rows]
+        for rows in recalls.values()
+    ]
+    assert places[0] == places[1]
+    assert {(row.arena, row.learner) for row in recalls["virtual"]} == {
+        (arena, learner) for arena in ("corridor", "rectangle") for learner in ("teacher", "imitator")
+    }
+    for world in WORLDS:
+        assert trainings[world][-1].complete
+        learned = sum(row.vectors for row in trainings[world] if row.complete)
+        for row in recalls[world]:
+            assert row.experience_size == (learned if row.learner == "imitator" else 0)
+            if row.learner == "teacher":
+                assert row.delivered == row.foods
+                assert row.score == 100
+    assert [r.rounds_by_state for r in recalls["pymunk"]] != [r.rounds_by_state for r in recalls["virtual"]]
+
+
+def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
+    recalls = {world: read_rows(out / f"recall_rows_{world}.csv", RecallRow) for world in WORLDS}
+    names = {"pymunk": "pymunk alone", "virtual": "virtual laboratory"}
+    lines = [row for row in read(out / "recalls.csv") if row["measure"] == "score (%)"]
+    assert len(lines) == 4
+    for line in lines:
+        means = {}
+        for world in WORLDS:
+            own = [r for r in recalls[world] if (r.arena, r.learner) == (line["arena"], line["who"])]
+            means[world] = np.mean([row.score for row in own])
+            assert float(line[names[world]]) == pytest.approx(means[world], rel=1e-4)
+        assert float(line["difference"]) == pytest.approx(
+            means["virtual"] - means["pymunk"], rel=1e-4, abs=1e-4
+        )
+
+
+def test_parts_of_a_round(out: Path) -> None:
+    rows = read(out / "round_rows.csv")
+    parts = ("transmit", "wait", "physics", "receive", "render", "track", "decide")
+    lock_step, paced = ([row for row in rows if row["pace"] == pace] for pace in ("lock-step", "wall clock"))
+    assert len(lock_step) > len(paced) > 20
+    assert all(float(row[part]) > 0 for row in rows for part in parts if part != "wait")
+    assert all(float(row["wait"]) == 0 and row["late"] == "0" for row in lock_step)
+    for row in paced:
+        # At least D,0,0 and N, T,1,G and H with their shortest replies, at 11 bits a byte.
+        assert float(row["transmit"]) > 1000 * 11 * len("D,0,0\nd\r\n") / 38400 * 0.8
+        assert (
+            float(row["receive"])
+            > 1000 * 11 * len("N\nT,1,G\nH\n" + 18 * "0" + 8 * "0" + 7 * "0") / 38400 * 0.8
+        )
+    in_time = [sum(float(row[part]) for part in parts) for row in paced if row["late"] == "0"]
+    assert np.mean(in_time) == pytest.approx(100, abs=25)
+
+
+def test_tables_are_printed_and_written_with_their_pictures(out: Path) -> None:
+    page = (out / "virtual_lab.md").read_text(encoding="utf-8")
+    printed = (out.parent / "printed").read_text(encoding="utf-8")
+    for line in page.splitlines():
+        if line.startswith("| "):
+            assert line in printed
+    assert page.count("\n## ") == 4
+    for name in ("recalls", "rounds", "faults"):
+        assert is_picture(out / f"{name}.png")
+        assert f"({name}.png)" in page
+
+
+def test_help_names_every_argument() -> None:
+    told = help_of("virtual_lab.py")
+    for argument in (
+        "--seed",
+        "--out",
+        "--quick",
+        "--replications",
+        "--rounds",
+        "--jobs",
+        "results/virtual_lab",
+    ):
+        assert argument in told
+
+
+def test_a_robot_that_is_left_moving_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    from _virtual_lab.watched import moving
+
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        arenas = lab.arenas
+        lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in arenas), ()))
+        assert moving(lab) == 0
+        lab.robots[1].drive(Motors(1, -1, 215, 200))
+        lab.advance()
+        assert moving(lab) == 1
+        lab.stop()
+        assert moving(lab) == 0
+
+
+def test_what_is_not_true_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    from _virtual_lab.watched import LEARNER, WatchedTraining
+
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        env = WatchedTraining(lab, Faults())
+        env.reset(seed=1)
+        note = env.notes[-1]
+
+        def one_round(word: Behaviour) -> None:
+            env.observe(TEACHER)
+            env.step(word)
+            env.observe(LEARNER)
+            env.step(word)
+
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        assert (len(note.heard), note.wrong, note.misread, note.miscounted, note.halted) == (1, 0, 0, 0, 0)
+        one_round(Behaviour.GO_HOME)  # not what the teacher would call
+        assert note.wrong == 1
+        learner = env.foragers[1]
+        learner.vector = learner.vector._replace(arms_height=learner.vector.arms_height + 1)
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        assert note.wrong == 2
+
+
+def test_a_reading_that_is_not_the_body_s_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    from _virtual_lab.truth import Round, Truth
+
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        env = TrainingEnv(world=lab, noise=Noise.none())
+        env.reset(seed=1)
+        truth, learner = Truth(lab, env.foragers), env.foragers[1]
+        assert truth.take_in() == Round(halted=False, misread=False, miscounted=False)
+        right = learner.senses
+        for wrong in ({"arm": 216}, {"object_presence": 255}, {"proximity": (1, *right.proximity[1:])}):
+            learner.senses = right._replace(**wrong)
+            assert truth.take_in() == Round(halted=False, misread=True, miscounted=False)
+        learner.senses = right._replace(left_pulses=right.left_pulses + 1)
+        assert truth.take_in() == Round(halted=False, misread=False, miscounted=True)
+        learner.applied = Motors(1, 0, 215, 200)
+        assert truth.take_in() == Round(halted=True, misread=False, miscounted=False)

@@ -1,0 +1,67 @@
+"""What learners that calculate are shown, one observation and many at a time."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from khepera_forage.policies.features import (
+    BEHAVIOUR_FEATURES,
+    WHEELS_FEATURES,
+    behaviour_features,
+    wheels_features,
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "features", "width"),
+    [
+        ("Corridor", behaviour_features, BEHAVIOUR_FEATURES),
+        ("CorridorWheels", wheels_features, WHEELS_FEATURES),
+    ],
+)
+def test_many_at_a_time_are_one_by_one(name: str, features: object, width: int) -> None:
+    assert callable(features)
+    env = gym.make_vec(
+        f"khepera_forage:khepera_forage/{name}-v0",
+        num_envs=3,
+        vectorization_mode="sync",
+        vector_kwargs={"autoreset_mode": AutoresetMode.SAME_STEP},
+    )
+    shown, _ = env.reset(seed=4)
+    env.action_space.seed(4)
+    for _ in range(20):
+        rows = features(shown)
+        assert rows.shape == (3, width)
+        assert rows.dtype == np.float32
+        assert np.abs(rows).max() < 2
+        for i, row in enumerate(rows):
+            np.testing.assert_array_equal(features({key: values[i] for key, values in shown.items()})[0], row)
+        shown, *_ = env.step(env.action_space.sample())
+    env.close()
+
+
+def test_places_are_seen_from_the_robot() -> None:
+    env = gym.make("khepera_forage:khepera_forage/CorridorWheels-v0")
+    shown, _ = env.reset(seed=1)
+    told = {
+        **shown,
+        "pose": np.array((100.0, 50.0, 90.0)),
+        "food": np.array((100.0, 80.0)),
+        "food_seen": np.int64(1),
+    }
+    told |= {"home": np.array((90.0, 50.0, 20.0)), "wall": np.array((13.8, 90.0))}
+    row = wheels_features(told)[0]
+    np.testing.assert_allclose(row[15:18] * 138, (30, 0, 30), atol=1e-4)  # straight ahead
+    np.testing.assert_allclose(row[18:21] * 138, (0, 10, 10), atol=1e-4)  # to the left
+    np.testing.assert_allclose(row[21:], (0.1, 0, 1, 1), atol=1e-6)
+    unseen = wheels_features({**told, "food_seen": np.int64(0)})[0]
+    assert not unseen[15:18].any()
+    env.close()
+
+
+def test_what_lacks_a_part_is_named() -> None:
+    with pytest.raises(
+        ValueError, match=r"observation lacks 'robot_home_distance', it has \['object_presence'\]"
+    ):
+        behaviour_features({"object_presence": np.int64(0)})

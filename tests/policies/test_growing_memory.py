@@ -1,0 +1,102 @@
+"""Nodes grow from experience, frequent stimuli are remembered, rare ones forgotten (section 2.3)."""
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.policies import GrowingMemory
+
+HERE, THERE = [0, 90, 0, 215, 60], [0, 30, 0, 215, 18]
+
+
+def test_nodes_grow_where_something_new_is() -> None:
+    memory = GrowingMemory(reach=0.02)
+    memory.fit([HERE, [0, 91, 0, 215, 61], THERE, HERE], [0, 0, 2, 0])  # 2 of 138 is within reach
+    assert len(memory.nodes_) == 2
+    assert memory.votes_.tolist() == [[3, 0], [0, 1]]
+    assert memory.predict([HERE, THERE]).tolist() == [0, 2]
+    assert len(GrowingMemory(reach=0.01).fit([HERE, [0, 91, 0, 215, 61]], [0, 0]).nodes_) == 2
+
+
+def test_categories_are_never_mixed() -> None:
+    """Another presence or food type is 1 further away, beyond any sensible reach."""
+    memory = GrowingMemory(reach=0.5).fit([HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]], [0, 3, 4])
+    assert memory.nodes_.tolist() == [HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]]
+
+
+def test_habituation_falls_with_every_perception_and_recovers_without() -> None:
+    memory = GrowingMemory(habituation=0.3, recovery=0.01).fit([HERE], [0])
+    assert memory.habituation_.tolist() == pytest.approx([0.7])
+    memory.partial_fit([HERE], [0])
+    assert memory.habituation_.tolist() == pytest.approx([(0.7 + 0.01 * 0.3) * 0.7])
+    before = memory.habituation_[0]
+    memory.partial_fit([THERE], [2])
+    assert memory.habituation_[0] == pytest.approx(before + 0.01 * (1 - before))
+
+
+def test_the_rare_is_forgotten_as_soon_as_promised_and_the_frequent_later() -> None:
+    settings: dict[str, Any] = {"habituation": 0.3, "recovery": 0.01, "forgetting": 0.95}
+    lasts = math.ceil(math.log(0.3 / 0.05) / -math.log(1 - 0.01))
+    rare = GrowingMemory(**settings).fit([HERE] + [THERE] * (lasts - 1), [0] + [2] * (lasts - 1))
+    assert rare.predict([HERE]).tolist() == [0]
+    rare.partial_fit([THERE], [2])
+    assert len(rare.nodes_) == 1
+    assert rare.predict([HERE]).tolist() == [2], "what is left is nearest"
+    frequent = GrowingMemory(**settings).fit(
+        [HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20)
+    )
+    assert frequent.predict([HERE]).tolist() == [0]
+
+
+def test_without_recovery_nothing_is_forgotten() -> None:
+    memory = GrowingMemory(recovery=0.0).fit([HERE] + [THERE] * 5_000, [0] + [2] * 5_000)
+    assert memory.predict([HERE]).tolist() == [0]
+
+
+def test_a_node_moves_less_the_better_it_knows_its_kind() -> None:
+    near = [0, 92, 0, 215, 60]
+    fresh = GrowingMemory(moving=0.5).fit([HERE, near], [0, 0])
+    known = GrowingMemory(moving=0.5).fit([HERE] * 10 + [near], [0] * 11)
+    assert 90 < known.nodes_[0, 1] < fresh.nodes_[0, 1] < 92
+
+
+def test_going_on_is_the_same_as_going_through() -> None:
+    rng = np.random.default_rng(0)
+    rows = np.column_stack(
+        [np.zeros(300), rng.integers(0, 40, 300), np.zeros(300), np.full(300, 215), np.zeros(300)]
+    )
+    heard = rng.integers(0, 4, 300)
+    whole = GrowingMemory(recovery=0.05).fit(rows, heard)
+    parts = GrowingMemory(recovery=0.05).partial_fit(rows[:10], heard[:10])
+    pickle.loads(pickle.dumps(parts)).partial_fit(rows[10:], heard[10:])  # a copy goes its own way
+    parts.partial_fit(rows[10:], heard[10:])
+    np.testing.assert_array_equal(whole.nodes_, parts.nodes_)
+    np.testing.assert_array_equal(whole.predict_proba(rows), parts.predict_proba(rows))
+    assert len(whole.nodes_) < 40
+
+
+def test_classes_grow() -> None:
+    memory = GrowingMemory().partial_fit([HERE], [5]).partial_fit([THERE], [1])
+    assert memory.classes_.tolist() == [1, 5]
+    assert memory.predict([HERE, THERE]).tolist() == [5, 1]
+    with pytest.raises(ValueError, match=r"labels are \[3\]; allowed: those among classes, \[1, 2\]"):
+        memory.partial_fit([HERE], [3], classes=[1, 2])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("reach", -1),
+        ("reach", float("inf")),
+        ("habituation", 0),
+        ("recovery", 1.1),
+        ("forgetting", -0.1),
+        ("moving", "1"),
+    ],
+)
+def test_parameters_out_of_range(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=f"{name} is {value!r}; allowed"):
+        GrowingMemory(**{name: value}).fit([HERE], [0])

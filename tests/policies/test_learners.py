@@ -1,0 +1,88 @@
+"""Every learner that imitates: the contract of policies, the same outcome for the same seed, pickling."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from khepera_forage.foraging.states import behaviour_for, classify
+from khepera_forage.policies import GrowingMemory, KNearestImitator, Policy, WeightedImitator, state_vector_of
+from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors, Needs
+from tests.contracts.suites import PolicyContract, observations
+
+IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromVectors)}
+
+
+def experience(seed: int, count: int = 300) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """State vectors about a forage and what the teacher says on each."""
+    rng = np.random.default_rng(seed)
+    held = rng.integers(0, 3, count)
+    rows = np.column_stack(
+        (
+            held > 0,
+            rng.integers(5, 100, count),
+            held // 2,
+            rng.choice([215, 235, 255], count),
+            rng.integers(0, 60, count),
+        )
+    )
+    return rows, np.array([behaviour_for(classify(state_vector_of(row), 20)) for row in rows])
+
+
+class TestLearners(PolicyContract):
+    @pytest.fixture(params=IMITATING)
+    def policy(self, request: pytest.FixtureRequest) -> Policy:
+        return IMITATING[request.param].learn(*experience(0))
+
+
+@pytest.mark.parametrize("name", IMITATING)
+def test_same_seed_same_policy_also_from_a_pickle(name: str) -> None:
+    shown = [*observations(), *experience(1, 60)[0]]
+    once = IMITATING[name].learn(*experience(0), seed=3)
+    decisions = []
+    for policy in (once, IMITATING[name].learn(*experience(0), seed=3), pickle.loads(pickle.dumps(once))):
+        rng = np.random.default_rng(5)
+        decisions.append([int(policy.act(observation, rng)) for observation in shown])
+    assert decisions[0] == decisions[1] == decisions[2]
+
+
+@pytest.mark.parametrize("name", IMITATING)
+def test_it_learns_what_the_teacher_does(name: str) -> None:
+    """Far above chance on perceptions that were not on record: the teacher's most frequent word is below a half."""
+    policy = IMITATING[name].learn(*experience(0), seed=1, groups=np.arange(300) // 30)
+    rows, said = experience(2, 200)
+    rng = np.random.default_rng(4)
+    agreed = np.mean([policy.act(row, rng) == word for row, word in zip(rows, said, strict=True)])
+    assert np.bincount(said).max() / 200 < 0.5
+    assert agreed > 0.65
+
+
+@pytest.mark.parametrize("name", IMITATING)
+def test_nothing_global_is_drawn_from(name: str) -> None:
+    before = str(np.random.get_state(legacy=False))  # noqa: NPY002 - it must not move
+    IMITATING[name].learn(*experience(0)).act(experience(1)[0][0], np.random.default_rng(0))
+    assert str(np.random.get_state(legacy=False)) == before  # noqa: NPY002
+
+
+def test_the_registry_has_all_three_kinds_under_different_titles() -> None:
+    assert {learner.needs for learner in LEARNERS.values()} == set(Needs)
+    assert len({learner.title for learner in LEARNERS.values()}) == len(LEARNERS)
+    trial = {
+        (learner.algorithm, learner.wheels) for learner in LEARNERS.values() if isinstance(learner, FromSteps)
+    }
+    assert trial == {("PPO", False), ("DQN", False), ("PPO", True), ("SAC", True)}
+
+
+@parametrize_with_checks(  # type: ignore[untyped-decorator]
+    [
+        KNearestImitator(),
+        KNearestImitator(k=3, weighting="distance"),
+        WeightedImitator(random_state=0),
+        GrowingMemory(),
+    ]
+)
+def test_scikit_learn_takes_it_for_a_classifier(estimator: Any, check: Any) -> None:
+    check(estimator)
