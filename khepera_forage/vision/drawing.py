@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.finding.segmentation import SHAPE
 from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from khepera_forage.vision.segmentation import SHAPE
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 Colour = tuple[int, int, int]

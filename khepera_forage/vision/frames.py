@@ -20,10 +20,10 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     half_gap,
 )
-from khepera_forage.vision.cables import Cables
-from khepera_forage.vision.frame_light import Light
-from khepera_forage.vision.frame_look import CameraLook
-from khepera_forage.vision.frame_pen import Box, Disc, Place, draw, pixels
+from khepera_forage.vision.drawn.cables import Cables
+from khepera_forage.vision.drawn.frame_light import Light
+from khepera_forage.vision.drawn.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_pen import Box, Disc, Place, draw, pixels
 from khepera_forage.vision.overhead import Truth
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import (

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.vision.finding.segmentation import SHAPE
 from khepera_forage.vision.opencv import require_opencv
-from khepera_forage.vision.segmentation import SHAPE
 
 if TYPE_CHECKING:
     import cv2

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_look import CameraLook
 from khepera_forage.vision.frames import FrameRenderer
 from khepera_forage.vision.overhead import Truth
 from khepera_forage.vision.scene import Region, Scene

@@ -6,7 +6,7 @@ import pytest
 from filming import Film, Marker, only
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_look import CameraLook
 from khepera_forage.vision.scene import Region
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.noise import Noise
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.frame_look import CameraLook
-from khepera_forage.vision.frame_pen import Box, Disc, Place, draw
+from khepera_forage.vision.drawn.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_pen import Box, Disc, Place, draw
 from khepera_forage.vision.overhead import OverheadCamera
 from khepera_forage.vision.retracking import Detection
 from khepera_forage.vision.tracker import Tracker, TrackerSettings

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from khepera_forage.vision.marker_sheets import save_marker_sheet
+from khepera_forage.vision.drawn.marker_sheets import save_marker_sheet
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -19,6 +19,7 @@ from khepera_forage.worlds.batch.rows import LANES
 
 _DRAWS = np.uint64(at.DRAWS)
 _FIRST, _ONE = np.uint64(at.DRAW_PROXIMITY), np.uint64(1)
+_STRIDE = 32
 _SENSORS = np.array(SENSORS)
 _LOW, _SPAN = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 # The lanes in reach of a wall or of food are packed into the scratch rows: what is there in the robot's frame.
@@ -83,12 +84,19 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
 
 
 @inline
+def _filled(count: int) -> int:
+    """A count rounded up, so that a loop over it has no rest to be done one by one; what is beyond is not used."""
+    return (count + _STRIDE - 1) & -_STRIDE
+
+
+@inline
 def _cast_wall(
     s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, count: int, first: int, end: int
 ) -> None:
     """One wall as some sensors of the packed lanes see it."""
     x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
     share = walls[wall, setting.SHARE]
+    whole = _filled(count)
     for n in range(count):
         i = int(s[_LANE * LANES + n])
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
@@ -100,7 +108,7 @@ def _cast_wall(
     for sensor in range(first, end):
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(count):
+        for n in range(whole):
             along, aside = s[_ALONG * LANES + n], s[_ACROSS * LANES + n]
             dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
             t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
@@ -113,6 +121,7 @@ def _cast_food(
     s: NDArray[np.float64], f: NDArray[np.float64], base: int, count: int, first: int, end: int
 ) -> None:
     """One food object as some sensors of the packed lanes see it."""
+    whole = _filled(count)
     for n in range(count):
         i = int(s[_LANE * LANES + n])
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
@@ -123,7 +132,7 @@ def _cast_food(
     for sensor in range(first, end):
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(count):
+        for n in range(whole):
             dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
             s[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
         _keep(s, sensor, count)

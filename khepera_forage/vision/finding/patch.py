@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.segmentation import SHAPE, Bright, Contour, Frame
+from khepera_forage.vision.finding.segmentation import SHAPE, Bright, Contour, Frame
 
 _MARGIN = 4
 """Pixels of floor that a patch shows on each side of its shape."""

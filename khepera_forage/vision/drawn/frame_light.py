@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_look import CameraLook
+from khepera_forage.vision.drawn.slow import Slow
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
-from khepera_forage.vision.slow import Slow
 
 _PERIOD = 40.0
 """Typical seconds in which the light comes and goes."""

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frame_look import CameraLook
-from khepera_forage.vision.frame_pen import Box, Place, corners_of, pixels
+from khepera_forage.vision.drawn.frame_look import CameraLook
+from khepera_forage.vision.drawn.frame_pen import Box, Place, corners_of, pixels
+from khepera_forage.vision.drawn.slow import Slow
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.slow import Slow
 
 _PERIOD = 7.0
 """Typical seconds of a sway."""

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.hole_reader import SAMPLE, HoleReader
-from khepera_forage.vision.patch import Form, Patch, form, weighed
+from khepera_forage.vision.finding.hole_reader import SAMPLE, HoleReader
+from khepera_forage.vision.finding.patch import Form, Patch, form, weighed
+from khepera_forage.vision.finding.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 _AHEAD = 5.0

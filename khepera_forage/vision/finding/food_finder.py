@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.patch import Form, Patch, form
+from khepera_forage.vision.finding.patch import Form, Patch, form
+from khepera_forage.vision.finding.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 _FULL = 0.7

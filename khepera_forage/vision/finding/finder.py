@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.food_finder import FoodFinder
-from khepera_forage.vision.marker_finder import MarkerFinder, MarkerSeen
-from khepera_forage.vision.patch import Form, Patch, cut
+from khepera_forage.vision.finding.food_finder import FoodFinder
+from khepera_forage.vision.finding.marker_finder import MarkerFinder, MarkerSeen
+from khepera_forage.vision.finding.patch import Form, Patch, cut
+from khepera_forage.vision.finding.segmentation import Bright, Contour, Frame, outer_contours
 from khepera_forage.vision.retracking import Detection
-from khepera_forage.vision.segmentation import Bright, Contour, Frame, outer_contours
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 _LEAST = 0.4

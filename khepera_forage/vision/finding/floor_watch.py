@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.finding.segmentation import SHAPE, Bright
 from khepera_forage.vision.retracking import GATE, Detection
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from khepera_forage.vision.segmentation import SHAPE, Bright
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
 

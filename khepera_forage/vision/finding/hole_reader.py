@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from khepera_forage.vision.finding.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 SAMPLE = 2.5
