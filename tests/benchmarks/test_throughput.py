@@ -26,6 +26,10 @@ LINES = {
         "imitator as it forages",
         "imitator, memo emptied before every query",
         "queries that the memo answers",
+        "imitator over many vectors",
+        "one more vector learned",
+        "vectors of that imitator",
+        "distinct among them",
     },
     "Processes": {"import khepera_forage"},
     "A step of Corridor-v0, part by part": {
@@ -47,6 +51,7 @@ GOALS = {
     "paired corridors, resets included": 4_000,
     "imitator as it forages": 40_000,
     "imitator, memo emptied before every query": 40_000,
+    "imitator over many vectors": 20_000,
     "import khepera_forage": 0.5,
 }
 

@@ -35,9 +35,9 @@ def test_every_query_is_a_state_vector_with_the_teachers_word(env: BehavioursEnv
 
 
 def test_it_comes_to_agree_with_the_teacher_and_forages(env: BehavioursEnv) -> None:
-    out = dagger(make, env, 1_000, 7)
-    assert out.rounds[1].agreed < 60, "where it got by itself, it did not know what to do"
-    assert min(r.agreed for r in out.rounds[-2:]) > 90
+    out = dagger(make, env, 2_000, 7)
+    assert min(r.agreed for r in out.rounds[1:]) < 60, "where it got by itself, it did not know what to do"
+    assert min(r.agreed for r in out.rounds[-5:]) > 90
     assert sum(recall(env, out.policy, seed).delivered for seed in range(8)) >= 7
 
 
