@@ -77,7 +77,11 @@ def write(folder: Path, results: Results) -> str:
     recalled, disturbed = recalls(results.outcomes), disturbances(results.disturbed)
     tables = (
         page.training_table(trainings(results.outcomes)),
-        page.recall_table(recalled, sum(outcome.repeated for outcome in results.outcomes)),
+        page.recall_table(
+            recalled,
+            sum(outcome.repeated for outcome in results.outcomes),
+            sum(len(outcome.unplaced) for outcome in results.outcomes),
+        ),
         page.round_table(results.timed),
         page.fault_table(disturbed),
         page.experience_table(disturbed),

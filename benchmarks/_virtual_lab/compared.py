@@ -79,7 +79,8 @@ def trainings(outcomes: Sequence[Outcome]) -> list[Compared]:
 
 
 def recalls(outcomes: Sequence[Outcome]) -> list[Compared]:
-    """All measures of all recalls."""
+    """All measures of all recalls; places at which one world could not begin are left out in both."""
+    unplaced = frozenset[tuple[str, int]]().union(*(outcome.unplaced for outcome in outcomes))
     results = []
     for arena in ARENAS:
         for who in LEARNERS:
@@ -89,7 +90,7 @@ def recalls(outcomes: Sequence[Outcome]) -> list[Compared]:
                     for outcome in outcomes
                     if outcome.world == world
                     for row in outcome.recalls
-                    if (row.arena, row.learner) == (arena, who)
+                    if (row.arena, row.learner) == (arena, who) and (arena, row.seed) not in unplaced
                 ]
                 for world in WORLDS
             }

@@ -40,7 +40,8 @@ _FAULT_NOTE = (
     "Moving: robots whose simulated bodies moved or turned a wheel after a loss, or after the end."
 )
 _EXPERIENCE_NOTE = (
-    "The same rounds. Shown: state vectors with a behaviour, as the learner got to see and hear them. On disk: vectors "
+    "The same rounds; every fault begins with the same trainings. "
+    "Shown: state vectors with a behaviour, as the learner got to see and hear them. On disk: vectors "
     "in the files of episodes that were complete or cut short; forgotten: those of separated attempts (5.2). Altered: "
     "missing on disk, too many, or otherwise than shown. Wrong: shown vectors that are not what the learner's body "
     "senses in that round, or whose word is not what the teacher would call by its body's senses. The protocol has no "
@@ -50,14 +51,18 @@ _EXPERIENCE_NOTE = (
 )
 
 
-def recall_table(results: Sequence[Compared], repeated: int) -> Table:
+def recall_table(results: Sequence[Compared], repeated: int, unplaced: int) -> Table:
     """Recalls in both worlds.
 
     Args:
         results: Compared.
         repeated: Recalls in the virtual laboratory that were done again; see `Outcome`.
+        unplaced: Places at which none could begin there.
     """
-    note = f"{_RECALL_NOTE} Recalls done again, as this computer was too busy to be a robot: {repeated}."
+    note = (
+        f"{_RECALL_NOTE} Recalls done again, as a robot was lost on an undisturbed line: {repeated}. Places left out "
+        f"in both worlds, as the camera never saw the robot where it was put: {unplaced}."
+    )
     columns = (Column("arena"), Column("who"), *_COMPARED)
     rows = [(r.arena, r.who, *_of(r)) for r in results]
     return Table("recalls", "Recalls", note, columns, rows)

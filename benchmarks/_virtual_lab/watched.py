@@ -134,8 +134,6 @@ class WatchedTraining(TrainingEnv):
         total = FaultCounts()
         for port in self._ports:
             total = _sum(total, port.counts, 1)
-            if port not in self._lab.ports:
-                port.close()
         return total
 
 

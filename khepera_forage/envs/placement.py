@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,27 +76,54 @@ def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], rng: np.r
     Raises:
         ValueError: An unknown option, a wrong number of values, a place that is not on the free floor.
     """
-    unknown = set(options) - {"start", "foods"}
-    if unknown:
-        raise ValueError(f"reset option {sorted(unknown)[0]!r} is unknown; allowed: 'start', 'foods'")
+    _check_names(options)
     drawn = random_layout(arena, foods, rng) if len(options) < 2 else None
     if "start" in options:
-        x, y, degrees = _numbers("start", options["start"], 3, "(x mm, y mm, heading degrees)")
-        start = Pose(x, y, math.radians(degrees))
+        start = _start_of(options)
         arena.check_free("start", start, RADIUS)
     else:
         assert drawn is not None
         start = drawn.starts[0]
     if "foods" in options:
-        places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in options["foods"])
-        if len(places) != foods:
-            raise ValueError(f"{len(places)} foods given; allowed: {foods}, the number of this environment")
+        places = _foods_of(options, foods)
         for place in places:
             arena.check_free("food", place, FOOD_RADIUS)
     else:
         assert drawn is not None
         places = drawn.foods
     return Layout((start,), places)
+
+
+def marked(arenas: Sequence[Arena], options: Mapping[str, Any]) -> Sequence[Arena]:
+    """The arenas with the marks of training where `reset(options=...)` asks for them; others stay.
+
+    Args:
+        arenas: One a robot, each a copy of the first at an offset.
+        options: `start`: (x mm, y mm, heading degrees) in the first arena; `foods`: one (x mm, y mm) an object,
+            as many as there are marks for. The same places, moved along, are marked in the other arenas.
+
+    Raises:
+        ValueError: As `given_layout`.
+    """
+    # PettingZoo's api_test resets with {"options": 1}, which must do nothing; any other name is a slip of the pen.
+    options = {name: value for name, value in options.items() if name != "options"}
+    _check_names(options)
+    if not options:
+        return arenas
+    first = arenas[0]
+    start = _start_of(options) if "start" in options else first.start
+    foods = _foods_of(options, len(first.foods)) if "foods" in options else first.foods
+    moved = []
+    for arena in arenas:
+        dx, dy = arena.home.x - first.home.x, arena.home.y - first.home.y
+        moved.append(
+            replace(
+                arena,
+                start=Pose(start.x + dx, start.y + dy, start.heading),
+                foods=tuple(Point(food.x + dx, food.y + dy) for food in foods),
+            )
+        )
+    return moved
 
 
 def training_layout(arenas: Sequence[Arena], noise: Noise, rng: np.random.Generator) -> Layout:
@@ -144,6 +172,24 @@ def _stands_free(arena: Arena, start: Pose) -> bool:
         for x in (FINGER_TIP / 2, FINGER_TIP)
         for y in (-wide, wide)
     )
+
+
+def _check_names(options: Mapping[str, Any]) -> None:
+    unknown = set(options) - {"start", "foods"}
+    if unknown:
+        raise ValueError(f"reset option {sorted(unknown)[0]!r} is unknown; allowed: 'start', 'foods'")
+
+
+def _start_of(options: Mapping[str, Any]) -> Pose:
+    x, y, degrees = _numbers("start", options["start"], 3, "(x mm, y mm, heading degrees)")
+    return Pose(x, y, math.radians(degrees))
+
+
+def _foods_of(options: Mapping[str, Any], count: int) -> tuple[Point, ...]:
+    places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in options["foods"])
+    if len(places) != count:
+        raise ValueError(f"{len(places)} foods given; allowed: {count}, the number of this environment")
+    return places
 
 
 def _numbers(name: str, values: Sequence[float], count: int, form: str) -> tuple[float, ...]:

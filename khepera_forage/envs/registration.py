@@ -6,8 +6,16 @@ import gymnasium as gym
 def register_all() -> None:
     """Register the recall environments; a second call does nothing."""
     for name, foods, limit in (("Corridor", 1, 500), ("Rectangle", 2, 700)):
-        for suffix, entry in (("", "behaviours_env:BehavioursEnv"), ("Wheels", "wheels_env:WheelsEnv")):
+        for suffix, entry, many in (
+            ("", "behaviours_env:BehavioursEnv", "behaviours"),
+            ("Wheels", "wheels_env:WheelsEnv", "wheels"),
+        ):
             env_id = f"khepera_forage/{name}{suffix}-v0"
             if env_id not in gym.registry:
                 kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
-                gym.register(env_id, entry_point=f"khepera_forage.envs.{entry}", kwargs=kwargs)
+                gym.register(
+                    env_id,
+                    entry_point=f"khepera_forage.envs.{entry}",
+                    vector_entry_point=f"khepera_forage.envs.vectorized:{many}",
+                    kwargs=kwargs,
+                )

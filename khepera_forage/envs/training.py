@@ -20,12 +20,12 @@ from khepera_forage.envs.checks import (
 )
 from khepera_forage.envs.company import Company
 from khepera_forage.envs.forager import Forager, site_of
-from khepera_forage.envs.placement import training_layout
+from khepera_forage.envs.placement import marked, training_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
 from khepera_forage.foraging.scoring import score
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -63,12 +63,14 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     ## Starting state
     Every robot and food object on its mark in figure 5.1, as well as an operator can put it there
-    (`Noise.placement_error`).
+    (`Noise.placement_error`). `reset(options={"start": (x, y, degrees), "foods": [(x, y), ...]})` sets other marks, in
+    mm of the teacher's arena; those of the learners' arenas are the same ones at their offsets.
 
     ## Episode end
-    Terminated (complete, 5.3) when every robot has delivered its food, or knows it to be poisonous, and is outside
-    its home. Truncated after `max_cycles` rounds, when a learner has been separated for `patience` rounds, or when a
-    real robot or camera is lost: all robots are then stopped, and the last observations repeated.
+    Terminated (complete, 5.3) when every robot has delivered its food, or knows it to be poisonous and has left it
+    with its arm up again, and is outside its home. Truncated after `max_cycles` rounds, when a learner has been
+    separated for `patience` rounds, or when a real robot or camera is lost: all robots are then stopped, and the last
+    observations repeated.
 
     ## Info
     Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
@@ -149,12 +151,16 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
         Args:
             seed: Makes the attempt repeatable, bit for bit.
-            options: Not used: everybody stands on the marks of figure 5.1.
+            options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object, in the teacher's
+                arena; what is left out stays on the marks of figure 5.1.
+
+        Raises:
+            ValueError: Options that are unknown or place something off the free floor.
         """
         if seed is not None or not hasattr(self, "np_random"):
             self.np_random, _ = seeding.np_random(seed)
         places, types, world = self.np_random.spawn(3)
-        layout = training_layout(self.arenas, self._noise, places)
+        layout = training_layout(marked(self.arenas, options or {}), self._noise, places)
         self.world.reset(world, layout)
         count = len(self.arenas[0].foods)
         draws = FoodTypes(count, self._odds, types)
@@ -295,9 +301,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self._cut_short(lost)
             return
         self._company.update()
-        complete = all(
-            f.register.finished and f.vector.robot_home_distance > f.site.home_radius for f in foragers
-        )
+        complete = all(map(_is_done, foragers))
         given_up = self._steps >= self.max_cycles or max(self._company.rounds) >= self.patience
         for i, agent in enumerate(self.agents):
             delivered, poison = before[i]
@@ -343,3 +347,11 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             "separated_rounds": self._company.rounds[i],
             "separations": self._company.separations[i],
         }
+
+
+def _is_done(forager: Forager) -> bool:
+    """Whether a robot has done its part of a training episode (5.3)."""
+    register, vector = forager.register, forager.vector
+    if FoodType.POISONOUS in register.known and (vector.object_presence or vector.arms_height > CARRY_HEIGHT):
+        return False  # Poison is avoided, not just known: otherwise nobody would ever be shown how.
+    return register.finished and vector.robot_home_distance > forager.site.home_radius

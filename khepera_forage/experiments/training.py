@@ -1,11 +1,11 @@
 """The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext, suppress
 from itertools import count
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.experiments.rows import TrainingRow
 from khepera_forage.foraging.states import Behaviour, StateVector
-from khepera_forage.policies import Listener, Teacher
+from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
+from khepera_forage.worlds.world import LOST
 
 MAX_ATTEMPTS = 200
 """Attempts after which a training counts as hopeless. Our decision."""
@@ -53,7 +54,14 @@ class HopelessTraining(RuntimeError):  # noqa: N818 (it is a finding, as much as
 
 
 def attempt(
-    env: TrainingEnv, seed: int, record: Record, resume: bool = False, watch: Watch | None = None
+    env: TrainingEnv,
+    seed: int,
+    record: Record,
+    resume: bool = False,
+    watch: Watch | None = None,
+    *,
+    teacher: Policy | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> Attempt:
     """One attempt: the teacher forages and shouts, the learner hears, records, and does the same.
 
@@ -63,18 +71,26 @@ def attempt(
         record: Gets the first learner's state vector with each behaviour it hears, as it hears it.
         resume: Pause and resume (5.3.1): a learner that is about to be given up is put beside the teacher.
         watch: Called after every round.
+        teacher: Who shows and shouts; by default the teacher of section 4.4. It should WAIT for a learner that is
+            separated.
+        options: Of the environment's reset: other marks than those of figure 5.1.
     """
-    teacher, listener = Teacher(env.home_radius), Listener()
-    env.reset(seed=seed)
+    listener = Listener()
+    teacher = Teacher(env.home_radius) if teacher is None else teacher
+    draws = np.random.default_rng((seed, 1))
+    try:
+        env.reset(seed=seed, options=None if options is None else dict(options))
+    except LOST as error:
+        return Attempt(False, 0, 0, 0, ROBOT_LOST, str(error))
     last = env.possible_agents[-1]
     resumed = 0
     while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
         for agent in env.possible_agents:
             observation = env.observe(agent)
-            policy = teacher if agent == TEACHER else listener
+            policy: Policy = teacher if agent == TEACHER else listener
             if agent == "learner_0" and observation[HEARD] != Behaviour.WAIT:
                 record(StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD])))
-            env.step(int(policy.act(observation)))
+            env.step(int(policy.act(observation, draws)))
             if agent == last and watch is not None:
                 watch()
         if resume and not env.truncations[TEACHER]:
@@ -106,6 +122,10 @@ def train(
     path: Path | None = None,
     resume: bool = False,
     watch: Watch | None = None,
+    *,
+    teacher: Policy | None = None,
+    options: Mapping[str, Any] | None = None,
+    attempts: int = MAX_ATTEMPTS,
 ) -> tuple[Experience, list[TrainingRow]]:
     """Demonstrate "as if it was the first time" until an episode is complete (5.2); incomplete ones are forgotten.
 
@@ -122,16 +142,19 @@ def train(
         path: Where to write the experience as it happens; what is forgotten is removed from it again.
         resume: Pause and resume (5.3.1).
         watch: Called after every round.
+        teacher: Who shows and shouts; by default the teacher of section 4.4.
+        options: Of the environment's reset, in every attempt.
+        attempts: After so many incomplete ones it is given up.
 
     Returns:
         The experience of the complete episode, and one row an attempt.
 
     Raises:
-        HopelessTraining: `MAX_ATTEMPTS` attempts were incomplete.
+        HopelessTraining: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
     rows = []
-    for number, attempt_seed in enumerate(seed.generate_state(MAX_ATTEMPTS).tolist(), 1):
+    for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
         vectors: list[StateVector] = []
         behaviours: list[Behaviour] = []
         arena = env.arenas[0].name
@@ -154,7 +177,7 @@ def train(
                     if writer is not None:
                         writer.append(vector, behaviour)
 
-                result = attempt(env, attempt_seed, record, resume, watch)
+                result = attempt(env, attempt_seed, record, resume, watch, teacher=teacher, options=options)
                 if result.lost:
                     raise _CutShort
         except BaseException:
@@ -182,7 +205,7 @@ def train(
             _keep(path, number, len(vectors), result.lost)
         elif path is not None:
             path.unlink()
-    raise HopelessTraining(f"none of {MAX_ATTEMPTS} attempts at a training episode was complete")
+    raise HopelessTraining(f"none of {attempts} attempts at a training episode was complete")
 
 
 def _keep(path: Path | None, number: int, vectors: int, lost: str) -> None:

@@ -70,7 +70,7 @@ class Laboratory:
         self._poses = [arena.start for arena in self.arenas]
         self._foods = FoodWatch((), self.arenas)
         self._source, self._calibration = source, calibration
-        self._lost = False
+        self._lost = ""
         self.camera = open_camera(settings, source, calibration)
         try:
             self._fleet = open_robots(settings)
@@ -101,10 +101,11 @@ class Laboratory:
             raise RuntimeError("reset() of a closed laboratory; open another")
         self._ready = False
         while self._lost:
+            self._operator(Request(f"see to what is lost: {self._lost}", (), None))
             try:
                 self._find_again()
             except OSError as error:  # RobotLost is one, and a port or device that is gone
-                self._operator(Request(f"see to what is lost: {error}", (), None))
+                self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
             for robot in self.robots:
@@ -190,7 +191,7 @@ class Laboratory:
             self.camera.close()
             self.camera = open_camera(self.settings, None, self._calibration)
         self._fleet = open_robots(self.settings)
-        self._lost = False
+        self._lost = ""
 
     def _mark(self, number: int, pose: Pose) -> RobotMark:
         entry = self.settings.robots[number]
@@ -203,7 +204,8 @@ class Laboratory:
             yield
         except BaseException as error:
             self._ready = False
-            self._lost = self._lost or isinstance(error, RobotLost | CameraLost)
+            if isinstance(error, RobotLost | CameraLost):
+                self._lost = str(error)
             self.stop()
             raise
 

@@ -15,7 +15,6 @@ from khepera_forage.robots.khepera import (
     ARM_SPEED,
     BARRIER,
     FINGER_THICKNESS,
-    FINGER_TIP,
     FOOD_RADIUS,
     JAW_ON_FOOD,
     JAW_OPEN,
@@ -36,23 +35,29 @@ _TOUCH = 0.5
 class PymunkGripper:
     """Arm and jaw at finite speed, raised and open to begin with.
 
+    Args:
+        space: The pymunk space to live in.
+        body: Of the robot.
+        fingers: Their length, mm.
+
     Attributes:
         arm: Position 255 (down) to 215 (raised).
         jaw: Position 200 (open) to 0 (closed).
         held: The food between the closed fingers, or None.
     """
 
-    def __init__(self, space: pymunk.Space, body: pymunk.Body) -> None:
+    def __init__(self, space: pymunk.Space, body: pymunk.Body, fingers: float) -> None:
         self._space = space
         self._body = body
+        self._tip = JAW_ROOT + fingers
         self.arm = float(ARM_RAISED)
         self.jaw = float(JAW_OPEN)
         self.held: PymunkFood | None = None
         palm = JAW_ROOT - _THIN
         wide = half_gap(JAW_OPEN) + _THIN
         self._palm = pymunk.Segment(body, (palm, -wide), (palm, wide), _THIN)
-        self._left = pymunk.Segment(body, (JAW_ROOT, wide), (FINGER_TIP - _THIN, wide), _THIN)
-        self._right = pymunk.Segment(body, (JAW_ROOT, -wide), (FINGER_TIP - _THIN, -wide), _THIN)
+        self._left = pymunk.Segment(body, (JAW_ROOT, wide), (self._tip - _THIN, wide), _THIN)
+        self._right = pymunk.Segment(body, (JAW_ROOT, -wide), (self._tip - _THIN, -wide), _THIN)
         self._shapes = (self._palm, self._left, self._right)
         for shape in self._shapes:
             shape.friction = 0.2
@@ -109,7 +114,7 @@ class PymunkGripper:
             if food.lifted:
                 continue
             x, y = self._body.world_to_local(food.position)
-            ahead = max(JAW_ROOT - x, x - FINGER_TIP, 0.0)
+            ahead = max(JAW_ROOT - x, x - self._tip, 0.0)
             aside = max(abs(abs(y) - finger) - _THIN, 0.0)
             behind_palm = max(abs(y) - finger, 0.0)
             near = (FOOD_RADIUS - _TOUCH) ** 2
@@ -163,8 +168,8 @@ class PymunkGripper:
                 self.held = food
         self.jaw = jaw
         y = half_gap(jaw) + _THIN
-        self._left.unsafe_set_endpoints((JAW_ROOT, y), (FINGER_TIP - _THIN, y))
-        self._right.unsafe_set_endpoints((JAW_ROOT, -y), (FINGER_TIP - _THIN, -y))
+        self._left.unsafe_set_endpoints((JAW_ROOT, y), (self._tip - _THIN, y))
+        self._right.unsafe_set_endpoints((JAW_ROOT, -y), (self._tip - _THIN, -y))
 
     def _open_into_wall(self, jaw: float, walls: Sequence[Segment]) -> bool:
         """Whether a finger at this position of the jaw would stand in a wall, seen from the robot's side of it."""
@@ -173,7 +178,7 @@ class PymunkGripper:
         aside = half_gap(jaw) + FINGER_THICKNESS
         corners = [
             (centre_x + ahead * cosine - left * sine, centre_y + ahead * sine + left * cosine)
-            for ahead in (JAW_ROOT, FINGER_TIP)
+            for ahead in (JAW_ROOT, self._tip)
             for left in (aside, -aside)
         ]
         for x1, y1, x2, y2 in walls:
@@ -191,7 +196,7 @@ class PymunkGripper:
             return None
         for food in foods:
             x, y = self._body.world_to_local(food.position)
-            if JAW_ROOT < x < FINGER_TIP and abs(y) < half_gap(self.jaw) and not food.lifted:
+            if JAW_ROOT < x < self._tip and abs(y) < half_gap(self.jaw) and not food.lifted:
                 return food
         return None
 

@@ -7,6 +7,7 @@ import pymunk
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import (
+    ARM_DOWN,
     ARM_ON_FLOOR,
     ARM_RAISED,
     CONTROL_PERIOD,
@@ -26,6 +27,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.proximity import REACH, cast, measured
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Pose
+from khepera_forage.worlds.body import Body
 from khepera_forage.worlds.polygon import Segment
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_gripper import PymunkGripper
@@ -56,6 +58,7 @@ class PymunkKhepera:
         walls: Segments of its own enclosure, which it senses and keeps an eye on.
         noise: Its troubles.
         bias: Lasting share by which the left and the right wheel travel too far.
+        build: Its peculiarities.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class PymunkKhepera:
         walls: Sequence[Segment],
         noise: Noise,
         bias: tuple[float, float],
+        build: Body,
     ) -> None:
         self.body = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
         self.body.position = pose[:2]
@@ -80,12 +84,13 @@ class PymunkKhepera:
         pull.max_bias = twist.max_bias = 0
         pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
         space.add(self.body, shape, self._wheels, pull, twist)
-        self.gripper = PymunkGripper(space, self.body)
+        self.gripper = PymunkGripper(space, self.body, build.fingers)
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
         self._walls = WallWatch(walls)
         self._noise = noise
-        self._left_share, self._right_share = 1.0 + bias[0], 1.0 + bias[1]
+        self._build = build
+        self._left_share, self._right_share = 1.0 + (bias[0] + build.left_wheel), 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._left_pulses = self._right_pulses = 0.0
         self._senses: Senses | None = None
@@ -254,6 +259,8 @@ class PymunkKhepera:
         walls = self._walls.near
         if walls or discs:
             clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
+            if self._build.infra_reds != 1.0:
+                clean = [self._build.infra_reds * reading for reading in clean]
         else:
             clean = [0.0] * 8
         return Senses(
@@ -262,7 +269,7 @@ class PymunkKhepera:
             ),
             int(self._left_pulses),
             int(self._right_pulses),
-            int(gripper.arm + 0.5),
+            int(ARM_DOWN - self._build.arm_reading * (ARM_DOWN - gripper.arm) + 0.5),
             int(gripper.jaw + 0.5),
             PRESENT if gripper.interrupted(self.foods) else 0,
         )

@@ -11,6 +11,7 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
 from khepera_forage.vision.overhead import OverheadCamera, Truth
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.worlds.body import Body
 from khepera_forage.worlds.draws import Draws
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_khepera import FINE_TRAVEL, SUBSTEPS, PymunkKhepera
@@ -32,19 +33,27 @@ class PymunkWorld:
         arenas: The enclosures, in one frame of millimetres.
         markers: Number of holes of each robot's marker, 1 or 2; one robot each.
         noise: The laboratory's troubles.
+        bodies: Peculiarities of each robot; none by default.
 
     Raises:
-        ValueError: No arena, no robot, or a marker with another number of holes.
+        ValueError: No arena, no robot, a marker with another number of holes, or not a body a robot.
     """
 
     def __init__(
-        self, arenas: Sequence[Arena], markers: Sequence[int] = (2,), noise: Noise | None = None
+        self,
+        arenas: Sequence[Arena],
+        markers: Sequence[int] = (2,),
+        noise: Noise | None = None,
+        bodies: Sequence[Body] | None = None,
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
         check_seen(arenas)
         if not markers or any(holes not in (1, 2) for holes in markers):
             raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
+        if bodies is not None and len(bodies) != len(markers):
+            raise ValueError(f"{len(bodies)} bodies given; allowed: {len(markers)}, one a robot")
+        self.bodies = (Body(),) * len(markers) if bodies is None else tuple(bodies)
         self.arenas = tuple(arenas)
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
@@ -89,8 +98,8 @@ class PymunkWorld:
                 space.add(wall)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
         self.robots = tuple(
-            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])))
-            for start, arena, b in zip(layout.starts, homes, bias, strict=True)
+            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), build)
+            for start, arena, b, build in zip(layout.starts, homes, bias, self.bodies, strict=True)
         )
         for robot, home in zip(self.robots, homes, strict=True):
             robot.foods = [food for food, plate in zip(self.foods, plates, strict=True) if plate is home]

@@ -125,19 +125,25 @@ class VirtualLaboratory(Laboratory):
         """A laboratory of copies of one arena side by side.
 
         Args:
-            arena: One of one's own, or the name of one of the thesis'.
+            arena: One of one's own, whose first copy stands where it stands; or the name of one of the thesis', whose
+                copies stand in the middle of the picture, for at its border markers that reach over a wall are cut.
             robots: The teacher and its learners; one alone is a learner.
             **options: Those of the class.
         """
         original = ARENAS[arena] if isinstance(arena, str) else arena
+        arenas = copies(original, robots)
+        dx = dy = 0.0
+        if isinstance(arena, str):
+            middle_x, middle_y = cable_anchor(arenas)
+            dx, dy = PICTURE_WIDTH * MM_PER_PIXEL / 2 - middle_x, PICTURE_HEIGHT * MM_PER_PIXEL / 2 - middle_y
         entries = tuple(
             RobotSettings(
                 port="virtual",
                 name="teacher" if i == 0 and robots > 1 else f"learner_{max(0, i - 1)}",
                 holes=1 if i == 0 and robots > 1 else 2,
-                offset=Point(copy.home.x - original.home.x, copy.home.y - original.home.y),
+                offset=Point(copy.home.x - original.home.x + dx, copy.home.y - original.home.y + dy),
             )
-            for i, copy in enumerate(copies(original, robots))
+            for i, copy in enumerate(arenas)
         )
         settings = LabSettings(original, entries, CameraSettings("rendered frames"))
         return cls(settings, **options)  # type: ignore[arg-type] # as the class takes them
@@ -176,8 +182,9 @@ class VirtualLaboratory(Laboratory):
         """The settings with the present ports, once every robot that is unplugged has been plugged in."""
         for i, (firmware, (baud, faults, rng)) in enumerate(zip(self._firmwares, self._lines, strict=True)):
             if i == len(self.ports) or not self.ports[i].plugged:
-                port = VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
-                self.ports[i : i + 1] = [port]
+                for unplugged in self.ports[i : i + 1]:
+                    unplugged.close()
+                self.ports[i : i + 1] = [VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)]
         robots = [replace(robot, port=url) for robot, url in zip(settings.robots, self.urls, strict=True)]
         return replace(settings, robots=tuple(robots))
 

@@ -140,6 +140,31 @@ def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: py
     assert standing(alone)
 
 
+def test_a_robot_lost_while_it_is_placed_costs_an_attempt() -> None:
+    """And its port is let go of when another takes its place."""
+    placed: list[Request] = []
+
+    def operator(request: Request) -> None:
+        placed.append(request)
+        if len(placed) in (1, 3):
+            unplug(lab, 1)
+        lab.hand(request)
+
+    with VirtualLaboratory.of("corridor", 2, operator=operator) as lab:
+        first = lab.ports[1]
+        _, rows = training.train(TrainingEnv(world=lab, noise=Noise.none()), np.random.SeedSequence(1))
+        assert [row.reason for row in rows[:2]] == [training.ROBOT_LOST] * 2
+        assert rows[-1].complete
+        assert (rows[0].rounds, rows[0].vectors) == (0, 0)
+        assert [request.reason[:18] for request in placed[:3]] == [
+            "start of an episod",
+            "see to what is los",
+            "start of an episod",
+        ]
+        assert first not in lab.ports
+        assert not first.plugged
+
+
 def test_what_was_recorded_is_kept(
     pair: VirtualLaboratory, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -49,7 +49,7 @@ class Clumsy:
 
 def laboratory(operator: Clumsy | None = None, real_time: bool = False) -> VirtualLaboratory:
     lab = VirtualLaboratory.of(
-        "corridor", 2, noise=Noise.none(), look=CameraLook.none(), operator=operator, real_time=real_time
+        CORRIDOR, 2, noise=Noise.none(), look=CameraLook.none(), operator=operator, real_time=real_time
     )
     if operator is not None:
         operator.lab = lab

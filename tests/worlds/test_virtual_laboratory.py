@@ -1,5 +1,6 @@
 """The whole chain without hardware: repeatable, and like the bodies alone."""
 
+import math
 import os
 import signal
 import threading
@@ -24,6 +25,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.line_faults import Faults
 from khepera_forage.vision.frames import CameraLook
+from khepera_forage.worlds.arena import CORRIDOR
 from khepera_forage.worlds.lab_file import parse
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 from khepera_forage.worlds.world import Layout
@@ -70,11 +72,21 @@ def test_the_same_seed_the_same_rollout_bit_for_bit() -> None:
     assert len(runs[0]) > 60
 
 
+@pytest.mark.parametrize("seed", [60, 63, 83, 101])
+def test_a_robot_whose_marker_reaches_over_a_wall_is_seen_where_it_is(seed: int) -> None:
+    with VirtualLaboratory.of("corridor", 1) as lab:
+        BehavioursEnv(world=lab).reset(seed=seed)
+        (body,), (seen,) = lab.bodies.poses(), lab.poses()
+        assert lab.arenas[0].clearance(body) < 45
+        assert math.dist(body[:2], seen[:2]) < 5
+        assert abs(math.remainder(body.heading - seen.heading, math.tau)) < math.radians(3)
+
+
 def test_without_trouble_it_goes_as_with_the_bodies_alone() -> None:
     """Bytes and pixels change little: the same forage takes about as many rounds."""
     options = {"start": (90, 115, 0), "foods": [(370, 115)]}
     counts = []
-    with VirtualLaboratory.of("corridor", 1, noise=Noise.none(), look=CameraLook.none()) as lab:
+    with VirtualLaboratory.of(CORRIDOR, 1, noise=Noise.none(), look=CameraLook.none()) as lab:
         for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
             teacher = Teacher(env.home_radius)
             observation, info = env.reset(seed=1, options=options)

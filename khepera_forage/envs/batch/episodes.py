@@ -11,25 +11,22 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from khepera_forage.envs.batch import register, rows as at
+from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.place import arena_array, site_array, site_walls
-from khepera_forage.envs.batch.placing import place_all
-from khepera_forage.envs.batch.task import drive, perceive, remember
+from khepera_forage.envs.batch.rounds import begin_episode, carry_out, decide
+from khepera_forage.envs.batch.task import drive
 from khepera_forage.envs.checks import FoodOdds, food_odds, the_arena, whole_number
-from khepera_forage.foraging.identification import drawn_type
 from khepera_forage.foraging.scoring import score
 from khepera_forage.noise import Noise
-from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import inline, kernel
-from khepera_forage.worlds.batch.numbers import keys_of, upper, word
+from khepera_forage.worlds.batch.compiling import kernel
+from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
-from khepera_forage.worlds.batch.stepping import advance_block, look, stand
+from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.standing import cable_anchor, check_seen
 
-_PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
 # Columns of an episode's result.
 STEPS, CORRECT, DELIVERED, POISON_HOME, DELIVERABLE, COLUMNS = range(6)
 
@@ -52,70 +49,6 @@ class Episodes(NamedTuple):
     delivered: NDArray[np.int64]
     poison_home: NDArray[np.int64]
     deliverable: NDArray[np.int64]
-
-
-@inline
-def begin_episode(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    i: int,
-    foods: int,
-    walls: NDArray[np.float64],
-    arena: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    odds: NDArray[np.float64],
-) -> bool:
-    """Put robot and food of one world in random places; its first frame is taken in the coming round.
-
-    Returns:
-        Whether there was room.
-    """
-    key, round_ = keys[body.KEY * LANES + i], keys[body.ROUND * LANES + i]
-    x, y, heading = place_all(f, i, foods, word(key, _PLACES + round_), walls, arena)
-    stand(s, f, keys, i, x, y, heading, foods, noise)
-    for row in range(at.TASK_ROWS):
-        if row != at.EPISODE:
-            t[row * LANES + i] = 0.0
-    t[at.HELD * LANES + i] = -1.0
-    types = word(key, _TYPES + round_)
-    for food in range(foods):
-        mine, there = food * at.TASK_FOOD_ROWS * LANES + i, food * body.FOOD_ROWS * LANES + i
-        for row in range(at.TASK_FOOD_ROWS):
-            q[mine + row * LANES] = 0.0
-        q[mine + at.PLACE_X * LANES] = f[there + body.FOOD_X * LANES] / MM_PER_PIXEL
-        q[mine + at.PLACE_Y * LANES] = f[there + body.FOOD_Y * LANES] / MM_PER_PIXEL
-        q[mine + at.TYPE * LANES] = drawn_type(upper(word(types, np.uint64(food))), odds[0], odds[1]).value
-    return bool(x == x)
-
-
-@kernel
-def round_of_task(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    place: NDArray[np.float64],
-    pixel_walls: NDArray[np.float64],
-) -> None:
-    """One round of bodies and task in every world of a block, once its behaviour is decided on."""
-    for i in range(LANES):
-        counts = 1.0 - s[body.NEW * LANES + i]
-        t[at.STEPS * LANES + i] += counts
-        right = t[at.BEHAVIOUR * LANES + i] == t[at.STATE * LANES + i]
-        t[at.CORRECT * LANES + i] += counts if right else 0.0
-    remember(s, t)
-    drive(s, t, place)
-    advance_block(s, f, keys, foods, walls, corners, noise)
-    register.update(s, f, t, q, foods, place)
-    perceive(s, t, place, pixel_walls)
 
 
 @kernel
@@ -159,12 +92,13 @@ def _play(
         coming += stride
     while playing > 0:
         _teach(t)
-        round_of_task(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls)
+        decide(t, s)
+        drive(s, t, place)
+        carry_out(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls, limit)
         for i in range(LANES):
-            steps = t[at.STEPS * LANES + i]
-            finished = steps > 0.0 and t[at.DELIVERED * LANES + i] == t[at.DELIVERABLE * LANES + i]
-            if not finished and steps < limit:
+            if t[at.TERMINATED * LANES + i] == 0.0 and t[at.TRUNCATED * LANES + i] == 0.0:
                 continue
+            steps = t[at.STEPS * LANES + i]
             episode = int(t[at.EPISODE * LANES + i])
             if episode >= 0:
                 results[episode, STEPS] = int(steps)
@@ -181,48 +115,26 @@ def _play(
             coming += stride
 
 
-@numba.njit(parallel=True, error_model="numpy", boundscheck=False)
-def _forage(
-    robots: NDArray[np.float64],
-    food: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    tasks: NDArray[np.float64],
-    registers: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    place: NDArray[np.float64],
-    pixel_walls: NDArray[np.float64],
-    arena: NDArray[np.float64],
-    odds: NDArray[np.float64],
-    limit: int,
-    episode_keys: NDArray[np.uint64],
-    results: NDArray[np.int64],
-) -> None:
-    """Play all episodes; blocks are shared out among the processors."""
-    blocks = robots.shape[0]
-    for block in prange(blocks):
-        _play(
-            robots[block],
-            food[block],
-            keys[block],
-            tasks[block],
-            registers[block],
-            foods,
-            walls,
-            corners,
-            noise,
-            place,
-            pixel_walls,
-            arena,
-            odds,
-            limit,
-            episode_keys,
-            np.int64(block),
-            blocks,
-            results,
-        )
+def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+    """The kernel that Python calls; see `sources` for why it is made here."""
+
+    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
+    def forage(  # type: ignore[no-untyped-def]
+        robots, food, keys, tasks, registers, foods,
+        walls, corners, noise, place, pixel_walls, arena, odds, limit, episode_keys, results,
+    ):
+        blocks = robots.shape[0] if sources else 0
+        for block in prange(blocks):
+            _play(
+                robots[block], food[block], keys[block], tasks[block], registers[block], foods,
+                walls, corners, noise, place, pixel_walls, arena, odds, limit,
+                episode_keys, np.int64(block), blocks, results,
+            )
+
+    return forage
+
+
+_forage = _compile(SOURCES)
 
 
 def run_teacher(
@@ -235,6 +147,7 @@ def run_teacher(
     noise: Noise | None = None,
     food_types: FoodOdds = None,
     num_worlds: int = 4096,
+    wheel_speed: float = 1.0,
 ) -> Episodes:
     """Recalls under the teacher, start to end, from random places: those of `Corridor-v0` and `Rectangle-v0`.
 
@@ -247,6 +160,7 @@ def run_teacher(
         noise: The laboratory's troubles.
         food_types: One type, or odds by type.
         num_worlds: How many worlds to keep in memory at a time.
+        wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
 
     Raises:
         ValueError: An argument out of range, or an arena with no room.
@@ -268,7 +182,7 @@ def run_teacher(
         foods,
         walls_of(the),
         edges_of(the),
-        noise_of(noise, cable_anchor([the]), 2),
+        noise_of(noise, cable_anchor([the]), 2, wheel_speed),
         site_array(the),
         site_walls(the),
         arena_array(the),

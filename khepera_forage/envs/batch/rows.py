@@ -17,9 +17,11 @@ STEPS, CORRECT = 20, 21
 EPISODE = 22
 """Number of the episode that is under way, -1 when the lane has none left."""
 REWARD, TERMINATED, TRUNCATED = 23, 24, 25
-SCRATCH = 26
+FRESH = 26
+"""Whether the last frame was the first of its episode."""
+SCRATCH = 27
 """The first of six, free for use within a pass."""
-TASK_ROWS = 32
+TASK_ROWS = 33
 
 # A food object, as the register knows it: where it is (pixels), its type as drawn, its type as far as it is known, whether
 # it has been brought home, and whether it was in the gripper since it was last seen.

@@ -6,12 +6,13 @@ from numpy.typing import NDArray
 from khepera_forage.envs.batch import compiled_task, rows as at  # noqa: F401 (the first is needed before any kernel)
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.perception import RawData, Site, raw_data, state_vector, way_to_wall
-from khepera_forage.foraging.states import classify
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Senses, applicable
+from khepera_forage.foraging.states import Behaviour, classify
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.rows import LANES
 
+_WAIT = float(Behaviour.WAIT)
 _WALL_X, _WALL_Y, _NEAREST = (at.SCRATCH + n for n in range(3))
 
 
@@ -73,6 +74,32 @@ def drive(s: NDArray[np.float64], t: NDArray[np.float64], place: NDArray[np.floa
         s[body.RIGHT * LANES + i] = 0.0 if new else motors.right
         s[body.ARM_TO * LANES + i] = ARM_RAISED if new else motors.arm
         s[body.JAW_TO * LANES + i] = JAW_OPEN if new else motors.jaw
+
+
+@kernel
+def command_motors(
+    s: NDArray[np.float64], t: NDArray[np.float64], place: NDArray[np.float64], actions: NDArray[np.float64]
+) -> None:
+    """Given motors for the coming round, one row of `Motors` a lane.
+
+    The behaviour then reads as the state where they are what the teacher would command, and as WAIT elsewhere.
+    """
+    site = site_of(place)
+    for i in range(LANES):
+        given = applicable(Motors(actions[i, 0], actions[i, 1], actions[i, 2], actions[i, 3]))
+        right = applicable(command(int(t[at.STATE * LANES + i]), raw_of(s, t, i, site)))
+        same = (
+            given.left == right.left
+            and given.right == right.right
+            and given.arm == right.arm
+            and given.jaw == right.jaw
+        )
+        t[at.BEHAVIOUR * LANES + i] = t[at.STATE * LANES + i] if same else _WAIT
+        new = s[body.NEW * LANES + i] != 0.0
+        s[body.LEFT * LANES + i] = 0.0 if new else given.left
+        s[body.RIGHT * LANES + i] = 0.0 if new else given.right
+        s[body.ARM_TO * LANES + i] = ARM_RAISED if new else given.arm
+        s[body.JAW_TO * LANES + i] = JAW_OPEN if new else given.jaw
 
 
 @kernel

@@ -10,6 +10,7 @@ from khepera_forage.vision.finding.hole_reader import SAMPLE, HoleReader
 from khepera_forage.vision.finding.patch import Form, Patch, form, weighed
 from khepera_forage.vision.finding.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 _AHEAD = 5.0
@@ -23,6 +24,8 @@ _SETTLED = 0.02
 """Radians, or shares of a marker's size, below which the next turn would bring nothing."""
 _WHOLE = 0.8
 """Share of a marker's area that must be seen in one piece: with one side cut off, its centre is not known."""
+_CUT = 1.0
+"""Pixels by which a corner may lie outside the picture."""
 _FULL = 0.7
 """Share of the rectangle with the same moments that a marker fills at least."""
 _NECK = 1.3
@@ -85,7 +88,7 @@ class MarkerFinder:
         if seen is None or not self._sized(seen):
             return None
         seen = self._refined(patch, seen)
-        if seen is None:
+        if seen is None or (patch.edge and self._cut(seen)):
             return None
         found = self._holes.read(self._upright(patch, seen), seen.level)
         if found is None:
@@ -123,23 +126,30 @@ class MarkerFinder:
                 break
         return seen
 
+    def _corners(self, seen: Form, grown: float) -> list[tuple[float, float]]:
+        """Corners in the picture of a marker of that pose that is larger all round by so many mm."""
+        along, across = self._steps(seen, 1.0)
+        length, width = self._settings.marker_length / 2 + grown, self._settings.marker_width / 2 + grown
+        return [
+            (
+                seen.u + a * length * along[0] + b * width * across[0],
+                seen.v + a * length * along[1] + b * width * across[1],
+            )
+            for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        ]
+
+    def _cut(self, seen: Form) -> bool:
+        """Whether the picture's edge cuts off so much of a marker that it would be seen shifted and turned."""
+        return not all(
+            -_CUT <= u <= PICTURE_WIDTH + _CUT and -_CUT <= v <= PICTURE_HEIGHT + _CUT
+            for u, v in self._corners(seen, 0.0)
+        )
+
     def _sheet(self, patch: Patch, seen: Form, grown: float) -> Frame:
         """255 within a marker of that pose that is larger all round by so many mm."""
         import cv2
 
-        along, across = self._steps(seen, 1.0)
-        half_length, half_width = (
-            self._settings.marker_length / 2 + grown,
-            self._settings.marker_width / 2 + grown,
-        )
-        u, v = seen.u - 0.5 - patch.column, seen.v - 0.5 - patch.row
-        corners = [
-            (
-                u + a * half_length * along[0] + b * half_width * across[0],
-                v + a * half_length * along[1] + b * half_width * across[1],
-            )
-            for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))
-        ]
+        corners = [(u - 0.5 - patch.column, v - 0.5 - patch.row) for u, v in self._corners(seen, grown)]
         sheet = np.zeros_like(patch.filled)
         cv2.fillConvexPoly(sheet, np.rint(np.multiply(corners, 16)).astype(np.int32), 255, cv2.LINE_8, 4)
         return sheet

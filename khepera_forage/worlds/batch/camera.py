@@ -50,8 +50,16 @@ def expose(
     noise: NDArray[np.float64],
 ) -> None:
     """Take one frame of every world of a block; in the first after a reset nothing is lost."""
-    jitter, turned, reversal = noise[setting.POSITION_JITTER], noise[setting.HEADING_JITTER], noise[setting.REVERSAL_RATE]
-    marker_rate, food_rate, end = noise[setting.LOSS_RATE_MARKER], noise[setting.LOSS_RATE_FOOD], noise[setting.LOSS_END]
+    jitter, turned, reversal = (
+        noise[setting.POSITION_JITTER],
+        noise[setting.HEADING_JITTER],
+        noise[setting.REVERSAL_RATE],
+    )
+    marker_rate, food_rate, end = (
+        noise[setting.LOSS_RATE_MARKER],
+        noise[setting.LOSS_RATE_FOOD],
+        noise[setting.LOSS_END],
+    )
     factor, anchor_x, anchor_y = noise[setting.CABLE_FACTOR], noise[setting.ANCHOR_X], noise[setting.ANCHOR_Y]
     for i in range(LANES):
         key, first = keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS
@@ -64,7 +72,9 @@ def expose(
         degrees = np.rint(degrees)
         degrees -= 360.0 * math.floor(degrees / 360.0)
         # Its own cable never disturbs a marker (3.7).
-        lost = (1.0 - s[at.NEW * LANES + i]) * _loses(s[at.OWN_LOST * LANES + i], upper(chances), marker_rate, end)
+        lost = (1.0 - s[at.NEW * LANES + i]) * _loses(
+            s[at.OWN_LOST * LANES + i], upper(chances), marker_rate, end
+        )
         shown = lost == 0.0 and 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
         s[at.OWN_LOST * LANES + i] = lost
         s[at.OWN_FOUND * LANES + i] = 1.0 if shown else 0.0

@@ -65,7 +65,9 @@ def touch(
         allowed = max(_TOLERATED, _overlap(s, f, foods, i, near))
         for step in range(STEPS):
             share = late if step == 0 else 0.0
-            goes = s[at.FORWARD * LANES + i] + share * (s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i])
+            goes = s[at.FORWARD * LANES + i] + share * (
+                s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i]
+            )
             turns = s[at.TURN * LANES + i] + share * (s[at.LAST_TURN * LANES + i] - s[at.TURN * LANES + i])
             x, y, heading = s[at.X * LANES + i], s[at.Y * LANES + i], s[at.HEADING * LANES + i]
             _move_jaw(s, f, foods, i, near)
@@ -115,7 +117,9 @@ def _from_wall(x: float, y: float, walls: NDArray[np.float64], wall: int) -> tup
 
 
 @inline
-def _off_walls(s: NDArray[np.float64], i: int, walls: NDArray[np.float64], corners: NDArray[np.float64]) -> float:
+def _off_walls(
+    s: NDArray[np.float64], i: int, walls: NDArray[np.float64], corners: NDArray[np.float64]
+) -> float:
     """Move the robot off all walls; returns how far they stood in it, mm."""
     moved = 0.0
     wide = half_gap(s[at.JAW * LANES + i]) + FINGER_THICKNESS
@@ -138,7 +142,9 @@ def _off_walls(s: NDArray[np.float64], i: int, walls: NDArray[np.float64], corne
         if s[at.HELD * LANES + i] >= 0.0:
             u, v = s[at.GRIP_X * LANES + i], s[at.GRIP_Y * LANES + i]
             c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-            far, nx, ny = _from_wall(s[at.X * LANES + i] + u * c - v * d, s[at.Y * LANES + i] + u * d + v * c, walls, wall)
+            far, nx, ny = _from_wall(
+                s[at.X * LANES + i] + u * c - v * d, s[at.Y * LANES + i] + u * d + v * c, walls, wall
+            )
             if far < FOOD_RADIUS:
                 _yield(s, i, u, v, nx, ny, FOOD_RADIUS - far)
                 moved += FOOD_RADIUS - far
@@ -163,7 +169,9 @@ def _behind(
     nx, ny, offset = walls[wall, setting.NORMAL_X], walls[wall, setting.NORMAL_Y], walls[wall, setting.OFFSET]
     side = math.copysign(1.0, nx * x + ny * y - offset)
     x, y = x + u * c - v * d, y + u * d + v * c
-    t = (x - walls[wall, setting.X1]) * walls[wall, setting.EX] + (y - walls[wall, setting.Y1]) * walls[wall, setting.EY]
+    t = (x - walls[wall, setting.X1]) * walls[wall, setting.EX] + (y - walls[wall, setting.Y1]) * walls[
+        wall, setting.EY
+    ]
     t *= walls[wall, setting.SHARE]
     depth = -side * (nx * x + ny * y - offset)
     return (depth if 0.0 <= t <= 1.0 else -1.0), side * nx, side * ny
@@ -204,7 +212,9 @@ def _push_food(
 
 
 @inline
-def _settle(f: NDArray[np.float64], foods: int, i: int, food: int, held: float, walls: NDArray[np.float64]) -> float:
+def _settle(
+    f: NDArray[np.float64], foods: int, i: int, food: int, held: float, walls: NDArray[np.float64]
+) -> float:
     """Move one food object out of walls, and others off it."""
     base = food * at.FOOD_ROWS * LANES + i
     x, y = f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES]
@@ -236,7 +246,9 @@ def _apart(x: float, y: float, from_x: float, from_y: float, distance: float) ->
 
 
 @inline
-def _overlap(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, walls: NDArray[np.float64]) -> float:
+def _overlap(
+    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, walls: NDArray[np.float64]
+) -> float:
     """The largest overlap that is left, mm: of the robot with walls or food, of food with walls or other food."""
     worst = 0.0
     held = s[at.HELD * LANES + i]
@@ -259,7 +271,10 @@ def _overlap(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int,
         base = food * at.FOOD_ROWS * LANES + i
         x, y = f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES]
         if food == held:
-            x, y = s[at.X * LANES + i] + s[at.GRIP_X * LANES + i] * c, s[at.Y * LANES + i] + s[at.GRIP_X * LANES + i] * d
+            x, y = (
+                s[at.X * LANES + i] + s[at.GRIP_X * LANES + i] * c,
+                s[at.Y * LANES + i] + s[at.GRIP_X * LANES + i] * d,
+            )
         for wall in range(walls.shape[0]):
             far, _, _ = _from_wall(x, y, walls, wall)
             worst = max(worst, FOOD_RADIUS - far)

@@ -55,7 +55,11 @@ def towards(target: float, value: float, step: float) -> float:
 
 @kernel
 def begin_round(
-    s: NDArray[np.float64], f: NDArray[np.float64], keys: NDArray[np.uint64], foods: int, noise: NDArray[np.float64]
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    keys: NDArray[np.uint64],
+    foods: int,
+    noise: NDArray[np.float64],
 ) -> None:
     """Move the arms, draw the wheels' slip, and work out the free end of the round for every world of a block."""
     slip = noise[setting.WHEEL_SLIP]
@@ -74,7 +78,9 @@ def begin_round(
         left_normal = normal(word(key, first + _FIRST), dither)
         right_normal = normal(word(key, first + _SECOND), dither >> _32)
         left = s[at.LEFT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_LEFT * LANES + i] + slip * left_normal)
-        right = s[at.RIGHT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_RIGHT * LANES + i] + slip * right_normal)
+        right = (
+            s[at.RIGHT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_RIGHT * LANES + i] + slip * right_normal)
+        )
         forward, turn = (left + right) / 2, (right - left) / WHEEL_BASE
         # A jaw that holds food closes no further; one that opens from it is followed step by step.
         held = s[at.HELD * LANES + i] >= 0.0
@@ -136,7 +142,9 @@ def aim(s: NDArray[np.float64]) -> None:
         steps = max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if wall else float(SUBSTEPS)
         lag = 1.0 / steps if (wall or food) and not still else 0.0
         s[at.LAG * LANES + i] = lag
-        forward = s[at.FORWARD * LANES + i] + lag * (s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i])
+        forward = s[at.FORWARD * LANES + i] + lag * (
+            s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i]
+        )
         turn = s[at.TURN * LANES + i] + lag * (s[at.LAST_TURN * LANES + i] - s[at.TURN * LANES + i])
         heading = s[at.HEADING * LANES + i]
         # The direction in the middle of the round does for all of it: the chord ends where the arc does.
@@ -174,7 +182,11 @@ def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDA
             tip = off + FINGER_TIP * ahead - wide * aside < 0.0
             root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
             held = s[at.HELD * LANES + i] >= 0.0
-            grip = held and off + s[at.GRIP_X * LANES + i] * ahead - aside * abs(s[at.GRIP_Y * LANES + i]) < FOOD_RADIUS
+            grip = (
+                held
+                and off + s[at.GRIP_X * LANES + i] * ahead - aside * abs(s[at.GRIP_Y * LANES + i])
+                < FOOD_RADIUS
+            )
             # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
             along = (x - x1) * ex + (y - y1) * ey
             reach = 94.0 * math.sqrt(ex * ex + ey * ey)

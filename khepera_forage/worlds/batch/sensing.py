@@ -19,11 +19,11 @@ from khepera_forage.worlds.batch.rows import LANES
 
 _DRAWS = np.uint64(at.DRAWS)
 _FIRST, _ONE = np.uint64(at.DRAW_PROXIMITY), np.uint64(1)
-_STRIDE = 32
+_STRIDE = 8
 _SENSORS = np.array(SENSORS)
 _LOW, _SPAN = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 # The lanes in reach of a wall or of food are packed into the scratch rows: what is there in the robot's frame.
-_AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE = (at.SCRATCH + n for n in range(6))
+_AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE, _NEAR = (at.SCRATCH + n for n in range(7))
 
 
 @kernel
@@ -52,35 +52,39 @@ def end_round(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> Non
 
 @kernel
 def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDArray[np.float64]) -> None:
-    """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block.
-
-    Behind a lowered arm sensors 0-5 see nothing of the room, so there only the two at the back are cast.
-    """
+    """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block."""
     for row in range(at.PROXIMITY, at.PROXIMITY + 8):
         for i in range(LANES):
             s[row * LANES + i] = 0.0
     for wall in range(walls.shape[0]):
-        nx, ny, offset = walls[wall, setting.NORMAL_X], walls[wall, setting.NORMAL_Y], walls[wall, setting.OFFSET]
-        for part in range(2):
-            count = 0
-            for i in range(LANES):
-                s[_LANE * LANES + count] = i
-                near = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset) < REACH
-                count += near & ((part == 1) | (s[at.ARM * LANES + i] < ARM_ON_FLOOR))
-            _cast_wall(s, walls, wall, count, 6 * part, 6 + 2 * part)
+        nx, ny, offset = (
+            walls[wall, setting.NORMAL_X],
+            walls[wall, setting.NORMAL_Y],
+            walls[wall, setting.OFFSET],
+        )
+        for i in range(LANES):
+            off = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset)
+            s[_NEAR * LANES + i] = 1.0 if off < REACH else 0.0
+        _cast_wall(s, walls, wall, _pack(s))
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
-        for part in range(2):
-            count = 0
-            for i in range(LANES):
-                dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-                dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-                raised = s[at.ARM * LANES + i] < ARM_ON_FLOOR
-                s[_LANE * LANES + count] = i
-                near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2
-                lifted = raised & (s[at.HELD * LANES + i] == food)
-                count += near & (not lifted) & ((part == 1) | raised)
-            _cast_food(s, f, base, count, 6 * part, 6 + 2 * part)
+        for i in range(LANES):
+            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
+            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
+            lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
+            near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted
+            s[_NEAR * LANES + i] = 1.0 if near else 0.0
+        _cast_food(s, f, base, _pack(s))
+
+
+@inline
+def _pack(s: NDArray[np.float64]) -> int:
+    """Write the numbers of the marked lanes side by side; returns how many there are."""
+    count = 0
+    for i in range(LANES):
+        s[_LANE * LANES + count] = i
+        count += int(s[_NEAR * LANES + i])
+    return count
 
 
 @inline
@@ -90,9 +94,7 @@ def _filled(count: int) -> int:
 
 
 @inline
-def _cast_wall(
-    s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, count: int, first: int, end: int
-) -> None:
+def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, count: int) -> None:
     """One wall as some sensors of the packed lanes see it."""
     x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
     share = walls[wall, setting.SHARE]
@@ -105,7 +107,7 @@ def _cast_wall(
         s[_ASIDE * LANES + n] = dy * c - dx * d
         s[_ALONG * LANES + n] = ex * c + ey * d
         s[_ACROSS * LANES + n] = ey * c - ex * d
-    for sensor in range(first, end):
+    for sensor in range(8):
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
         for n in range(whole):
@@ -117,9 +119,7 @@ def _cast_wall(
 
 
 @inline
-def _cast_food(
-    s: NDArray[np.float64], f: NDArray[np.float64], base: int, count: int, first: int, end: int
-) -> None:
+def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, count: int) -> None:
     """One food object as some sensors of the packed lanes see it."""
     whole = _filled(count)
     for n in range(count):
@@ -129,7 +129,7 @@ def _cast_food(
         dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
         s[_AHEAD * LANES + n] = dx * c + dy * d
         s[_ASIDE * LANES + n] = dy * c - dx * d
-    for sensor in range(first, end):
+    for sensor in range(8):
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
         for n in range(whole):

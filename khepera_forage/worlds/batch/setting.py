@@ -24,7 +24,8 @@ X1, Y1, EX, EY, SHARE, NORMAL_X, NORMAL_Y, OFFSET = range(8)
     CABLE_FACTOR,
     ANCHOR_X,
     ANCHOR_Y,
-) = range(13)
+    WHEEL_SPEED,
+) = range(14)
 
 
 def walls_of(arena: Arena) -> NDArray[np.float64]:
@@ -49,8 +50,10 @@ def edges_of(arena: Arena) -> NDArray[np.float64]:
     return np.array(corners).reshape(-1, 2)
 
 
-def noise_of(noise: Noise, anchor: tuple[float, float], holes: int) -> NDArray[np.float64]:
-    """The sizes of the noise, and where the robot's cable hangs from (mm)."""
+def noise_of(
+    noise: Noise, anchor: tuple[float, float], holes: int, wheel_speed: float = 1.0
+) -> NDArray[np.float64]:
+    """The sizes of the noise, where the robot's cable hangs from (mm), and the share of its speed that a wheel reaches."""
     return np.array(
         (
             noise.wheel_slip,
@@ -65,5 +68,6 @@ def noise_of(noise: Noise, anchor: tuple[float, float], holes: int) -> NDArray[n
             1.0 / noise.loss_rounds,
             noise.cable_loss_factor,
             *anchor,
+            wheel_speed,
         )
     )

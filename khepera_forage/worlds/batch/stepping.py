@@ -9,12 +9,13 @@ from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.camera import expose
-from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.contact import touch
 from khepera_forage.worlds.batch.drive import aim, begin_round, glide, look_around, watch_food, watch_walls
 from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.sensing import cast, end_round, measure
+from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.tracks import track
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
@@ -23,7 +24,7 @@ _DRAWS = np.uint64(at.DRAWS)
 _BIAS_LEFT, _BIAS_RIGHT, _BIAS_DITHER = (np.uint64(at.DRAWS - n) for n in (1, 2, 3))
 
 
-@kernel
+@sequence
 def look(
     s: NDArray[np.float64],
     f: NDArray[np.float64],
@@ -40,7 +41,7 @@ def look(
     track(s, f, foods, noise)
 
 
-@kernel
+@sequence
 def advance_block(
     s: NDArray[np.float64],
     f: NDArray[np.float64],
@@ -63,33 +64,17 @@ def advance_block(
     look(s, f, keys, foods, walls, noise)
 
 
-@numba.njit(parallel=True, error_model="numpy", boundscheck=False)
-def advance_all(
-    robots: NDArray[np.float64],
-    food: NDArray[np.float64],
+@kernel
+def _advance(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
     keys: NDArray[np.uint64],
     foods: int,
     walls: NDArray[np.float64],
     corners: NDArray[np.float64],
     noise: NDArray[np.float64],
 ) -> None:
-    """One round in every block; blocks are shared out among the processors."""
-    for block in prange(robots.shape[0]):
-        advance_block(robots[block], food[block], keys[block], foods, walls, corners, noise)
-
-
-@numba.njit(error_model="numpy", boundscheck=False)
-def look_all(
-    robots: NDArray[np.float64],
-    food: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    foods: int,
-    walls: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> None:
-    """What is sensed in every block as it stands."""
-    for block in range(robots.shape[0]):
-        look(robots[block], food[block], keys[block], foods, walls, noise)
+    advance_block(s, f, keys, foods, walls, corners, noise)
 
 
 @inline
@@ -112,8 +97,11 @@ def stand(
         s[row * LANES + i] = 0.0
     key, first = keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS
     dither = word(key, first + _BIAS_DITHER)
-    s[at.BIAS_LEFT * LANES + i] = noise[setting.WHEEL_BIAS] * normal(word(key, first + _BIAS_LEFT), dither)
-    s[at.BIAS_RIGHT * LANES + i] = noise[setting.WHEEL_BIAS] * normal(word(key, first + _BIAS_RIGHT), dither >> _32)
+    mean = noise[setting.WHEEL_SPEED] - 1.0
+    s[at.BIAS_LEFT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(word(key, first + _BIAS_LEFT), dither)
+    s[at.BIAS_RIGHT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(
+        word(key, first + _BIAS_RIGHT), dither >> _32
+    )
     s[at.X * LANES + i], s[at.Y * LANES + i], s[at.HEADING * LANES + i] = x, y, heading
     s[at.COS * LANES + i], s[at.SIN * LANES + i] = cosine_sine(heading)
     s[at.ARM * LANES + i] = s[at.ARM_TO * LANES + i] = ARM_RAISED
@@ -128,22 +116,28 @@ def stand(
             f[there + row * LANES] = -1.0
 
 
-@numba.njit(error_model="numpy", boundscheck=False)
-def stand_all(
-    robots: NDArray[np.float64],
-    food: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    poses: NDArray[np.float64],
-    places: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> None:
-    """Put robots and food down, one pose and one row of places a lane."""
-    foods = places.shape[1]
-    for lane in range(poses.shape[0]):
-        block, i = lane // LANES, lane % LANES
-        x, y, heading = poses[lane, 0], poses[lane, 1], poses[lane, 2]
-        stand(robots[block], food[block], keys[block], i, x, y, heading, foods, noise)
-        for k in range(foods):
-            there = k * at.FOOD_ROWS * LANES + i
-            food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
-            food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]
+def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+    """The kernels that Python calls; see `sources` for why they are made here."""
+
+    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
+    def advance_all(robots, food, keys, foods, walls, corners, noise):  # type: ignore[no-untyped-def]
+        blocks = robots.shape[0] if sources else 0
+        for block in prange(blocks):
+            _advance(robots[block], food[block], keys[block], foods, walls, corners, noise)
+
+    @numba.njit(error_model="numpy", boundscheck=False, cache=True)
+    def stand_all(robots, food, keys, poses, places, noise):  # type: ignore[no-untyped-def]
+        foods = places.shape[1] if sources else 0
+        for lane in range(poses.shape[0]):
+            block, i = lane // LANES, lane % LANES
+            x, y, heading = poses[lane, 0], poses[lane, 1], poses[lane, 2]
+            stand(robots[block], food[block], keys[block], i, x, y, heading, foods, noise)
+            for k in range(foods):
+                there = k * at.FOOD_ROWS * LANES + i
+                food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
+                food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]
+
+    return advance_all, stand_all
+
+
+advance_all, stand_all = _compile(SOURCES)

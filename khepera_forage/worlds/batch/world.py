@@ -19,7 +19,7 @@ from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
-from khepera_forage.worlds.batch.stepping import advance_all, look_all, stand_all
+from khepera_forage.worlds.batch.stepping import advance_all, stand_all
 from khepera_forage.worlds.standing import cable_anchor, check_seen
 
 Floats = NDArray[np.float64]
@@ -116,7 +116,7 @@ class BatchWorld:
         )
         self._keys[:, at.ROUND * LANES : (at.ROUND + 1) * LANES] = 0
         stand_all(self._robots, self._food, self._keys, poses, places, self._noise)
-        look_all(self._robots, self._food, self._keys, self.foods, self._walls, self._noise)
+        self.advance((0, 0, ARM_RAISED, JAW_OPEN))  # nothing moves: the first frame is taken
 
     def advance(self, motors: ArrayLike) -> None:
         """One round of 0.1 s.
@@ -128,9 +128,7 @@ class BatchWorld:
             ValueError: An array of another shape, or with values that are not finite.
         """
         self._drive(self._all("motors", motors, (4,)))
-        advance_all(
-            self._robots, self._food, self._keys, self.foods, self._walls, self._corners, self._noise
-        )
+        advance_all(self._robots, self._food, self._keys, self.foods, self._walls, self._corners, self._noise)
 
     def senses(self) -> BatchSenses:
         """What the robots sense now."""
@@ -172,7 +170,12 @@ class BatchWorld:
         wheels = np.clip(np.floor(motors[:, :2] + 0.5), -MAX_SPEED, MAX_SPEED)
         arm = np.floor(np.clip(motors[:, 2], ARM_RAISED, ARM_DOWN) + 0.5)
         jaw = np.where(motors[:, 3] > JAW_OPEN / 2, JAW_OPEN, JAW_CLOSED)
-        for row, values in ((at.LEFT, wheels[:, 0]), (at.RIGHT, wheels[:, 1]), (at.ARM_TO, arm), (at.JAW_TO, jaw)):
+        for row, values in (
+            (at.LEFT, wheels[:, 0]),
+            (at.RIGHT, wheels[:, 1]),
+            (at.ARM_TO, arm),
+            (at.JAW_TO, jaw),
+        ):
             self._robots[:, row * LANES : (row + 1) * LANES] = values.reshape(-1, LANES)
 
     def _row(self, row: int) -> Floats:

@@ -1,0 +1,180 @@
+"""`TaskBatch`: bodies and task of many worlds, one robot each, advanced together: what the vector environments wrap."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.envs.batch import rows as at
+from khepera_forage.envs.batch.place import arena_array, site_array, site_walls
+from khepera_forage.envs.batch.rounds import begin_all, play_all
+from khepera_forage.envs.checks import FoodOdds, food_odds, the_arena, whole_number
+from khepera_forage.envs.placement import given_layout
+from khepera_forage.noise import Noise
+from khepera_forage.worlds.arena import Arena
+from khepera_forage.worlds.batch import rows as body
+from khepera_forage.worlds.batch.numbers import keys_of
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
+from khepera_forage.worlds.standing import cable_anchor, check_robot, check_seen
+
+Floats = NDArray[np.float64]
+Rows = tuple[Floats, Floats, NDArray[np.uint64], Floats, Floats]
+
+
+class TaskBatch:
+    """Recalls in many worlds. Each plays one episode after another, by random numbers of its own.
+
+    Args:
+        num_worlds: How many.
+        arena: As for the environments.
+        foods: Food objects in each, 1 to 16.
+        limit: Steps after which an episode ends.
+        noise: The laboratory's troubles.
+        food_types: One type, or odds by type.
+
+    Raises:
+        ValueError: An argument out of range.
+    """
+
+    def __init__(
+        self,
+        num_worlds: int,
+        arena: Arena | str = "corridor",
+        foods: int = 1,
+        limit: int = 500,
+        noise: Noise | None = None,
+        food_types: FoodOdds = None,
+    ) -> None:
+        self.num_worlds = whole_number("num_worlds", num_worlds, 1)
+        self.arena = the_arena(arena)
+        check_seen([self.arena])
+        self.foods = whole_number("foods", foods, 1)
+        if self.foods > body.MOST_FOODS:
+            raise ValueError(f"foods is {foods!r}; allowed: 1 to {body.MOST_FOODS} in a batch")
+        self.limit = whole_number("limit", limit, 1)
+        noise = Noise.laboratory() if noise is None else noise
+        self._blocks = -(-self.num_worlds // LANES)
+        self._rows = self._room(self._blocks)
+        self._setting = (
+            walls_of(self.arena),
+            edges_of(self.arena),
+            noise_of(noise, cable_anchor([self.arena]), 2),
+            site_array(self.arena),
+            site_walls(self.arena),
+        )
+        self._draws = arena_array(self.arena), np.array(food_odds(food_types))
+
+    @property
+    def bytes_per_world(self) -> float:
+        """Memory that a world takes."""
+        return sum(rows.nbytes for rows in self._rows) / self._blocks / LANES
+
+    @property
+    def diagonal(self) -> int:
+        """Of the arena, in pixels."""
+        return int(self._setting[3][4])
+
+    @property
+    def home(self) -> Floats:
+        """x, y and radius of the home, in pixels."""
+        return self._setting[3][:3].copy()
+
+    def seed(self, seed: int, worlds: NDArray[np.int64]) -> None:
+        """Give worlds their random numbers: world i of a seed, whatever the size of the batch.
+
+        Args:
+            seed: At least 0.
+            worlds: Numbers of those that are seeded.
+        """
+        self._key(worlds, keys_of(seed, worlds))
+
+    def seed_each(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
+        """Give each of some worlds a seed of its own, of which it is then world 0."""
+        zero = np.zeros(1, np.int64)
+        self._key(worlds, np.concatenate([keys_of(seed, zero) for seed in seeds]))
+
+    def restart(self, worlds: NDArray[np.int64], options: Mapping[str, Any] | None = None) -> None:
+        """Begin new episodes in some worlds, up to their first observation; the others stay as they are.
+
+        Args:
+            worlds: Their numbers.
+            options: `start` and `foods` as for the environments; what is left out is random.
+
+        Raises:
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
+        """
+        pose, places = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
+        if options:
+            layout = given_layout(self.arena, self.foods, options, np.random.default_rng(0))
+            if "start" in options:
+                check_robot(self.arena, layout.starts[0])
+                pose = np.array(layout.starts[0])
+            if "foods" in options:
+                places = np.array(layout.foods)
+        # New episodes begin in blocks of their own, which are then copied to where they belong.
+        blocks = -(-len(worlds) // LANES)
+        room = self._room(blocks)
+        new = np.arange(len(worlds))
+        there, here = (new // LANES, slice(None), new % LANES), (worlds // LANES, slice(None), worlds % LANES)
+        _by_row(room[2])[there] = _by_row(self._rows[2])[here]
+        lanes = blocks * LANES
+        self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
+        if np.isnan(_by_row(room[0])[:, body.X]).any():
+            raise ValueError(
+                f"{self.arena.name}: no room for a robot and {self.foods} food objects outside home; "
+                "make the arena larger"
+            )
+        for rows, fresh in zip(self._rows, room, strict=True):
+            _by_row(rows)[here] = _by_row(fresh)[there]
+
+    def step(self, actions: Floats, waiting: NDArray[np.bool_]) -> None:
+        """One round of 0.1 s in every world.
+
+        Args:
+            actions: One behaviour a world, shape (worlds,), or motors as `Motors` has them, shape (worlds, 4).
+            waiting: Worlds that begin a new episode instead.
+        """
+        lanes = self._blocks * LANES
+        padded = np.zeros((lanes, *actions.shape[1:]))
+        padded[: self.num_worlds] = actions
+        fresh = np.zeros(lanes, np.bool_)
+        fresh[: self.num_worlds] = waiting
+        self._play(self._rows, padded.reshape(lanes, -1), fresh, np.full(3, np.nan), np.full((self.foods, 2), np.nan))
+
+    def task(self, row: int) -> Floats:
+        """A row of `envs.batch.rows`, one number a world."""
+        return self._row(self._rows[3], row)
+
+    def body(self, row: int) -> Floats:
+        """A row of `worlds.batch.rows`, one number a world."""
+        return self._row(self._rows[0], row)
+
+    def _row(self, rows: Floats, row: int) -> Floats:
+        return rows[:, row * LANES : (row + 1) * LANES].reshape(-1)[: self.num_worlds]
+
+    def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
+        rows, lanes = self._rows[2].reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
+        rows[worlds // LANES, body.KEY, lanes] = keys
+        rows[worlds // LANES, body.ROUND, lanes] = 0
+
+    def _play(self, rows: Rows, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats) -> None:
+        play_all(*rows, self.foods, *self._setting, *self._draws, actions, fresh, pose, places, self.limit)
+
+    def _room(self, blocks: int) -> Rows:
+        """Rows of bodies, food, random numbers, task and register, for some blocks."""
+        rooms = (
+            np.zeros((blocks, body.ROBOT_ROWS * LANES)),
+            np.zeros((blocks, self.foods * body.FOOD_ROWS * LANES)),
+            np.zeros((blocks, body.KEY_ROWS * LANES), np.uint64),
+            np.zeros((blocks, at.TASK_ROWS * LANES)),
+            np.zeros((blocks, self.foods * at.TASK_FOOD_ROWS * LANES)),
+        )
+        begin_all(*rooms)
+        return rooms
+
+
+def _by_row(rows: NDArray[Any]) -> NDArray[Any]:
+    """Blocks of rows as (blocks, rows, lanes)."""
+    return rows.reshape(rows.shape[0], -1, LANES)

@@ -1,0 +1,206 @@
+"""Rounds and beginnings of episodes in blocks of worlds: the kernels of `TaskBatch` and of `episodes`."""
+
+import numba
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from khepera_forage.envs.batch import register
+from khepera_forage.envs.batch import rows as at
+from khepera_forage.envs.batch.placing import place_all
+from khepera_forage.worlds.batch.sources import SOURCES
+from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
+from khepera_forage.foraging.identification import drawn_type
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.worlds.batch import rows as body
+from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.numbers import upper, word
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.stepping import advance_block, stand
+from khepera_forage.worlds.batch.trigonometry import cosine_sine
+
+_PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
+
+
+@inline
+def begin_episode(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    keys: NDArray[np.uint64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    i: int,
+    foods: int,
+    walls: NDArray[np.float64],
+    arena: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    odds: NDArray[np.float64],
+) -> bool:
+    """Put robot and food of one world in random places; its first frame is taken in the coming round.
+
+    Returns:
+        Whether there was room.
+    """
+    key, round_ = keys[body.KEY * LANES + i], keys[body.ROUND * LANES + i]
+    x, y, heading = place_all(f, i, foods, word(key, _PLACES + round_), walls, arena)
+    stand(s, f, keys, i, x, y, heading, foods, noise)
+    for row in range(at.TASK_ROWS):
+        if row != at.EPISODE:
+            t[row * LANES + i] = 0.0
+    t[at.HELD * LANES + i] = -1.0
+    types = word(key, _TYPES + round_)
+    for food in range(foods):
+        mine, there = food * at.TASK_FOOD_ROWS * LANES + i, food * body.FOOD_ROWS * LANES + i
+        for row in range(at.TASK_FOOD_ROWS):
+            q[mine + row * LANES] = 0.0
+        q[mine + at.PLACE_X * LANES] = f[there + body.FOOD_X * LANES] / MM_PER_PIXEL
+        q[mine + at.PLACE_Y * LANES] = f[there + body.FOOD_Y * LANES] / MM_PER_PIXEL
+        q[mine + at.TYPE * LANES] = drawn_type(upper(word(types, np.uint64(food))), odds[0], odds[1]).value
+    return bool(x == x)
+
+
+@kernel
+def decide(t: NDArray[np.float64], s: NDArray[np.float64]) -> None:
+    """Count the step, and whether the teacher would do the same."""
+    for i in range(LANES):
+        counts = 1.0 - s[body.NEW * LANES + i]
+        right = t[at.BEHAVIOUR * LANES + i] == t[at.STATE * LANES + i]
+        t[at.STEPS * LANES + i] += counts
+        t[at.CORRECT * LANES + i] += counts if right else 0.0
+
+
+@sequence
+def carry_out(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    keys: NDArray[np.uint64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
+    walls: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    place: NDArray[np.float64],
+    pixel_walls: NDArray[np.float64],
+    limit: int,
+) -> None:
+    """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth."""
+    remember(s, t)
+    for i in range(LANES):
+        t[at.REWARD * LANES + i] = t[at.POISON_HOME * LANES + i] - t[at.DELIVERED * LANES + i]
+        t[at.FRESH * LANES + i] = s[body.NEW * LANES + i]
+    advance_block(s, f, keys, foods, walls, corners, noise)
+    register.update(s, f, t, q, foods, place)
+    perceive(s, t, place, pixel_walls)
+    for i in range(LANES):
+        fresh = t[at.FRESH * LANES + i] != 0.0
+        delivered = t[at.DELIVERED * LANES + i]
+        change = t[at.REWARD * LANES + i] + delivered - t[at.POISON_HOME * LANES + i]
+        finished = not fresh and delivered == t[at.DELIVERABLE * LANES + i]
+        late = not fresh and t[at.STEPS * LANES + i] >= limit
+        t[at.REWARD * LANES + i] = 0.0 if fresh else change - 1.0 / limit
+        t[at.TERMINATED * LANES + i] = 1.0 if finished else 0.0
+        t[at.TRUNCATED * LANES + i] = 1.0 if late and not finished else 0.0
+
+
+@inline
+def _put(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    q: NDArray[np.float64],
+    i: int,
+    foods: int,
+    pose: NDArray[np.float64],
+    places: NDArray[np.float64],
+) -> None:
+    """Stand robot and food where they were asked to; what is not a number stays where it was drawn."""
+    if pose[0] == pose[0]:
+        s[body.X * LANES + i], s[body.Y * LANES + i], s[body.HEADING * LANES + i] = pose[0], pose[1], pose[2]
+        s[body.COS * LANES + i], s[body.SIN * LANES + i] = cosine_sine(pose[2])
+    for food in range(foods):
+        if places[food, 0] == places[food, 0]:
+            there, mine = food * body.FOOD_ROWS * LANES + i, food * at.TASK_FOOD_ROWS * LANES + i
+            f[there + body.FOOD_X * LANES], f[there + body.FOOD_Y * LANES] = places[food, 0], places[food, 1]
+            q[mine + at.PLACE_X * LANES] = places[food, 0] / MM_PER_PIXEL
+            q[mine + at.PLACE_Y * LANES] = places[food, 1] / MM_PER_PIXEL
+
+
+@kernel
+def _play(
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    keys: NDArray[np.uint64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
+    walls: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    place: NDArray[np.float64],
+    pixel_walls: NDArray[np.float64],
+    arena: NDArray[np.float64],
+    odds: NDArray[np.float64],
+    actions: NDArray[np.float64],
+    waiting: NDArray[np.bool_],
+    pose: NDArray[np.float64],
+    places: NDArray[np.float64],
+    limit: int,
+) -> None:
+    """One round in a block by given actions; lanes that wait begin an episode instead."""
+    for i in range(LANES):
+        if waiting[i]:
+            begin_episode(s, f, keys, t, q, i, foods, walls, arena, noise, odds)
+            _put(s, f, q, i, foods, pose, places)
+    if actions.shape[1] == 1:
+        for i in range(LANES):
+            t[at.BEHAVIOUR * LANES + i] = actions[i, 0]
+        decide(t, s)
+        drive(s, t, place)
+    else:
+        command_motors(s, t, place, actions)
+        decide(t, s)
+    carry_out(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls, limit)
+
+
+def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+    """The kernel that Python calls; see `sources` for why it is made here."""
+
+    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
+    def play_all(  # type: ignore[no-untyped-def]
+        robots, food, keys, tasks, registers, foods,
+        walls, corners, noise, place, pixel_walls, arena, odds, actions, waiting,
+        pose, places, limit,
+    ):
+        blocks = robots.shape[0] if sources else 0
+        for block in prange(blocks):
+            lanes = slice(block * LANES, (block + 1) * LANES)
+            _play(
+                robots[block], food[block], keys[block], tasks[block], registers[block], foods,
+                walls, corners, noise, place, pixel_walls, arena, odds,
+                actions[lanes], waiting[lanes], pose, places, limit,
+            )
+
+    return play_all
+
+
+play_all = _compile(SOURCES)
+
+
+def begin_all(
+    robots: NDArray[np.float64],
+    food: NDArray[np.float64],
+    keys: NDArray[np.uint64],
+    tasks: NDArray[np.float64],
+    registers: NDArray[np.float64],
+) -> None:
+    """Rows in which lanes that no world uses can be advanced without harm: at rest, far from anything."""
+    del keys, registers
+    view = robots.reshape(-1, body.ROBOT_ROWS, LANES)
+    view[:, body.X] = view[:, body.Y] = -1e6
+    view[:, body.COS] = 1.0
+    view[:, body.ARM] = view[:, body.ARM_TO] = ARM_RAISED
+    view[:, body.JAW] = view[:, body.JAW_TO] = JAW_OPEN
+    view[:, body.HELD] = -1.0
+    food.reshape(robots.shape[0], -1, body.FOOD_ROWS, LANES)[:, :, [body.TRACK, body.NOTE, body.GHOST]] = -1.0
+    tasks.reshape(-1, at.TASK_ROWS, LANES)[:, at.HELD] = -1.0

@@ -1,0 +1,259 @@
+"""`Corridor-v0` and its kin, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
+
+from abc import abstractmethod
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from khepera_forage.envs.batch import rows as at
+from khepera_forage.envs.batch.batch import TaskBatch
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.checks import FoodOdds
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.foraging.scoring import PENALTY_NONE_DELIVERED, PENALTY_SOME_LEFT
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED
+from khepera_forage.worlds.arena import Arena
+from khepera_forage.worlds.batch import rows as body
+
+Observation = dict[str, NDArray[Any]]
+Infos = dict[str, Any]
+
+
+class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
+    """Recalls in many worlds at once; spaces, rewards, ends and infos are those of the environment it stands for.
+
+    World i of a seed is the same whatever the number of worlds. Every array that is returned is fresh.
+
+    Args:
+        num_envs: How many.
+        arena: As for the single environment; so are the next four.
+        foods: Food objects in each world, 1 to 16.
+        limit: Steps after which an episode is truncated.
+        noise: The laboratory's troubles.
+        food_types: One type, or odds by type.
+        autoreset_mode: An `AutoresetMode`, or its value: what happens where an episode has ended. By default the next
+            step begins a new one.
+        render_mode: Must be None.
+
+    Raises:
+        ValueError: An argument out of range.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        arena: Arena | str = "corridor",
+        foods: int = 1,
+        limit: int = 500,
+        noise: Noise | None = None,
+        food_types: FoodOdds = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: None = None,
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(
+                f"render_mode is {render_mode!r}; allowed for a batch: None (one world at a time can be rendered)"
+            )
+        self.batch = TaskBatch(num_envs, arena, foods, limit, noise, food_types)
+        self.num_envs = self.batch.num_worlds
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
+        self.render_mode = None
+        single = self._single(arena, foods, limit)
+        self.single_observation_space, self.single_action_space = single.observation_space, single.action_space
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._over = np.ones(self.num_envs, np.bool_)
+        self._seeded = False
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Begin new episodes in all worlds, or in those of `options["reset_mask"]`.
+
+        Args:
+            seed: Of all worlds, each of which draws numbers of its own; or one seed a world. Without, worlds go on
+                with their numbers; at the first reset they get some at random.
+            options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
+
+        Raises:
+            ValueError: A seed or an option out of range.
+            ResetNeeded: A mask before the first reset.
+        """
+        options = dict(options or {})
+        worlds = np.flatnonzero(self._mask(options.pop("reset_mask", None)))
+        if isinstance(seed, list):
+            if len(seed) != self.num_envs:
+                raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
+            given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
+            if not self._seeded:
+                self.batch.seed(int(self.np_random.integers(2**62)), worlds)
+            if given:
+                self.batch.seed_each([s for _, s in given], np.array([world for world, _ in given]))
+        elif seed is not None:
+            super().reset(seed=seed)
+            self.batch.seed(seed, worlds)
+        elif not self._seeded:
+            self.batch.seed(int(self.np_random.integers(2**62)), worlds)
+        self._seeded = True
+        self.batch.restart(worlds, options)
+        self._over[worlds] = False
+        return self._observation(), self._infos(self._mask(None) if len(worlds) == self.num_envs else _marked(worlds, self))
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]:
+        """One round of 0.1 s in every world.
+
+        Raises:
+            ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.
+            ValueError: Actions that are not in the action space.
+        """
+        if not self._seeded:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
+            raise ResetNeeded(
+                f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
+                "reset(options={'reset_mask': terminations | truncations})"
+            )
+        self.batch.step(self._commands(actions), self._over)
+        rewards = self.batch.task(at.REWARD).copy()
+        terminated, truncated = self.batch.task(at.TERMINATED) != 0, self.batch.task(at.TRUNCATED) != 0
+        self._over = terminated | truncated
+        if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
+            return self._observation(), rewards, terminated, truncated, self._infos(np.ones(self.num_envs, np.bool_))
+        worlds = np.flatnonzero(self._over)
+        final_obs, final_infos = self._observation(), self._infos(self._over)
+        self.batch.restart(worlds)
+        self._over = np.zeros(self.num_envs, np.bool_)
+        infos = self._infos(np.ones(self.num_envs, np.bool_))
+        single = np.full(self.num_envs, None, dtype=object)
+        for world in worlds.tolist():
+            single[world] = {name: values[world] for name, values in final_obs.items()}
+        infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
+        infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
+        return self._observation(), rewards, terminated, truncated, infos
+
+    @abstractmethod
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        """The environment that this stands for."""
+
+    @abstractmethod
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        """Actions as `TaskBatch.step` takes them."""
+
+    @abstractmethod
+    def _observation(self) -> Observation:
+        """What the policy gets to know."""
+
+    def _mask(self, mask: Any) -> NDArray[np.bool_]:
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not self._seeded:
+            raise ResetNeeded("a reset_mask before the first reset(); the first must be of all worlds")
+        if not (isinstance(mask, np.ndarray) and mask.shape == (self.num_envs,) and mask.dtype == np.bool_ and mask.any()):
+            raise ValueError(
+                f"reset_mask is {mask!r}; allowed: an array of {self.num_envs} bools, at least one of them True"
+            )
+        return mask
+
+    def _infos(self, mask: NDArray[np.bool_]) -> Infos:
+        """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
+        task = self.batch.task
+        steps, correct = task(at.STEPS), task(at.CORRECT)
+        delivered, deliverable = task(at.DELIVERED), task(at.DELIVERABLE)
+        # `foraging.scoring` for many at a time.
+        some = np.where(delivered > 0, PENALTY_SOME_LEFT, PENALTY_NONE_DELIVERED)
+        penalty = np.where(delivered >= deliverable, 0.0, some)
+        score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1.0) - penalty, 0.0)
+        state = task(at.STATE).astype(np.int64)
+        pose = np.stack([self.batch.body(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1)
+        infos: Infos = {
+            "state": state,
+            "correct_behaviour": state.copy(),
+            "pose": pose,
+            "score": score,
+            "penalty": penalty,
+            "correct": correct.astype(np.int64),
+            "steps": steps.astype(np.int64),
+            "delivered": delivered.astype(np.int64),
+            "poison_home": task(at.POISON_HOME).astype(np.int64),
+        }
+        if not mask.all():
+            for values in infos.values():
+                values[~mask] = 0
+        return infos | {f"_{name}": mask.copy() for name in infos}
+
+
+class BehavioursVectorEnv(RecallVectorEnv):
+    """`BehavioursEnv` in many worlds: one behaviour a world in, state vectors out."""
+
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        return BehavioursEnv(arena=arena, foods=foods, limit=limit)
+
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given = np.asarray(actions)
+        if given.shape != (self.num_envs,) or given.dtype.kind not in "iu" or given.min() < 0 or given.max() > 9:
+            raise ValueError(
+                f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to 9, one behaviour each"
+            )
+        return given.astype(np.float64)
+
+    def _observation(self) -> Observation:
+        task, diagonal = self.batch.task, int(self.batch.diagonal)
+        return {
+            "object_presence": task(at.PRESENCE).astype(np.int64),
+            "robot_home_distance": np.minimum(task(at.HOME_DISTANCE), diagonal).astype(np.int64)[:, None],
+            "food_type": task(at.VECTOR_TYPE).astype(np.int64),
+            "arms_height": task(at.VECTOR_ARM).astype(np.int64)[:, None],
+            "robot_food_distance": np.minimum(task(at.FOOD_DISTANCE), diagonal).astype(np.int64)[:, None],
+        }
+
+
+class WheelsVectorEnv(RecallVectorEnv):
+    """`WheelsEnv` in many worlds: four motor values a world in, raw data out."""
+
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        return WheelsEnv(arena=arena, foods=foods, limit=limit)
+
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given = np.asarray(actions, np.float64)
+        if given.shape != (self.num_envs, 4) or not np.all(np.abs(given) <= 1.0):
+            raise ValueError(
+                f"actions are {actions!r}; allowed: numbers in -1..1, {self.num_envs} rows of left, right, arm, jaw"
+            )
+        motors = np.empty((self.num_envs, 4))
+        motors[:, :2] = given[:, :2] * MAX_SPEED
+        motors[:, 2] = np.rint((ARM_DOWN + ARM_RAISED) / 2 - given[:, 2] * (ARM_DOWN - ARM_RAISED) / 2)
+        motors[:, 3] = np.where(given[:, 3] > 0, JAW_CLOSED, JAW_OPEN)
+        return motors
+
+    def _observation(self) -> Observation:
+        task, robot = self.batch.task, self.batch.body
+        seen = task(at.FOOD_SEEN)
+        home = np.tile(self.batch.home, (self.num_envs, 1))
+        return {
+            "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1).astype(np.int64),
+            "arm": robot(body.ARM_READ).astype(np.int64)[:, None],
+            "jaw": robot(body.JAW_READ).astype(np.int64)[:, None],
+            "object_presence": (robot(body.PRESENT) != 0).astype(np.int64),
+            "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
+            "tracked": robot(body.OWN_FOUND).astype(np.int64),
+            "food_seen": seen.astype(np.int64),
+            "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
+            "food_type": task(at.FOOD_TYPE).astype(np.int64),
+            "home": home,
+            "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
+        }
+
+
+def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_]:
+    mask = np.zeros(env.num_envs, np.bool_)
+    mask[worlds] = True
+    return mask

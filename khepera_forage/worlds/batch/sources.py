@@ -1,0 +1,36 @@
+"""A number that changes with the source of whatever is compiled.
+
+Numba keeps compiled kernels on disk and compares only the file that a kernel is written in. These are made of functions
+from many files: the number is built into each kernel, so that none that is out of date is ever used.
+"""
+
+import zlib
+from pathlib import Path
+
+_PACKAGE = Path(__file__).parents[2]
+_COMPILED = (
+    "foraging/*.py",
+    "worlds/batch/*.py",
+    "envs/batch/*.py",
+    "robots/khepera.py",
+    "robots/proximity.py",
+    "vision/scene.py",
+    "vision/shapes.py",
+    "vision/retracking.py",
+    "worlds/pymunk_khepera.py",
+    "worlds/wall_watch.py",
+    "envs/placement.py",
+    "envs/register.py",
+)
+
+
+def _sum() -> int:
+    total = 1
+    for pattern in _COMPILED:
+        for path in sorted(_PACKAGE.glob(pattern)):
+            total = zlib.adler32(path.read_bytes(), total)
+    return total
+
+
+SOURCES = _sum()
+"""Above 0."""

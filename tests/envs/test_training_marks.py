@@ -1,0 +1,95 @@
+"""Training in other set-ups than that of figure 5.1, and with poison: what is shown and when it is over."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.experiments.training import attempt, train
+from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType, StateVector
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Observation, Teacher
+from khepera_forage.worlds.arena import CORRIDOR
+
+
+def test_every_robot_and_its_food_stand_on_the_marks_asked_for() -> None:
+    env = TrainingEnv(num_learners=2, noise=Noise.none())
+    env.reset(seed=1, options={"start": (110, 90, 45), "foods": [(300, 140)]})
+    for arena, pose, food in zip(env.arenas, env.world.poses(), env.world.food_places(), strict=True):
+        dx, dy = arena.home.x - CORRIDOR.home.x, arena.home.y - CORRIDOR.home.y
+        assert pose == pytest.approx((110 + dx, 90 + dy, np.pi / 4))
+        assert food[:2] == pytest.approx((300 + dx, 140 + dy))
+
+
+def test_what_is_left_out_stays_on_its_mark() -> None:
+    env = TrainingEnv(noise=Noise.none())
+    env.reset(seed=1, options={"foods": [(300, 115)]})
+    assert env.world.poses()[0] == pytest.approx(CORRIDOR.start)
+    env.reset(seed=1, options={"start": (110, 90, 45)})
+    assert env.world.food_places()[0][:2] == pytest.approx(CORRIDOR.foods[0])
+    env.reset(seed=1)
+    assert env.world.poses()[0] == pytest.approx(CORRIDOR.start), "options hold for one episode only"
+
+
+def test_robots_are_put_on_other_marks_no_more_exactly() -> None:
+    env = TrainingEnv()
+    env.reset(seed=1, options={"start": (110, 90, 45)})
+    first, second = (np.array(pose[:2]) for pose in env.world.poses())
+    assert 0 < np.linalg.norm(first - (110, 90)) < 5 * Noise.laboratory().placement_error
+    assert np.abs(second - first - (0, 300)).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"begin": 1}, "'begin' is unknown; allowed: 'start', 'foods'"),
+        ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
+        ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
+        ({"foods": [(5, 5)]}, "food at .5, 5. mm"),
+        ({"foods": [(300, 100), (400, 100)]}, "2 foods given; allowed: 1"),
+    ],
+)
+def test_options_are_checked(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        TrainingEnv().reset(seed=0, options=options)
+
+
+def test_train_takes_other_marks_and_another_teacher() -> None:
+    asked = []
+
+    class Other:
+        """The teacher, but for what it is remembered by."""
+
+        def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
+            assert rng is not None
+            asked.append(observation)
+            return Teacher().act(observation)
+
+    env = TrainingEnv()
+    options = {"foods": [(300, 115)]}
+    experience, rows = train(env, np.random.SeedSequence(1), teacher=Other(), options=options)
+    again, _ = train(env, np.random.SeedSequence(1), options=options)
+    assert len(asked) == sum(row.rounds for row in rows)
+    assert experience == again
+    usual, _ = train(env, np.random.SeedSequence(1))
+    nearest, usually = (min(v.robot_food_distance for v in e.vectors[:3]) for e in (experience, usual))
+    assert nearest < usually - 10, "the food lies 14 pixels nearer to the start"
+
+
+def test_poison_is_shown_to_be_avoided_before_an_episode_is_complete() -> None:
+    env = TrainingEnv(food_types="POISONOUS")
+    for seed in range(4):
+        heard: list[Behaviour] = []
+
+        def record(vector: StateVector, behaviour: Behaviour, heard: list[Behaviour] = heard) -> None:
+            heard.append(behaviour)
+
+        result = attempt(env, seed, record)
+        assert result.complete
+        assert Behaviour.AVOID_FOOD in heard
+        assert env.terminations[TEACHER]
+        for forager in env.foragers:
+            assert forager.register.known == [FoodType.POISONOUS]
+            assert not forager.vector.object_presence
+            assert forager.vector.arms_height <= CARRY_HEIGHT
