@@ -14,7 +14,7 @@ import numpy as np
 from _virtual_lab.watched import Notes, Vector, WatchedTraining, moving
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.experiments.training import HopelessTraining, train
-from khepera_forage.robots.line_faults import FAULTS, Faults
+from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
 RATES = (0.001, 0.01, 0.05)

@@ -14,8 +14,8 @@ from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.robots.line_faults import FaultCounts, Faults
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.line_faults import FaultCounts, Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
 Vector = tuple[StateVector, Behaviour]

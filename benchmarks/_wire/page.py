@@ -10,7 +10,7 @@ from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial_port import BAUDS, BITS_PER_BYTE
+from khepera_forage.robots.line.serial_port import BAUDS, BITS_PER_BYTE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

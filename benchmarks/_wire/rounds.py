@@ -11,10 +11,10 @@ import numpy as np
 from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.robots.line_events import Traffic
+from khepera_forage.robots.line.line_events import Traffic
+from khepera_forage.robots.line.serial_port import BAUDS, seconds_on_wire
 from khepera_forage.robots.serial_khepera import SerialKhepera
-from khepera_forage.robots.serial_port import BAUDS, seconds_on_wire
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 from khepera_forage.worlds.arena import CORRIDOR, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout

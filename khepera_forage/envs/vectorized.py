@@ -33,7 +33,9 @@ def _compiled() -> bool:
     return find_spec("numba") is not None
 
 
-def _side_by_side(env: Any, num_envs: int, autoreset_mode: Any = "NextStep", **kwargs: Any) -> VectorEnv[Any, Any, Any]:
+def _side_by_side(
+    env: Any, num_envs: int, autoreset_mode: Any = "NextStep", **kwargs: Any
+) -> VectorEnv[Any, Any, Any]:
     gym.logger.warn(
         "numba is not installed: worlds are simulated one after the other, hundreds of times as slow; "
         "pip install 'khepera-forage[fast]' compiles them"

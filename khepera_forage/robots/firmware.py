@@ -22,8 +22,8 @@ from khepera_forage.robots.codec import (
 )
 from khepera_forage.robots.codec_table import PWM, RESTART, SPEED
 from khepera_forage.robots.khepera import JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN, Motors, Robot
-from khepera_forage.robots.position_control import PULSES_A_PERIOD, WheelPosition
-from khepera_forage.robots.registers import Registers
+from khepera_forage.robots.virtual.position_control import PULSES_A_PERIOD, WheelPosition
+from khepera_forage.robots.virtual.registers import Registers
 
 VERSIONS = ("5.02", "5.01")
 """Of the BIOS and of the protocol (K-Team)."""

@@ -6,11 +6,11 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
-from khepera_forage.robots import stopping
 from khepera_forage.robots.khepera import CONTROL_PERIOD, RobotLost
-from khepera_forage.robots.port_thread import Task
+from khepera_forage.robots.line import stopping
+from khepera_forage.robots.line.port_thread import Task
+from khepera_forage.robots.line.serial_port import seconds_on_wire
 from khepera_forage.robots.serial_khepera import SerialKhepera
-from khepera_forage.robots.serial_port import seconds_on_wire
 
 _LONGEST_ROUND = 170
 """Bytes of a round in which arm and jaw move and all numbers have all their digits."""

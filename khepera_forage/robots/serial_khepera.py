@@ -5,12 +5,12 @@ from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from khepera_forage.robots import stopping
-from khepera_forage.robots.dialogue import Dialogue
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost, Senses, applicable
-from khepera_forage.robots.line_events import Interrupted, LineCounts, Restarted, Traffic
-from khepera_forage.robots.port_thread import PortThread, Task
-from khepera_forage.robots.serial_link import SerialLink
+from khepera_forage.robots.line import stopping
+from khepera_forage.robots.line.dialogue import Dialogue
+from khepera_forage.robots.line.line_events import Interrupted, LineCounts, Restarted, Traffic
+from khepera_forage.robots.line.port_thread import PortThread, Task
+from khepera_forage.robots.line.serial_link import SerialLink
 
 T = TypeVar("T")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
-from khepera_forage.robots.serial_port import BAUDS
+from khepera_forage.robots.line.serial_port import BAUDS
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.worlds.arena import ARENAS, Arena, Point, Pose
 from khepera_forage.worlds.lab_settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance

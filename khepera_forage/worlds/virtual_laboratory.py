@@ -12,8 +12,8 @@ import numpy as np
 from khepera_forage.noise import Noise
 from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.line_faults import Faults
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.frames import CameraLook, FrameRenderer, RenderedSource
 from khepera_forage.vision.scene import MM_PER_PIXEL

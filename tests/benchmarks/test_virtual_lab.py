@@ -11,7 +11,7 @@ from khepera_forage.experiments.rows import RecallRow, TrainingRow
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.line_faults import FAULTS, Faults
+from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 from khepera_forage.worlds.world import Layout
 

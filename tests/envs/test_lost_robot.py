@@ -16,7 +16,7 @@ from khepera_forage.experience import Experience, ExperienceError, ExperienceWar
 from khepera_forage.experiments import recalling, training
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
-from khepera_forage.robots.line_faults import Faults
+from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.worlds.arena import RECTANGLE
 from khepera_forage.worlds.operator import OperatorGaveUp, Request
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory

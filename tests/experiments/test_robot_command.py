@@ -15,9 +15,9 @@ from khepera_forage.experiments.commands.robot_sensors import picture
 from khepera_forage.noise import Noise
 from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.khepera import Senses
-from khepera_forage.robots.line_faults import Faults
 from khepera_forage.robots.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 from khepera_forage.worlds.arena import CORRIDOR
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout

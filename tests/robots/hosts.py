@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import serial
 
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 
 WAIT = 5.0
 """Seconds after which something that should have come will not."""

@@ -9,8 +9,8 @@ import pytest
 
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.line_faults import Faults
 from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.line_faults import Faults
 
 from .peer import Numbered, Peer, Said
 from .rig import FORWARD, Rig, rig

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.position_control import TOLERANCE, WheelPosition
+from khepera_forage.robots.virtual.position_control import TOLERANCE, WheelPosition
 
 
 def driven(wheel: WheelPosition, count: int, limit: int = 20, rounds: int = 3000) -> tuple[list[int], int]:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import Motors, RobotLost, Senses
-from khepera_forage.robots.line_events import Traffic
-from khepera_forage.robots.line_faults import Faults
+from khepera_forage.robots.line.line_events import Traffic
 from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.line_faults import Faults
 
 from .peer import Numbered, Peer
 from .rfc2217_server import served

@@ -10,9 +10,9 @@ import pytest
 
 from khepera_forage.robots.codec import BANNER, Reply, Request
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.line_events import Interrupted, Refused, Restarted, Traffic
-from khepera_forage.robots.serial_link import SerialLink
-from khepera_forage.robots.serial_port import seconds_on_wire
+from khepera_forage.robots.line.line_events import Interrupted, Refused, Restarted, Traffic
+from khepera_forage.robots.line.serial_link import SerialLink
+from khepera_forage.robots.line.serial_port import seconds_on_wire
 
 from .peer import Numbered, Peer, Said
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.robots import stopping
-from khepera_forage.robots.port_thread import Task
+from khepera_forage.robots.line import stopping
+from khepera_forage.robots.line.port_thread import Task
 from khepera_forage.robots.serial_khepera import SerialKhepera
 
 from .rig import FORWARD, Rig, rig

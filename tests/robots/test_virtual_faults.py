@@ -7,8 +7,8 @@ import pytest
 import serial
 
 from khepera_forage.robots.codec import BANNER, BannerLine, decode_reply
-from khepera_forage.robots.line_faults import FaultCounts, Faults
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.line_faults import FaultCounts, Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 
 from .hosts import SILENCE, WAIT, ask_for_ever, opened
 from .stage import Stage

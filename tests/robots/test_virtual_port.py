@@ -13,8 +13,8 @@ import serial
 
 from khepera_forage.robots.codec import BANNER, Reply, decode_reply
 from khepera_forage.robots.firmware import Firmware
-from khepera_forage.robots.line_faults import FaultCounts
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.line_faults import FaultCounts
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 
 from .hosts import WAIT, ask_for_ever, opened
 from .stage import Stage, staged

@@ -11,7 +11,7 @@ import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.line_faults import Faults
+from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.vision.frames import CameraLook
 from khepera_forage.vision.video import CameraLost
 from khepera_forage.worlds.arena import CORRIDOR, Point, Pose, copies

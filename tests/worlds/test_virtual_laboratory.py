@@ -23,7 +23,7 @@ from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.line_faults import Faults
+from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.vision.frames import CameraLook
 from khepera_forage.worlds.arena import CORRIDOR
 from khepera_forage.worlds.lab_file import parse

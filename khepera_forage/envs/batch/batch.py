@@ -141,7 +141,9 @@ class TaskBatch:
         padded[: self.num_worlds] = actions
         fresh = np.zeros(lanes, np.bool_)
         fresh[: self.num_worlds] = waiting
-        self._play(self._rows, padded.reshape(lanes, -1), fresh, np.full(3, np.nan), np.full((self.foods, 2), np.nan))
+        self._play(
+            self._rows, padded.reshape(lanes, -1), fresh, np.full(3, np.nan), np.full((self.foods, 2), np.nan)
+        )
 
     def task(self, row: int) -> Floats:
         """A row of `envs.batch.rows`, one number a world."""
@@ -159,7 +161,9 @@ class TaskBatch:
         rows[worlds // LANES, body.KEY, lanes] = keys
         rows[worlds // LANES, body.ROUND, lanes] = 0
 
-    def _play(self, rows: Rows, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats) -> None:
+    def _play(
+        self, rows: Rows, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
+    ) -> None:
         play_all(*rows, self.foods, *self._setting, *self._draws, actions, fresh, pose, places, self.limit)
 
     def _room(self, blocks: int) -> Rows:

@@ -14,7 +14,15 @@ from khepera_forage.foraging import (
     states,
     steering,
 )
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors, applicable
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    JAW_CLOSED,
+    JAW_OPEN,
+    MAX_SPEED,
+    Motors,
+    applicable,
+)
 from khepera_forage.worlds.batch.compiling import inline, stand_in
 from khepera_forage.worlds.batch.trigonometry import cosine_sine, direction
 

@@ -115,20 +115,49 @@ def _play(
             coming += stride
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
     def forage(  # type: ignore[no-untyped-def]
-        robots, food, keys, tasks, registers, foods,
-        walls, corners, noise, place, pixel_walls, arena, odds, limit, episode_keys, results,
+        robots,
+        food,
+        keys,
+        tasks,
+        registers,
+        foods,
+        walls,
+        corners,
+        noise,
+        place,
+        pixel_walls,
+        arena,
+        odds,
+        limit,
+        episode_keys,
+        results,
     ):
         blocks = robots.shape[0] if sources else 0
         for block in prange(blocks):
             _play(
-                robots[block], food[block], keys[block], tasks[block], registers[block], foods,
-                walls, corners, noise, place, pixel_walls, arena, odds, limit,
-                episode_keys, np.int64(block), blocks, results,
+                robots[block],
+                food[block],
+                keys[block],
+                tasks[block],
+                registers[block],
+                foods,
+                walls,
+                corners,
+                noise,
+                place,
+                pixel_walls,
+                arena,
+                odds,
+                limit,
+                episode_keys,
+                np.int64(block),  # type: ignore[arg-type]
+                blocks,
+                results,
             )
 
     return forage
@@ -192,5 +221,8 @@ def run_teacher(
         results,
     )
     steps, correct, delivered, poison_home, deliverable = results.T
-    scores = [score(*row) for row in zip(*(c.tolist() for c in (correct, steps, delivered, deliverable)), strict=True)]
+    scores = [
+        score(*row)
+        for row in zip(*(c.tolist() for c in (correct, steps, delivered, deliverable)), strict=True)
+    ]
     return Episodes(np.array(scores), steps, correct, delivered, poison_home, deliverable)

@@ -55,7 +55,7 @@ def _stands_free(x: float, y: float, heading: float, walls: NDArray[np.float64])
 @inline
 def _outside_home(x: float, y: float, radius: float, arena: NDArray[np.float64]) -> bool:
     dx, dy = x - arena[HOME_X], y - arena[HOME_Y]
-    return math.sqrt(dx * dx + dy * dy) > arena[HOME_RADIUS] + radius
+    return bool(math.sqrt(dx * dx + dy * dy) > arena[HOME_RADIUS] + radius)
 
 
 @kernel

@@ -10,7 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.batch import compiled_task, rows as at  # noqa: F401 (the first is needed before any kernel)
+from khepera_forage.envs.batch import compiled_task  # noqa: F401 (the first is needed before any kernel)
+from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.register import _GRIPPER
 from khepera_forage.foraging.identification import at_home, explored
 from khepera_forage.foraging.perception import _OUTSIDE
@@ -119,8 +120,12 @@ def _grip(s: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64]
             held = t[at.HELD * LANES + i] == food
             known = q[mine + at.KNOWN * LANES + i]
             told = held and known == _UNKNOWN and t[_EXPLORED * LANES + i] != 0.0
-            q[mine + at.PLACE_X * LANES + i] = t[_GRIP_X * LANES + i] if held else q[mine + at.PLACE_X * LANES + i]
-            q[mine + at.PLACE_Y * LANES + i] = t[_GRIP_Y * LANES + i] if held else q[mine + at.PLACE_Y * LANES + i]
+            q[mine + at.PLACE_X * LANES + i] = (
+                t[_GRIP_X * LANES + i] if held else q[mine + at.PLACE_X * LANES + i]
+            )
+            q[mine + at.PLACE_Y * LANES + i] = (
+                t[_GRIP_Y * LANES + i] if held else q[mine + at.PLACE_Y * LANES + i]
+            )
             q[mine + at.CARRIED * LANES + i] = 1.0 if held else q[mine + at.CARRIED * LANES + i]
             q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if told else known
 
@@ -197,12 +202,13 @@ def _slot(foods: int, slot: int) -> tuple[int, int, int, int]:
 
 @inline
 def _within(x: float, y: float, place: NDArray[np.float64]) -> bool:
-    return (
-        place[5] - _OUTSIDE <= x
-        and x <= place[7] + _OUTSIDE
-        and place[6] - _OUTSIDE <= y
-        and y <= place[8] + _OUTSIDE
+    left, below, right, above = (
+        place[5] - _OUTSIDE,
+        place[6] - _OUTSIDE,
+        place[7] + _OUTSIDE,
+        place[8] + _OUTSIDE,
     )
+    return bool(left <= x and x <= right and below <= y and y <= above)
 
 
 @inline

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from khepera_forage.envs.batch import register
 from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.placing import place_all
-from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
 from khepera_forage.foraging.identification import drawn_type
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
@@ -17,6 +16,7 @@ from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.numbers import upper, word
 from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.stepping import advance_block, stand
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
@@ -163,22 +163,52 @@ def _play(
     carry_out(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls, limit)
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
     def play_all(  # type: ignore[no-untyped-def]
-        robots, food, keys, tasks, registers, foods,
-        walls, corners, noise, place, pixel_walls, arena, odds, actions, waiting,
-        pose, places, limit,
+        robots,
+        food,
+        keys,
+        tasks,
+        registers,
+        foods,
+        walls,
+        corners,
+        noise,
+        place,
+        pixel_walls,
+        arena,
+        odds,
+        actions,
+        waiting,
+        pose,
+        places,
+        limit,
     ):
         blocks = robots.shape[0] if sources else 0
         for block in prange(blocks):
             lanes = slice(block * LANES, (block + 1) * LANES)
             _play(
-                robots[block], food[block], keys[block], tasks[block], registers[block], foods,
-                walls, corners, noise, place, pixel_walls, arena, odds,
-                actions[lanes], waiting[lanes], pose, places, limit,
+                robots[block],
+                food[block],
+                keys[block],
+                tasks[block],
+                registers[block],
+                foods,
+                walls,
+                corners,
+                noise,
+                place,
+                pixel_walls,
+                arena,
+                odds,
+                actions[lanes],
+                waiting[lanes],
+                pose,
+                places,
+                limit,
             )
 
     return play_all

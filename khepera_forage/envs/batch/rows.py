@@ -1,4 +1,4 @@
-"""How the task of a block of worlds lies in memory, beside the bodies' rows of `worlds.batch.rows` and in the same form."""
+"""How the task of a block of worlds lies in memory: rows as in `worlds.batch.rows`, beside the bodies'."""
 
 # What the robot sensed when the round began.
 BEFORE_PRESENT, BEFORE_ARM, BEFORE_JAW = range(3)
@@ -23,8 +23,8 @@ SCRATCH = 27
 """The first of six, free for use within a pass."""
 TASK_ROWS = 33
 
-# A food object, as the register knows it: where it is (pixels), its type as drawn, its type as far as it is known, whether
-# it has been brought home, and whether it was in the gripper since it was last seen.
+# A food object, as the register knows it: where it is (pixels), its type as drawn, its type as far as it is known,
+# whether it has been brought home, and whether it was in the gripper since it was last seen.
 PLACE_X, PLACE_Y, TYPE, KNOWN, HOME, CARRIED = range(6)
 SETTLED = 6
 """Whether the track that shows this food is no candidate for nearest food."""

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.batch import compiled_task, rows as at  # noqa: F401 (the first is needed before any kernel)
+from khepera_forage.envs.batch import compiled_task  # noqa: F401 (the first is needed before any kernel)
+from khepera_forage.envs.batch import rows as at
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.perception import RawData, Site, raw_data, state_vector, way_to_wall
 from khepera_forage.foraging.states import Behaviour, classify
@@ -130,9 +131,17 @@ def perceive(
     for i in range(LANES):
         t[_NEAREST * LANES + i] = np.inf
     for wall in range(walls.shape[0]):
-        x1, y1, ex, ey, squared = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3], walls[wall, 4]
+        x1, y1, ex, ey, squared = (
+            walls[wall, 0],
+            walls[wall, 1],
+            walls[wall, 2],
+            walls[wall, 3],
+            walls[wall, 4],
+        )
         for i in range(LANES):
-            dx, dy = way_to_wall(s[body.OWN_X * LANES + i], s[body.OWN_Y * LANES + i], x1, y1, ex, ey, squared)
+            dx, dy = way_to_wall(
+                s[body.OWN_X * LANES + i], s[body.OWN_Y * LANES + i], x1, y1, ex, ey, squared
+            )
             far = dx * dx + dy * dy
             nearer = far < t[_NEAREST * LANES + i]
             t[_NEAREST * LANES + i] = far if nearer else t[_NEAREST * LANES + i]

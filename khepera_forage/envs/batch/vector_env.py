@@ -25,7 +25,7 @@ Observation = dict[str, NDArray[Any]]
 Infos = dict[str, Any]
 
 
-class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
+class RecallVectorEnv(VectorEnv):
     """Recalls in many worlds at once; spaces, rewards, ends and infos are those of the environment it stands for.
 
     World i of a seed is the same whatever the number of worlds. Every array that is returned is fresh.
@@ -66,7 +66,10 @@ class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
         self.metadata = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
         self.render_mode = None
         single = self._single(arena, foods, limit)
-        self.single_observation_space, self.single_action_space = single.observation_space, single.action_space
+        self.single_observation_space, self.single_action_space = (
+            single.observation_space,
+            single.action_space,
+        )
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._over = np.ones(self.num_envs, np.bool_)
@@ -104,7 +107,7 @@ class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
-        return self._observation(), self._infos(self._mask(None) if len(worlds) == self.num_envs else _marked(worlds, self))
+        return self._observation(), self._infos(_marked(worlds, self))
 
     def step(
         self, actions: ArrayLike
@@ -127,7 +130,13 @@ class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
         terminated, truncated = self.batch.task(at.TERMINATED) != 0, self.batch.task(at.TRUNCATED) != 0
         self._over = terminated | truncated
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
-            return self._observation(), rewards, terminated, truncated, self._infos(np.ones(self.num_envs, np.bool_))
+            return (
+                self._observation(),
+                rewards,
+                terminated,
+                truncated,
+                self._infos(np.ones(self.num_envs, np.bool_)),
+            )
         worlds = np.flatnonzero(self._over)
         final_obs, final_infos = self._observation(), self._infos(self._over)
         self.batch.restart(worlds)
@@ -157,7 +166,8 @@ class RecallVectorEnv(VectorEnv):  # type: ignore[type-arg]
             return np.ones(self.num_envs, np.bool_)
         if not self._seeded:
             raise ResetNeeded("a reset_mask before the first reset(); the first must be of all worlds")
-        if not (isinstance(mask, np.ndarray) and mask.shape == (self.num_envs,) and mask.dtype == np.bool_ and mask.any()):
+        form = (self.num_envs,), np.dtype(np.bool_)
+        if not isinstance(mask, np.ndarray) or (mask.shape, mask.dtype) != form or not mask.any():
             raise ValueError(
                 f"reset_mask is {mask!r}; allowed: an array of {self.num_envs} bools, at least one of them True"
             )
@@ -199,7 +209,12 @@ class BehavioursVectorEnv(RecallVectorEnv):
 
     def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
         given = np.asarray(actions)
-        if given.shape != (self.num_envs,) or given.dtype.kind not in "iu" or given.min() < 0 or given.max() > 9:
+        if (
+            given.shape != (self.num_envs,)
+            or given.dtype.kind not in "iu"
+            or given.min() < 0
+            or given.max() > 9
+        ):
             raise ValueError(
                 f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to 9, one behaviour each"
             )

@@ -9,8 +9,8 @@ from khepera_forage.experiments.commands import (
     robot_sensors,
     robot_virtual,
 )
+from khepera_forage.robots.line.serial_port import BAUDS
 from khepera_forage.robots.serial_khepera import BAUD
-from khepera_forage.robots.serial_port import BAUDS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

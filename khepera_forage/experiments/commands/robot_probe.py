@@ -4,7 +4,7 @@ import argparse
 import statistics
 import time
 
-from khepera_forage.robots.line_events import Refused
+from khepera_forage.robots.line.line_events import Refused
 from khepera_forage.robots.serial_khepera import SerialKhepera
 
 _TRIPS = 10

@@ -17,7 +17,7 @@ from khepera_forage.robots.khepera import (
     SPEED_UNIT,
     Motors,
 )
-from khepera_forage.robots.line_events import Refused
+from khepera_forage.robots.line.line_events import Refused
 from khepera_forage.robots.proximity import MAX_READING
 from khepera_forage.robots.serial_khepera import SerialKhepera
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.line_faults import FAULTS, FaultCounts, Faults
-from khepera_forage.robots.serial_port import BAUDS
-from khepera_forage.robots.virtual_port import VirtualKhepera
+from khepera_forage.robots.line.serial_port import BAUDS
+from khepera_forage.robots.virtual.line_faults import FAULTS, FaultCounts, Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
 from khepera_forage.worlds.arena import CORRIDOR
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout

@@ -30,7 +30,7 @@ def covered(x: float, y: float, radius: float, s: NDArray[np.float64], i: int) -
     c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
     ahead = max(abs(dx * c + dy * d) - MARKER_LENGTH / 2, 0.0)
     aside = max(abs(dy * c - dx * d) - MARKER_WIDTH / 2, 0.0)
-    return ahead * ahead + aside * aside <= radius * radius
+    return bool(ahead * ahead + aside * aside <= radius * radius)
 
 
 @inline

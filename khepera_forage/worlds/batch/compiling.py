@@ -9,7 +9,7 @@ from numba.extending import overload, register_jitable
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 # The Python error model checks every division, which keeps loops from being vectorised.
-_OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "nogil": True}
 
 
 def kernel(function: _F) -> _F:

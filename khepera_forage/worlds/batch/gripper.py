@@ -30,7 +30,7 @@ half_gap = inline(half_gap)
 
 @inline
 def finger_overlap(u: float, v: float, jaw: float, radius: float) -> float:
-    """mm by which a disc at (u, v) in the robot's frame overlaps the nearer finger; negative when clear."""
+    """Mm by which a disc at (u, v) in the robot's frame overlaps the nearer finger; negative when clear."""
     along = u - min(_END, max(JAW_ROOT, u))
     aside = abs(v) - half_gap(jaw) - _THIN
     return radius + _THIN - math.sqrt(along * along + aside * aside)
@@ -46,7 +46,7 @@ def palm_overlap(u: float, v: float, radius: float) -> float:
 
 @inline
 def push_out(u: float, v: float, jaw: float, radius: float) -> tuple[float, float, float]:
-    """How a disc comes free of the gripper: the overlap in mm, and the way out as a unit vector in the robot's frame."""
+    """How a disc comes free of the gripper: overlap in mm, and the way out as a unit vector in the robot's frame."""
     fingers, palm = finger_overlap(u, v, jaw, radius), palm_overlap(u, v, radius)
     if fingers >= palm:
         depth = fingers

@@ -71,5 +71,5 @@ def keys_of(seed: int, worlds: NDArray[np.int64]) -> NDArray[np.uint64]:
     """
     base = np.random.SeedSequence(seed).generate_state(1, np.uint64)
     with np.errstate(over="ignore"):
-        keys: NDArray[np.uint64] = word(base, worlds.astype(np.uint64) + _1)
+        keys: NDArray[np.uint64] = word(base, worlds.astype(np.uint64) + _1)  # type: ignore[arg-type, assignment]
     return keys

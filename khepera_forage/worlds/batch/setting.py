@@ -53,7 +53,7 @@ def edges_of(arena: Arena) -> NDArray[np.float64]:
 def noise_of(
     noise: Noise, anchor: tuple[float, float], holes: int, wheel_speed: float = 1.0
 ) -> NDArray[np.float64]:
-    """The sizes of the noise, where the robot's cable hangs from (mm), and the share of its speed that a wheel reaches."""
+    """Sizes of the noise, where the cable hangs from (mm), and the share of its speed that a wheel reaches."""
     return np.array(
         (
             noise.wheel_slip,

@@ -98,7 +98,9 @@ def stand(
     key, first = keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS
     dither = word(key, first + _BIAS_DITHER)
     mean = noise[setting.WHEEL_SPEED] - 1.0
-    s[at.BIAS_LEFT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(word(key, first + _BIAS_LEFT), dither)
+    s[at.BIAS_LEFT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(
+        word(key, first + _BIAS_LEFT), dither
+    )
     s[at.BIAS_RIGHT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(
         word(key, first + _BIAS_RIGHT), dither >> _32
     )
@@ -116,7 +118,7 @@ def stand(
             f[there + row * LANES] = -1.0
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]  # noqa: ANN202 (numba's dispatchers have no static type)
+def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernels that Python calls; see `sources` for why they are made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)

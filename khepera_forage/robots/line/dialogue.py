@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from khepera_forage.robots.codec import Request
 from khepera_forage.robots.khepera import JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.line_events import Restarted
-from khepera_forage.robots.readings import (
+from khepera_forage.robots.line.line_events import Restarted
+from khepera_forage.robots.line.readings import (
     ARM,
     COUNTERS,
     JAW,
@@ -23,7 +23,7 @@ from khepera_forage.robots.readings import (
     jaw_of,
     present,
 )
-from khepera_forage.robots.serial_link import SerialLink
+from khepera_forage.robots.line.serial_link import SerialLink
 
 _RESTARTS = 5
 """Restarts borne within one call: a supply that fails more often than that will not do."""

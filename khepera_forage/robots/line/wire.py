@@ -14,8 +14,8 @@ from khepera_forage.robots.codec import (
     decode_reply,
     encode_request,
 )
-from khepera_forage.robots.line_events import LineCounts, Restarted, Traffic, is_of_banner
-from khepera_forage.robots.serial_port import open_port
+from khepera_forage.robots.line.line_events import LineCounts, Restarted, Traffic, is_of_banner
+from khepera_forage.robots.line.serial_port import open_port
 
 _QUIET = 0.06
 """Seconds without a byte after which a restart banner is over."""

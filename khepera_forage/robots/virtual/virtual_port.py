@@ -12,9 +12,9 @@ import numpy as np
 
 from khepera_forage.robots.codec import Lines
 from khepera_forage.robots.firmware import Firmware
-from khepera_forage.robots.line_faults import Fault, FaultCounts, Faults, FaultSource
-from khepera_forage.robots.serial_port import BAUDS, seconds_on_wire
-from khepera_forage.robots.virtual_line import PtyLine, TcpLine, VirtualLine
+from khepera_forage.robots.line.serial_port import BAUDS, seconds_on_wire
+from khepera_forage.robots.virtual.line_faults import Fault, FaultCounts, Faults, FaultSource
+from khepera_forage.robots.virtual.virtual_line import PtyLine, TcpLine, VirtualLine
 
 _BURST = 0.002
 """Seconds of a reply that are written at once: the system cannot wake a thread for every byte."""

@@ -15,11 +15,11 @@ from typing import NoReturn
 
 from khepera_forage.robots.codec import Refusal, Reply, Request, encode_request
 from khepera_forage.robots.codec_table import RESTART
-from khepera_forage.robots.fences import Unsettled
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.line_events import Interrupted, Refused, Restarted
-from khepera_forage.robots.serial_port import seconds_on_wire
-from khepera_forage.robots.wire import Wire
+from khepera_forage.robots.line.fences import Unsettled
+from khepera_forage.robots.line.line_events import Interrupted, Refused, Restarted
+from khepera_forage.robots.line.serial_port import seconds_on_wire
+from khepera_forage.robots.line.wire import Wire
 
 _LONGEST_REPLY = 60
 """Bytes: N has up to 43, K and H fewer than 60."""

@@ -1,0 +1,1 @@
+"""The other end of the line: a virtual Khepera's ports, their faults, and what its ROM keeps."""
