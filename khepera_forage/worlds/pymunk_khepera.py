@@ -89,7 +89,7 @@ class PymunkKhepera:
         self.others: Sequence[pymunk.Body] = ()
         self._walls = WallWatch(walls)
         self._noise = noise
-        self._build = build
+        self._infra_reds, self._arm_reading = build.infra_reds, build.arm_reading
         self._left_share, self._right_share = 1.0 + (bias[0] + build.left_wheel), 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._left_pulses = self._right_pulses = 0.0
@@ -259,8 +259,8 @@ class PymunkKhepera:
         walls = self._walls.near
         if walls or discs:
             clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
-            if self._build.infra_reds != 1.0:
-                clean = [self._build.infra_reds * reading for reading in clean]
+            if self._infra_reds != 1.0:
+                clean = [self._infra_reds * reading for reading in clean]
         else:
             clean = [0.0] * 8
         return Senses(
@@ -269,7 +269,7 @@ class PymunkKhepera:
             ),
             int(self._left_pulses),
             int(self._right_pulses),
-            int(ARM_DOWN - self._build.arm_reading * (ARM_DOWN - gripper.arm) + 0.5),
+            int(ARM_DOWN - self._arm_reading * (ARM_DOWN - gripper.arm) + 0.5),
             int(gripper.jaw + 0.5),
             PRESENT if gripper.interrupted(self.foods) else 0,
         )

@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+from contracts.suites import PolicyContract
 from gymnasium.vector import AutoresetMode
 
 from khepera_forage.experiments.recalling import recall, recall_env
@@ -20,7 +21,6 @@ from khepera_forage.policies import Policy
 from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
 from khepera_forage.policies.features import behaviour_features
 from khepera_forage.policies.learners import LEARNERS, FromSteps
-from tests.contracts.suites import PolicyContract
 
 TRIAL = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
 SMALL: dict[str, dict[str, Any]] = {
