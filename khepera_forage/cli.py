@@ -28,7 +28,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         ("robot", commands.robot, "try out a real Khepera, or start a virtual one"),
         ("camera", commands.camera, "calibrate the overhead camera, see what it sees, or print the markers"),
     ):
-        subparser = subparsers.add_parser(name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}.")
+        subparser = subparsers.add_parser(
+            name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}."
+        )
         module.add_arguments(subparser)
         subparser.set_defaults(run=module.run)
     arguments = parser.parse_args(argv)

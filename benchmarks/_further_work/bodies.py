@@ -141,14 +141,16 @@ EXPERIMENT = Experiment(
     "1.2, 6.3",
     "In another body, does imitating the teacher's program serve better than copying it?",
     "The learner's body differs from the teacher's in one way. Copied: the teacher's own tree and rules "
-    "forage in that body. "
-    "Imitated: the learner is trained in that body beside a teacher in its own, and recalls in it. The ten "
-    "behaviours are "
-    "given in both (4.2.1): what may differ is when each is executed. Weak or blind infra-reds, a lazy wheel "
-    "and short "
-    "fingers change what behaviours achieve; an arm whose reading does not reach 225 when raised (figure 4.2 "
-    "calls that "
-    "'raised') changes what the robot perceives.",
+    "forage in that "
+    "body. Imitated: the learner is trained in that body, in the set-up of figure 5.1, beside a teacher in "
+    "its own, and "
+    "recalls in it. The ten behaviours are given in both (4.2.1): what may differ is when each is executed. "
+    "Weak or "
+    "blind infra-reds, a lazy wheel and short fingers change what behaviours achieve, but neither camera nor "
+    "state "
+    "vector. An arm that reads 231 when it is raised, where figure 4.2 asks for 225 or less, changes what "
+    "the robot "
+    "perceives.",
     tuple(BODIES),
     run,
     report,

@@ -119,9 +119,8 @@ def report(done: Done, rng: np.random.Generator) -> Report:
     curves(axes[0], own, AGREEMENT, "generation", rng, "corridor")
     curves(axes[1], own, DELIVERED, "generation", rng, "corridor")
     curves(axes[2], own, DISTINCT, "generation", rng, "experience", share=False)
-    curves(axes[3], done.lessons, ATTEMPTS, "generation", rng, "lessons", share=False)
-    for panel in axes[2:]:
-        panel.set_ylim(bottom=0)
+    axes[2].set_ylim(bottom=0)
+    curves(axes[3], done.lessons, TRUE, "generation", rng, "lessons")
     legend(figure, axes[0])
     return Report(claims, tables, figure)
 

@@ -48,10 +48,10 @@ POISON_HOME = Measure[Recalled](
 )
 STEPS = Measure[Recalled]("steps", lambda row: float(row.steps), digits=0)
 VECTORS = Measure[Recalled]("experience vectors", lambda row: float(row.vectors), digits=0)
-DISTINCT = Measure[Recalled]("different ones", lambda row: float(row.distinct), digits=0)
+DISTINCT = Measure[Recalled]("different experience vectors", lambda row: float(row.distinct), digits=0)
 ATTEMPTS = Measure[Lesson]("attempts an episode", lambda row: float(row.attempts), digits=2)
 ROUNDS = Measure[Lesson]("rounds of a complete episode", lambda row: float(row.rounds))
-WAITED = Measure[Lesson]("of them waiting", lambda row: float(row.rounds - row.vectors))
+WAITED = Measure[Lesson]("rounds spent waiting", lambda row: float(row.rounds - row.vectors))
 SEPARATIONS = Measure[Lesson]("separations a learner", lambda row: row.separations / row.amount, digits=2)
 TRUE = Measure[Lesson](
     "vectors with the teacher's behaviour (%)", lambda row: 100.0 * row.true, lambda row: row.vectors

@@ -85,7 +85,7 @@ def levels(
     """
     for place, line in enumerate(reversed(list(estimates.values()))):
         for i, estimate in enumerate(line):
-            height = place + 0.16 * ((len(line) - 1) / 2 - i)
+            height = place + 0.24 * ((len(line) - 1) / 2 - i)
             mark(axes, estimate.value, height, estimate, COLOURS[i], level=True)
     for name, colour in zip(names, COLOURS, strict=False):
         axes.plot([], [], "o", color=colour, label=name)

@@ -95,7 +95,7 @@ def report(done: Done, rng: np.random.Generator) -> Report:
                 taught = mean(pick(done.recalls, name, 0, arena), measure, rng)
                 shown[name] = [UNKNOWN, UNKNOWN, taught]
             panel = axes[2 * j + i]
-            kinds = [*(f"{n} episodes" for n in _shown(done)), "nothing to learn"]
+            kinds = [*(f"{n} episode{'s' * (n > 1)}" for n in _shown(done)), "nothing to learn"]
             levels(panel, shown, kinds, f"{measure.name}, {arena}")
             panel.set_xlim(-24 if measure is SCORE else -4, 104)
             if i:
@@ -164,17 +164,14 @@ EXPERIMENT = Experiment(
     "The roads not taken",
     "4.2.1, 4.5.1, 4.6.1, 4.6.2",
     "Did the thesis choose well where it names an alternative?",
-    "One set of training files a replication, and learners that use it differently. *Highest confidence*: "
-    "the behaviour with "
-    "most votes instead of a draw. *Threshold*: all vectors within the minimum distance plus a threshold "
-    "vote (1 pixel is "
-    "1/138 in the corridor). *Until the goal*: a behaviour, once chosen, runs until its own goal is reached "
-    "or ten seconds "
-    "have passed, and the learner keeps one vector for every behaviour that the teacher began (or, as a "
-    "control, all). "
-    "*State labels*: the first draft, whose learner knows the tree of figure 4.2 and learns only which "
-    "behaviour was "
-    "shouted with which state; in a state it never heard of it draws any behaviour.",
+    "One set of training files a replication, and learners that use it differently. *Highest confidence*: the "
+    "behaviour with most votes instead of a draw. *Threshold*: all vectors within the minimum distance plus a "
+    "threshold vote (a pixel is 1/138 in the corridor). *Until the goal*: a behaviour, once chosen, runs until its own "
+    "goal is reached or ten seconds have passed, and the learner keeps one vector for every behaviour that the teacher "
+    "began (or, as a control, all). These goals are written by hand with the thresholds of the teacher's own tree, so "
+    "that its behaviours know part of what a learner that decides at every step has to learn. *State labels*: the "
+    "first draft, whose learner knows the tree of figure 4.2 and learns only which behaviour was shouted with which "
+    "state; in a state it never heard of it draws any behaviour.",
     ("all",),
     run,
     report,

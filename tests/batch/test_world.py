@@ -1,6 +1,7 @@
 """Bodies and camera of a batch against those of `PymunkWorld`, and what must hold of any simulation."""
 
 import math
+from typing import Any
 
 import numba
 import numpy as np
@@ -36,23 +37,26 @@ PILLAR = Arena(
 )
 
 
-def test_free_driving_is_that_of_pymunk_to_rounding():
+def test_free_driving_is_that_of_pymunk_to_rounding() -> None:
     rng = np.random.default_rng(0)
     single, batch = PymunkWorld([HALL], (2,), Noise.none()), BatchWorld(HALL, 1, 1, Noise.none())
     single.reset(rng, Layout((HALL.start,), HALL.foods))
     batch.reset(0, HALL.start, HALL.foods)
     for _ in range(400):
-        motors = Motors(*rng.uniform(-12, 12, 2), ARM_RAISED, JAW_OPEN)
+        motors = Motors(rng.uniform(-12, 12), rng.uniform(-12, 12), ARM_RAISED, JAW_OPEN)
         single.robots[0].drive(motors)
         single.advance()
         batch.advance(motors)
         assert np.allclose(single.poses()[0], batch.poses()[0], rtol=0, atol=1e-9)
     senses = single.robots[0].sense()
-    assert (senses.left_pulses, senses.right_pulses) == (batch.senses().left_pulses[0], batch.senses().right_pulses[0])
+    assert (senses.left_pulses, senses.right_pulses) == (
+        batch.senses().left_pulses[0],
+        batch.senses().right_pulses[0],
+    )
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, PILLAR], ids=lambda arena: arena.name)
-def test_rays_are_those_of_proximity_to_rounding(arena):
+def test_rays_are_those_of_proximity_to_rounding(arena: Any) -> None:
     rng = np.random.default_rng(1)
     worlds = 300
     low, high = np.array(arena.bounds[:2]) + 30, np.array(arena.bounds[2:]) - 30
@@ -65,12 +69,15 @@ def test_rays_are_those_of_proximity_to_rounding(arena):
     for (x, y, heading), places, got in zip(starts.tolist(), foods.tolist(), readings.tolist(), strict=True):
         discs = [(*place, FOOD_RADIUS) for place in places]
         clean = cast(x, y, math.cos(heading), math.sin(heading), arena.segments, discs)
-        assert all(abs(int(value) - reading) <= (abs(value - round(value)) < 1e-6) for value, reading in zip(clean, got, strict=True))
+        assert all(
+            abs(int(value) - reading) <= (abs(value - round(value)) < 1e-6)
+            for value, reading in zip(clean, got, strict=True)
+        )
         seen += sum(value > 0 for value in clean)
     assert seen > 500
 
 
-def test_picking_up_carrying_and_releasing_as_in_pymunk():
+def test_picking_up_carrying_and_releasing_as_in_pymunk() -> None:
     """The same commands in both: within 3 mm at every round, and the same senses but where 3 mm tell."""
     start, food = Pose(200, 115, 0.05), Point(330, 120)
     single, batch = PymunkWorld([CORRIDOR], (2,), Noise.none()), BatchWorld(CORRIDOR, 1, 1, Noise.none())
@@ -97,14 +104,18 @@ def test_picking_up_carrying_and_releasing_as_in_pymunk():
         assert math.dist(place[:2], batch.food_places()[0, 0, :2]) < 3.0
         assert place.lifted == bool(batch.food_places()[0, 0, 2])
         senses, many = single.robots[0].sense(), batch.senses()
-        assert (senses.arm, senses.jaw, senses.object_presence) == (many.arm[0], many.jaw[0], many.object_presence[0])
+        assert (senses.arm, senses.jaw, senses.object_presence) == (
+            many.arm[0],
+            many.jaw[0],
+            many.object_presence[0],
+        )
         held.append(int(batch.held()[0]))
     assert 0 in held
     assert held[-1] == -1
     assert math.dist(batch.food_places()[0, 0, :2], food) > 60
 
 
-def test_an_arm_does_not_come_down_on_food():
+def test_an_arm_does_not_come_down_on_food() -> None:
     batch = BatchWorld(CORRIDOR, 1, 1, Noise.none())
     batch.reset(0, (200, 115, 0), [(200 + FINGER_TIP, 115 + 28)])
     for _ in range(15):
@@ -113,7 +124,7 @@ def test_an_arm_does_not_come_down_on_food():
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR], ids=lambda arena: arena.name)
-def test_whatever_is_commanded_nothing_ends_up_in_a_wall_or_in_food(arena):
+def test_whatever_is_commanded_nothing_ends_up_in_a_wall_or_in_food(arena: Any) -> None:
     rng = np.random.default_rng(5)
     worlds, foods = 256, 3
     batch = BatchWorld(arena, worlds, foods)
@@ -135,16 +146,19 @@ def test_whatever_is_commanded_nothing_ends_up_in_a_wall_or_in_food(arena):
                     assert math.dist((x, y), where[world, k, :2]) > RADIUS + FOOD_RADIUS - 1.5
                 for other in range(k):
                     lifted = where[world, k, 2] or where[world, other, 2]
-                    assert lifted or math.dist(where[world, k, :2], where[world, other, :2]) > 2 * FOOD_RADIUS - 1.5
+                    assert (
+                        lifted
+                        or math.dist(where[world, k, :2], where[world, other, :2]) > 2 * FOOD_RADIUS - 1.5
+                    )
     moved = np.abs(where[:, :, :2] - places).max(axis=(1, 2))
     assert (moved > 5).mean() > 0.5
 
 
-def test_a_world_is_the_same_in_any_company_and_on_any_number_of_threads():
+def test_a_world_is_the_same_in_any_company_and_on_any_number_of_threads() -> None:
     rng = np.random.default_rng(2)
     motors = rng.integers(-10, 15, (40, 300, 2))
 
-    def run(worlds, threads):
+    def run(worlds: Any, threads: Any) -> Any:
         numba.set_num_threads(threads)
         batch = BatchWorld(CORRIDOR, worlds)
         batch.reset(9, CORRIDOR.start, CORRIDOR.foods)
@@ -153,15 +167,15 @@ def test_a_world_is_the_same_in_any_company_and_on_any_number_of_threads():
         scene = batch.scene()
         return batch.poses(), batch.senses().proximity, scene.robots, scene.foods
 
-    most = numba.config.NUMBA_NUM_THREADS
+    most = numba.get_num_threads()
     few, many = run(3, 1), run(300, most)
     numba.set_num_threads(most)
     assert all(np.array_equal(a, b[:3]) for a, b in zip(few, many, strict=True))
     assert not np.array_equal(many[0][0], many[0][1])
 
 
-def test_tracks_are_those_of_retracking_frame_by_frame():
-    """The same detections into `Tracks`: the same tracks, label by label, while a robot pushes food about under losses."""
+def test_tracks_are_those_of_retracking_frame_by_frame() -> None:
+    """The same detections into `Tracks`: the same tracks, label by label, under losses."""
     noise = Noise(loss_rate_food=0.03, cable_loss_factor=3.0, reversal_rate=0.0)
     rng = np.random.default_rng(4)
     worlds, foods = 60, 3
@@ -184,17 +198,24 @@ def test_tracks_are_those_of_retracking_frame_by_frame():
             covers = [where[world, k, :2] for k in range(foods) if lost[world, k]]
             clear = FOOD_RADIUS + 5.0 * noise.position_jitter * 5.0
 
-            def visible(px, py, plate=plate, covers=covers, clear=clear):
+            def visible(
+                px: Any, py: Any, plate: Any = plate, covers: Any = covers, clear: Any = clear
+            ) -> Any:
                 px, py = px * 5.0, py * 5.0
                 apart = all(math.hypot(px - cx, py - cy) > 2 * FOOD_RADIUS for cx, cy in covers)
                 return not under_plate(px, py, clear, plate) and apart
 
-            shown = [Detection(u, v, 0, 0, False, u, v, 1, 1, 1) for show, u, v in seen[world].tolist() if show]
+            shown = [
+                Detection(u, v, 0, 0, False, u, v, 1, 1, 1) for show, u, v in seen[world].tolist() if show
+            ]
             expected = {r.label: (r.x, r.y, r.found) for r in rules[world].update(shown, visible).regions}
             got = {
                 label: (*place, found)
                 for label, place, found in zip(
-                    scene.labels[world].tolist(), scene.foods[world].tolist(), scene.foods_found[world].tolist(), strict=True
+                    scene.labels[world].tolist(),
+                    scene.foods[world].tolist(),
+                    scene.foods_found[world].tolist(),
+                    strict=True,
                 )
                 if label >= 0
             }
@@ -211,12 +232,12 @@ def test_tracks_are_those_of_retracking_frame_by_frame():
         ({"num_worlds": 1, "holes": 3}, "holes is 3"),
     ],
 )
-def test_bad_arguments_are_quoted(arguments, message):
+def test_bad_arguments_are_quoted(arguments: Any, message: Any) -> None:
     with pytest.raises(ValueError, match=message):
         BatchWorld(CORRIDOR, **arguments)
 
 
-def test_bad_arrays_are_quoted():
+def test_bad_arrays_are_quoted() -> None:
     batch = BatchWorld(CORRIDOR, 4)
     with pytest.raises(ValueError, match=r"starts has shape \(2, 3\)"):
         batch.reset(0, np.zeros((2, 3)), CORRIDOR.foods)

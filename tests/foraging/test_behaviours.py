@@ -101,7 +101,9 @@ def test_search_turns_towards_the_food(orientation: int, sign: int) -> None:
 def test_search_looks_about_when_no_food_is_seen() -> None:
     left, right, _, _ = command(B.SEARCH_FOR_FOOD, OPEN_FLOOR._replace(food_seen=False))
     assert left < 0 < right
-    assert 0 < left + right < 0.4 * (right - left), "a small circle, so that it also comes away from where it stands"
+    assert 0 < left + right < 0.4 * (right - left), (
+        "a small circle, so that it also comes away from where it stands"
+    )
 
 
 def test_search_goes_round_the_home_on_its_open_side() -> None:

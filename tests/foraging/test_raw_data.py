@@ -7,13 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.envs.forager import site_of
+from khepera_forage.foraging.angles import turn_to
 from khepera_forage.foraging.perception import (
     RawData,
     nearest_food,
     own_region,
     perceive,
     state_vector,
-    turn_to,
 )
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.robots.khepera import Senses

@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("selftest", None, robot_selftest.run, "try every part, moving little, and say what works"),
         ("virtual", None, robot_virtual.run, "start a virtual Khepera for any program to talk to"),
     ):
-        subparser = subparsers.add_parser(name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}.")
+        subparser = subparsers.add_parser(
+            name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}."
+        )
         if name == "virtual":
             robot_virtual.add_arguments(subparser)
         else:
