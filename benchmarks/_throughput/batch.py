@@ -5,9 +5,9 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from _throughput.lines import Job, Measure, Values
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from _throughput.lines import Job, Measure, Values
 
 WORLDS = 4096
 _SECTION = "Thousands of worlds at once"
