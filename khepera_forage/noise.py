@@ -50,10 +50,10 @@ class Noise:
     """The same for a region without holes. Assumption: as a one-hole marker."""
     loss_rounds: float = 2.0
     """Mean length of a loss in rounds, geometrically distributed. Measured: food under a swaying cable on rendered
-    frames, 1.9 (docs/tracker.md)."""
+    frames, 2.2 (docs/tracker.md)."""
     cable_loss_factor: float = 10.0
     """How many times likelier a loss is under a cable (3.7: "more frequent"). It makes food be lost in 1.1 % of the
-    rounds under one; our tracker on rendered frames loses it in 0.9 %, a bare threshold in 7 % (docs/tracker.md)."""
+    rounds under one; our tracker on rendered frames loses it in 0.6 %, a bare threshold in 7 % (docs/tracker.md)."""
     placement_error: float = 3.0
     """Standard deviation in mm with which an operator puts a robot or food on its mark (4.5.2: "a small
     displacement"). Assumption."""

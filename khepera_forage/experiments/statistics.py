@@ -175,7 +175,8 @@ def wilson(successes: int, trials: int) -> Estimate:
     spread = z * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
     centre = share + z * z / (2 * trials)
     scale = 1 + z * z / trials
-    return Estimate(share, (centre - spread) / scale, (centre + spread) / scale)
+    low, high = (centre - spread) / scale, (centre + spread) / scale
+    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding may pass the ends by a hair
 
 
 def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
