@@ -10,27 +10,26 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from _throughput.lines import Job, Measure, Values
 
 WORLDS = 4096
-_SECTION = "Thousands of worlds at once"
+SECTION = "Thousands of worlds at once"
+NOTE = "Worlds in kernels compiled by numba, the expert deciding; docs/batch.md says what they share with pymunk's."
 KERNEL = Measure(
-    _SECTION,
+    SECTION,
     "recall in the corridor under the teacher, in the kernel",
-    "steps a second",
+    "steps/s",
     f"whole episodes of {WORLDS:,} worlds, all cores",
     15e6,
 )
-ONE_CORE = Measure(_SECTION, "the same on one core", "steps a second", "one thread")
+ONE_CORE = Measure(SECTION, "the same on one core", "steps/s", "one thread")
 VECTOR = Measure(
-    _SECTION,
+    SECTION,
     f"Corridor-v0 of make_vec, {WORLDS:,} worlds",
-    "steps a second",
+    "steps/s",
     "behaviours in, observations and infos out, all cores",
     5e6,
 )
-MEMORY = Measure(_SECTION, "memory of a world", "bytes", "one food object")
+MEMORY = Measure(SECTION, "memory of a world", "bytes", "one food object")
 OBJECTS = tuple(
-    Measure(
-        _SECTION, f"in the kernel with {foods} food objects in the rectangle", "steps a second", "all cores"
-    )
+    Measure(SECTION, f"in the kernel with {foods} food objects in the rectangle", "steps/s", "all cores")
     for foods in (1, 2, 4, 8)
 )
 

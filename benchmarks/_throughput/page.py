@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from _throughput import bare_pymunk, foraging, imitating, parts, processes
+from _throughput import bare_pymunk, batch, foraging, imitating, parts, processes
 from _throughput.lines import Line
 from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
 from khepera_forage.experiments.statistics import Estimate
@@ -24,6 +24,7 @@ _NOTES = {
     imitating.SECTION: imitating.NOTE,
     processes.SECTION: processes.NOTE,
     parts.SECTION: parts.NOTE,
+    batch.SECTION: batch.NOTE,
 }
 _COLUMNS = ("measure", "unit", "measured", "goal", "met", "how")
 
@@ -32,8 +33,8 @@ def page(lines: Sequence[Line]) -> str:
     """A table for each section, the machine named above them."""
     repeats = max(len(line.repeats) for line in lines)
     head = (
-        f"# Throughput\n\n{machine()}\n\nOne process, one thread. Measured: median [lowest, highest] of {repeats} "
-        "repeats; every measure is taken once in each repeat, on the same work.\n"
+        f"# Throughput\n\n{machine()}\n\nOne process, one thread where nothing else is said. Measured: median "
+        f"[lowest, highest] of {repeats} repeats; every measure is taken once in each repeat, on the same work.\n"
     )
     sections = dict.fromkeys(line.section for line in lines)
     return "\n".join([head, *(_table(section, lines).markdown() for section in sections)])

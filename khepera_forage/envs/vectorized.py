@@ -14,7 +14,7 @@ from khepera_forage.envs.wheels_env import WheelsEnv
 def behaviours(num_envs: int = 1, **kwargs: Any) -> VectorEnv[Any, Any, Any]:
     """`BehavioursEnv` in many worlds; arguments as `BehavioursVectorEnv`."""
     if _compiled():
-        from khepera_forage.envs.batch.vector_env import BehavioursVectorEnv
+        from khepera_forage.envs.batch.vector_envs import BehavioursVectorEnv
 
         return BehavioursVectorEnv(num_envs, **kwargs)
     return _side_by_side(BehavioursEnv, num_envs, **kwargs)
@@ -23,7 +23,7 @@ def behaviours(num_envs: int = 1, **kwargs: Any) -> VectorEnv[Any, Any, Any]:
 def wheels(num_envs: int = 1, **kwargs: Any) -> VectorEnv[Any, Any, Any]:
     """`WheelsEnv` in many worlds; arguments as `WheelsVectorEnv`."""
     if _compiled():
-        from khepera_forage.envs.batch.vector_env import WheelsVectorEnv
+        from khepera_forage.envs.batch.vector_envs import WheelsVectorEnv
 
         return WheelsVectorEnv(num_envs, **kwargs)
     return _side_by_side(WheelsEnv, num_envs, **kwargs)

@@ -47,11 +47,37 @@ def _scene(batch: Any, i: Any) -> Any:
         if rows[body.TRACK] >= 0:
             seen = bool(rows[body.TRACK_FOUND])
             regions.append(
-                Region(int(rows[body.TRACK]), rows[body.TRACK_X], rows[body.TRACK_Y], 0, 0, seen, *[0] * 6)
+                Region(
+                    int(rows[body.TRACK]),
+                    rows[body.TRACK_X],
+                    rows[body.TRACK_Y],
+                    0,
+                    0,
+                    seen,
+                    False,
+                    0,
+                    0,
+                    1,
+                    1,
+                    1,
+                )
             )
         if rows[body.GHOST] >= 0:
             regions.append(
-                Region(int(rows[body.GHOST]), rows[body.GHOST_X], rows[body.GHOST_Y], 0, 0, False, *[0] * 6)
+                Region(
+                    int(rows[body.GHOST]),
+                    rows[body.GHOST_X],
+                    rows[body.GHOST_Y],
+                    0,
+                    0,
+                    False,
+                    False,
+                    0,
+                    0,
+                    1,
+                    1,
+                    1,
+                )
             )
     return Scene(tuple(sorted(regions, key=lambda r: r.label))), own
 

@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs import vectorized
-from khepera_forage.envs.batch.vector_env import BehavioursVectorEnv, WheelsVectorEnv
+from khepera_forage.envs.batch.vector_envs import BehavioursVectorEnv, WheelsVectorEnv
 from khepera_forage.noise import Noise
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")

@@ -11,13 +11,14 @@ from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.camera import expose
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.contact import touch
-from khepera_forage.worlds.batch.drive import aim, begin_round, glide, look_around, watch_food, watch_walls
+from khepera_forage.worlds.batch.drive import aim, begin_round, glide
 from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.sensing import cast, end_round, measure
 from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.tracks import track
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
+from khepera_forage.worlds.batch.watching import look_around, watch_food, watch_walls
 
 _ONE, _32 = np.uint64(1), np.uint64(32)
 _DRAWS = np.uint64(at.DRAWS)

@@ -1,0 +1,82 @@
+"""The two kinds of vector environment: behaviours in and state vectors out, or motors in and raw data out."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from khepera_forage.envs.batch import rows as at
+from khepera_forage.envs.batch.vector_env import Observation, RecallVectorEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED
+from khepera_forage.worlds.arena import Arena
+from khepera_forage.worlds.batch import rows as body
+
+
+class BehavioursVectorEnv(RecallVectorEnv):
+    """`BehavioursEnv` in many worlds: one behaviour a world in, state vectors out."""
+
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        return BehavioursEnv(arena=arena, foods=foods, limit=limit)
+
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given = np.asarray(actions)
+        if (
+            given.shape != (self.num_envs,)
+            or given.dtype.kind not in "iu"
+            or given.min() < 0
+            or given.max() > 9
+        ):
+            raise ValueError(
+                f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to 9, one behaviour each"
+            )
+        return given.astype(np.float64)
+
+    def _observation(self) -> Observation:
+        task, diagonal = self.batch.task, int(self.batch.diagonal)
+        return {
+            "object_presence": task(at.PRESENCE).astype(np.int64),
+            "robot_home_distance": np.minimum(task(at.HOME_DISTANCE), diagonal).astype(np.int64)[:, None],
+            "food_type": task(at.VECTOR_TYPE).astype(np.int64),
+            "arms_height": task(at.VECTOR_ARM).astype(np.int64)[:, None],
+            "robot_food_distance": np.minimum(task(at.FOOD_DISTANCE), diagonal).astype(np.int64)[:, None],
+        }
+
+
+class WheelsVectorEnv(RecallVectorEnv):
+    """`WheelsEnv` in many worlds: four motor values a world in, raw data out."""
+
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        return WheelsEnv(arena=arena, foods=foods, limit=limit)
+
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given = np.asarray(actions, np.float64)
+        if given.shape != (self.num_envs, 4) or not np.all(np.abs(given) <= 1.0):
+            raise ValueError(
+                f"actions are {actions!r}; allowed: numbers in -1..1, {self.num_envs} rows of left, right, arm, jaw"
+            )
+        motors = np.empty((self.num_envs, 4))
+        motors[:, :2] = given[:, :2] * MAX_SPEED
+        motors[:, 2] = np.rint((ARM_DOWN + ARM_RAISED) / 2 - given[:, 2] * (ARM_DOWN - ARM_RAISED) / 2)
+        motors[:, 3] = np.where(given[:, 3] > 0, JAW_CLOSED, JAW_OPEN)
+        return motors
+
+    def _observation(self) -> Observation:
+        task, robot = self.batch.task, self.batch.body
+        seen = task(at.FOOD_SEEN)
+        home = np.tile(self.batch.home, (self.num_envs, 1))
+        return {
+            "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1).astype(np.int64),
+            "arm": robot(body.ARM_READ).astype(np.int64)[:, None],
+            "jaw": robot(body.JAW_READ).astype(np.int64)[:, None],
+            "object_presence": (robot(body.PRESENT) != 0).astype(np.int64),
+            "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
+            "tracked": robot(body.OWN_FOUND).astype(np.int64),
+            "food_seen": seen.astype(np.int64),
+            "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
+            "food_type": task(at.FOOD_TYPE).astype(np.int64),
+            "home": home,
+            "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
+        }

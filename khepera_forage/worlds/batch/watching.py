@@ -1,0 +1,138 @@
+"""What a robot of a batch could touch in a round, and what it would touch at the free end of it."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    JAW_ROOT,
+    RADIUS,
+    half_gap,
+)
+from khepera_forage.worlds.batch import rows as at
+from khepera_forage.worlds.batch import setting
+from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.gripper import finger_overlap, palm_overlap
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.wall_watch import _GRIPPER_AHEAD as GRIPPER_AHEAD
+from khepera_forage.worlds.wall_watch import _GRIPPER_RADIUS as GRIPPER_RADIUS
+from khepera_forage.worlds.wall_watch import PUSHED
+
+_PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
+_SHOVED = RADIUS + FOOD_RADIUS + 1.0
+"""Food that the body itself may push lies within this of its centre, mm."""
+_FAR = 30.0
+"""mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
+
+half_gap = inline(half_gap)
+
+
+@kernel
+def look_around(
+    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDArray[np.float64]
+) -> None:
+    """Mark what could be touched in this round, and from that how far the wheels lag: as `PymunkWorld` has it.
+
+    Chipmunk moves bodies by the speed of the step before. So where it is at work, a robot changes its speed one physics
+    step late: 20 ms, or less near a wall, where steps are finer. In the open, where no physics is needed, nothing lags.
+    """
+    for food in range(foods):
+        base = food * at.FOOD_ROWS * LANES
+        for i in range(LANES):
+            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
+            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
+            reach = PUSHED if s[at.ARM * LANES + i] >= ARM_ON_FLOOR else _SHOVED
+            reach += s[at.SCRATCH * LANES + i]
+            near = dx * dx + dy * dy < reach * reach and s[at.HELD * LANES + i] != food
+            s[at.NEAR_FOOD * LANES + i] = 1.0 if near else s[at.NEAR_FOOD * LANES + i]
+    for wall in range(walls.shape[0]):
+        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
+        share = walls[wall, setting.SHARE]
+        for i in range(LANES):
+            x, y = s[at.X * LANES + i] - x1, s[at.Y * LANES + i] - y1
+            travel = s[at.SCRATCH * LANES + i]
+            t = min(1.0, max(0.0, (x * ex + y * ey) * share))
+            dx, dy = x - t * ex, y - t * ey
+            reach = travel + (PUSHED if s[at.NEAR_FOOD * LANES + i] != 0.0 else RADIUS)
+            body = dx * dx + dy * dy < reach * reach
+            x += GRIPPER_AHEAD * s[at.COS * LANES + i]
+            y += GRIPPER_AHEAD * s[at.SIN * LANES + i]
+            t = min(1.0, max(0.0, (x * ex + y * ey) * share))
+            dx, dy = x - t * ex, y - t * ey
+            reach = travel + GRIPPER_RADIUS
+            near = body or dx * dx + dy * dy < reach * reach
+            s[at.NEAR_WALL * LANES + i] = 1.0 if near else s[at.NEAR_WALL * LANES + i]
+
+
+@kernel
+def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+    """Mark the worlds whose robot would touch a wall at the free end of the round."""
+    for wall in range(walls.shape[0]):
+        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
+        share = walls[wall, setting.SHARE]
+        nx, ny, offset = walls[wall, 5], walls[wall, 6], walls[wall, 7]
+        for i in range(LANES):
+            x, y = s[at.FREE_X * LANES + i], s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            wide = half_gap(s[at.FREE_JAW * LANES + i]) + FINGER_THICKNESS
+            # Which side of the wall the robot is on now.
+            side = nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset
+            side = math.copysign(1.0, side)
+            off = side * (nx * x + ny * y - offset)
+            t = ((x - x1) * ex + (y - y1) * ey) * share
+            t = min(1.0, max(0.0, t))
+            dx, dy = x - x1 - t * ex, y - y1 - t * ey
+            body = dx * dx + dy * dy < RADIUS * RADIUS
+            # How far forward and left of the robot lead away from the wall.
+            ahead, aside = side * (nx * c + ny * d), abs(nx * -d + ny * c)
+            tip = off + FINGER_TIP * ahead - wide * aside < 0.0
+            root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
+            held = s[at.HELD * LANES + i] >= 0.0
+            grip = (
+                held
+                and off + s[at.GRIP_X * LANES + i] * ahead - aside * abs(s[at.GRIP_Y * LANES + i])
+                < FOOD_RADIUS
+            )
+            # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
+            along = (x - x1) * ex + (y - y1) * ey
+            reach = 94.0 * math.sqrt(ex * ex + ey * ey)
+            beside = along > -reach and along < ex * ex + ey * ey + reach
+            if body or (beside and (tip or root or grip)):
+                s[at.TOUCHES * LANES + i] = 1.0
+    for corner in range(corners.shape[0]):
+        cx, cy = corners[corner, 0], corners[corner, 1]
+        for i in range(LANES):
+            dx, dy = cx - s[at.FREE_X * LANES + i], cy - s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            u, v = dx * c + dy * d, dy * c - dx * d
+            if finger_overlap(u, v, s[at.FREE_JAW * LANES + i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
+                s[at.TOUCHES * LANES + i] = 1.0
+
+
+@kernel
+def watch_food(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
+    """Mark the worlds whose robot would touch food, other than in its gripper, at the free end of the round."""
+    for food in range(foods):
+        base = food * at.FOOD_ROWS * LANES
+        for i in range(LANES):
+            x, y = f[base + at.FOOD_X * LANES + i], f[base + at.FOOD_Y * LANES + i]
+            dx, dy = x - s[at.FREE_X * LANES + i], y - s[at.FREE_Y * LANES + i]
+            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            u, v = dx * c + dy * d, dy * c - dx * d
+            low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
+            held = s[at.HELD * LANES + i]
+            reach = RADIUS + FOOD_RADIUS
+            body = u * u + v * v < reach * reach
+            fingers = finger_overlap(u, v, s[at.FREE_JAW * LANES + i], FOOD_RADIUS) > 0.0
+            palm = palm_overlap(u, v, FOOD_RADIUS) > 0.0
+            gx, gy = u - s[at.GRIP_X * LANES + i], v - s[at.GRIP_Y * LANES + i]
+            other = held >= 0.0 and gx * gx + gy * gy < 4 * FOOD_RADIUS * FOOD_RADIUS
+            fast = s[at.SCRATCH * LANES + i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
+            if held != food and (body or (low and (fingers or palm or other or fast))):
+                s[at.TOUCHES * LANES + i] = 1.0
