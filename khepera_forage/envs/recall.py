@@ -120,7 +120,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ResetNeeded: Before the first reset, or after the end of an episode.
             ValueError: An action that is not in the action space.
         """
-        forager = self.forager
+        forager = self._forager or self.forager
         if self._over:
             raise ResetNeeded(f"the episode ended after {self._steps} steps; call reset() to start another")
         motors = self._motors(action, forager)

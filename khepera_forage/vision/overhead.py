@@ -86,8 +86,9 @@ class OverheadCamera:
         self._tracks = Tracks()
         self._scene = Scene(())
         self._rng: np.random.Generator | None = None
-        self._normals: list[list[float]] = []  # one row a frame: x, y and heading a marker, x and y a food
-        self._chances: list[list[float]] = []  # one row a frame: losses of all, then reversals of markers
+        # Rows of numbers, one a frame, taken from the end.
+        self._normals: list[float] = []  # x, y and heading a marker, x and y a food
+        self._chances: list[float] = []  # losses of all, then reversals of markers
         self._plates: list[Plate] = []
         self._lost: list[bool] = []  # under a loss: markers, then foods
         self._loss_rates: list[tuple[float, float]] = []  # the same way, without and with a cable over it
@@ -122,13 +123,16 @@ class OverheadCamera:
 
     def _draw(self, truth: Truth) -> tuple[list[float], list[float]]:
         """The random numbers of one frame, normal and uniform."""
+        markers, foods = len(truth.markers), len(truth.foods)
+        count, chances = 3 * markers + 2 * foods, 2 * markers + foods
         if not self._normals:
             if self._rng is None:
                 raise RuntimeError("expose() before any reset(rng); allowed: after one")
-            markers, foods = len(truth.markers), len(truth.foods)
-            self._normals = self._rng.standard_normal((_BLOCK, 3 * markers + 2 * foods)).tolist()
-            self._chances = self._rng.random((_BLOCK, 2 * markers + foods)).tolist()
-        return self._normals.pop(), self._chances.pop()
+            self._normals = self._rng.standard_normal(_BLOCK * count).tolist()
+            self._chances = self._rng.random(_BLOCK * chances).tolist()
+        drawn = self._normals[-count:], self._chances[-chances:]
+        del self._normals[-count:], self._chances[-chances:]
+        return drawn
 
     def _lose(self, truth: Truth, chances: list[float]) -> None:
         """End and begin losses."""

@@ -18,11 +18,16 @@ class Draws:
 
     def __init__(self, source: Callable[[tuple[int, int]], NDArray[np.float64]], count: int) -> None:
         self._source = source
+        self._count = count
         self._shape = (max(1, _BLOCK // count), count)
-        self._rows: list[list[float]] = []
+        self._numbers: list[float] = []
+        self._next = 0
 
     def next(self) -> list[float]:
         """The numbers of the next round."""
-        if not self._rows:
-            self._rows = self._source(self._shape).tolist()[::-1]
-        return self._rows.pop()
+        begin = self._next
+        if begin == len(self._numbers):
+            # One flat list: a list a row would only give the garbage collector work.
+            self._numbers, begin = self._source(self._shape).ravel().tolist(), 0
+        end = self._next = begin + self._count
+        return self._numbers[begin:end]

@@ -47,7 +47,7 @@ def arena_of(arenas: Sequence[Arena], what: str, place: Point | Pose, radius: fl
     Raises:
         ValueError: It does not stand on the free floor of any.
     """
-    nearest = max(arenas, key=lambda arena: arena.clearance(place))
+    nearest = arenas[0] if len(arenas) == 1 else max(arenas, key=lambda arena: arena.clearance(place))
     nearest.check_free(what, place, radius)
     return nearest
 
