@@ -41,7 +41,7 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
     for _ in range(_TRIES):
         u, v, w = rng.random(3).tolist()
         start = Pose(x1 + width * u, y1 + height * v, -math.pi + 2.0 * math.pi * w)
-        if not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
+        if min(start.x - x1, x2 - start.x, start.y - y1, y2 - start.y) < RADIUS or not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
             continue
         places: list[Point] = []
         for _ in range(50 * foods):
@@ -163,10 +163,13 @@ def _outside_home(arena: Arena, place: Point | Pose, radius: float) -> bool:
 
 def _stands_free(arena: Arena, start: Pose) -> bool:
     """Whether body and gripper touch no wall."""
-    if arena.clearance(start) < RADIUS + _MARGIN:
+    clearance = arena.clearance(start)
+    if clearance < RADIUS + _MARGIN:
         return False
-    cosine, sine = math.cos(start.heading), math.sin(start.heading)
     wide = half_gap(200) + _MARGIN
+    if clearance > math.hypot(FINGER_TIP, wide) + _MARGIN:
+        return True
+    cosine, sine = math.cos(start.heading), math.sin(start.heading)
     return all(
         arena.clearance(Point(start.x + x * cosine - y * sine, start.y + x * sine + y * cosine)) >= _MARGIN
         for x in (FINGER_TIP / 2, FINGER_TIP)

@@ -112,7 +112,7 @@ def nearest_food(scene: Scene, site: Site, x: float, y: float, settled: Containe
     nearest = None
     best = math.inf
     for region in scene.regions:
-        if region.holes == 0 and region.label not in settled and within(region, site):
+        if not region.holes and region.label not in settled and within(region, site):
             dx, dy = region.x - x, region.y - y
             squared = dx * dx + dy * dy
             if squared < best:
@@ -133,8 +133,8 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
     x, y = own.x, own.y
     nearest = math.inf
     wall_x = wall_y = 0.0
-    for wall in site.walls:
-        dx, dy = way_to_wall(x, y, *wall)
+    for x1, y1, ex, ey, long in site.walls:
+        dx, dy = way_to_wall(x, y, x1, y1, ex, ey, long)
         squared = dx * dx + dy * dy
         if squared < nearest:
             nearest, wall_x, wall_y = squared, dx, dy

@@ -97,7 +97,7 @@ class PymunkKhepera:
         self._sensor_draws: list[float] = [0.5] * 8
         self._velocity = self._rolling = 0.0, 0.0
         self._forward = self._turn = self._turning = 0.0
-        self._steering = self._glided = False
+        self._steering = self._glided = self._moves_jaw = False
         self._free = True
         self.pose = pose
         self._walls.survey(pose.x, pose.y)
@@ -161,7 +161,7 @@ class PymunkKhepera:
         self._steering = False
         self._free = True
         pushing, moving = self._may_push(x, y, travel)
-        moves_jaw = gripper.wants_to_move_jaw(jaw)
+        moves_jaw = self._moves_jaw = gripper.wants_to_move_jaw(jaw)
         if travel == 0.0 and not moving and not moves_jaw:
             return 0
         if self._walls.clear(self.pose, travel, pushing):
@@ -200,14 +200,15 @@ class PymunkKhepera:
     @property
     def busy(self) -> bool:
         """Whether wheels or jaw want to be moved along within the round."""
-        return self._steering or self.gripper.wants_to_move_jaw(self._command.jaw)
+        return self._steering or self._moves_jaw
 
     def push(self, dt: float) -> None:
         """Point the wheels' pull for the next `dt` seconds, and move the jaw."""
         if self._steering:
             angle = self.body.angle
             _set_velocity(self._wheels, (self._forward * math.cos(angle), self._forward * math.sin(angle)))
-        self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._walls.near)
+        if self._moves_jaw:
+            self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._walls.near)
 
     def end_round(self) -> None:
         """Take down where physics has brought the robot."""

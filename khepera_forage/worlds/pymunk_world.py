@@ -90,12 +90,15 @@ class PymunkWorld:
         # Enough for a row of food squeezed against a wall to stay out of it: with ten it gave way by 1.6 mm.
         space.iterations = 40
         space.collision_persistence = 1
-        for arena in self.arenas:
-            for x1, y1, x2, y2 in arena.segments:
-                wall = pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0)
-                wall.friction = 0.2
-                wall.filter = layers.WALL
-                space.add(wall)
+        walls = [
+            pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0)
+            for arena in self.arenas
+            for x1, y1, x2, y2 in arena.segments
+        ]
+        for wall in walls:
+            wall.friction = 0.2
+            wall.filter = layers.WALL
+        space.add(*walls)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
         self.robots = tuple(
             PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), build)

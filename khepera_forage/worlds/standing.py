@@ -59,8 +59,10 @@ def check_robot(arena: Arena, pose: Pose) -> None:
         ValueError: It would; the message quotes the pose.
     """
     arena.check_free("robot", pose, RADIUS)
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
     wide = half_gap(JAW_OPEN) + FINGER_THICKNESS
+    if arena.clearance(pose) > math.hypot(FINGER_TIP, wide):
+        return
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
     for ahead in (JAW_ROOT, FINGER_TIP):
         for aside in (-wide, wide):
             if arena.clearance(Point(pose.x + ahead * c - aside * s, pose.y + ahead * s + aside * c)) < 0:
