@@ -102,6 +102,8 @@ def repeated(jobs: Sequence[Job], repeats: int) -> Iterator[list[Values]]:
     Yields:
         The values of all jobs, once a repeat.
     """
+    gc.collect()
+    gc.freeze()  # what a job keeps, such as a million vectors, is not searched at the cost of the others
     for _ in range(repeats):
         values = []
         for job in jobs:

@@ -134,7 +134,10 @@ def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, s
     nearest = math.inf
     wall_x = wall_y = 0.0
     for x1, y1, ex, ey, long in site.walls:
-        dx, dy = way_to_wall(x, y, x1, y1, ex, ey, long)
+        # `way_to_wall`, written out: four calls would take one part in sixty of a simulated step.
+        t = ((x - x1) * ex + (y - y1) * ey) / long
+        t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
+        dx, dy = x1 + t * ex - x, y1 + t * ey - y
         squared = dx * dx + dy * dy
         if squared < nearest:
             nearest, wall_x, wall_y = squared, dx, dy
