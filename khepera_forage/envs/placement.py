@@ -41,7 +41,9 @@ def random_layout(arena: Arena, foods: int, rng: np.random.Generator) -> Layout:
     for _ in range(_TRIES):
         u, v, w = rng.random(3).tolist()
         start = Pose(x1 + width * u, y1 + height * v, -math.pi + 2.0 * math.pi * w)
-        if min(start.x - x1, x2 - start.x, start.y - y1, y2 - start.y) < RADIUS or not (_outside_home(arena, start, RADIUS) and _stands_free(arena, start)):
+        if min(start.x - x1, x2 - start.x, start.y - y1, y2 - start.y) < RADIUS or not (
+            _outside_home(arena, start, RADIUS) and _stands_free(arena, start)
+        ):
             continue
         places: list[Point] = []
         for _ in range(50 * foods):
