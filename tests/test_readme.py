@@ -18,7 +18,7 @@ def run(block: str) -> dict[str, Any]:
 
 
 def test_there_is_a_loop_for_each_phase() -> None:
-    assert len(BLOCKS) == 2
+    assert len(BLOCKS) == 3
     assert all(len(block.splitlines()) <= 18 for block in BLOCKS)
 
 

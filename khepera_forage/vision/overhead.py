@@ -139,7 +139,7 @@ class OverheadCamera:
     def _lose(self, truth: Truth, chances: list[float]) -> None:
         """End and begin losses."""
         lost = self._lost
-        if True not in lost and min(chances) >= self._worst_rate:
+        if True not in lost and min(chances, default=1.0) >= self._worst_rate:
             return  # as in nearly every frame
         for i, (rate, rate_under_cable) in enumerate(self._loss_rates):
             chance = chances[i]
