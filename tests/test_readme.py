@@ -32,6 +32,10 @@ def test_the_pettingzoo_loop_makes_an_imitator() -> None:
     assert 0 <= imitator.act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
 
 
+def test_thousands_of_worlds() -> None:
+    assert run(BLOCKS[2])["rewards"].shape == (256,)
+
+
 @pytest.mark.parametrize("path", re.findall(r"\]\(([^)#]+)\)", README))
 def test_links_lead_somewhere(path: str) -> None:
     if not path.startswith("http"):
