@@ -85,10 +85,10 @@ class PymunkWorld:
         self._sensor_draws = Draws(sensors.random, 8 * len(self.markers))
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
-        # Contacts are not carried over from step to step: their impulses, scaled to a step of another length, would
-        # throw a robot that pressed a finger against a wall.
         # Enough for a row of food squeezed against a wall to stay out of it: with ten it gave way by 1.6 mm.
         space.iterations = 40
+        # Contacts are not carried over from step to step: their impulses, scaled to a step of another length, would
+        # throw a robot that pressed a finger against a wall.
         space.collision_persistence = 1
         walls = [
             pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0)
