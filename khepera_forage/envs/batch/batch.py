@@ -6,21 +6,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.batch import rows as at
-from khepera_forage.envs.batch.place import arena_array, site_array, site_walls
-from khepera_forage.envs.batch.rounds import begin_all, play_all
-from khepera_forage.envs.checks import FoodOdds, food_odds, the_arena, whole_number
+from khepera_forage.envs.batch.rounds import play_all
+from khepera_forage.envs.batch.rules import rules_of
+from khepera_forage.envs.batch.worlds import Worlds, arrays_of, empty_worlds
+from khepera_forage.envs.checks import FoodOdds, the_arena, whole_number
 from khepera_forage.envs.placement import given_layout
 from khepera_forage.noise import Noise
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
-from khepera_forage.worlds.standing import cable_anchor, check_robot, check_seen
+from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
-Rows = tuple[Floats, Floats, NDArray[np.uint64], Floats, Floats]
 
 
 class TaskBatch:
@@ -49,37 +47,25 @@ class TaskBatch:
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
         self.arena = the_arena(arena)
-        check_seen([self.arena])
-        self.foods = whole_number("foods", foods, 1)
-        if self.foods > body.MOST_FOODS:
-            raise ValueError(f"foods is {foods!r}; allowed: 1 to {body.MOST_FOODS} in a batch")
-        self.limit = whole_number("limit", limit, 1)
-        noise = Noise.laboratory() if noise is None else noise
+        self._setting, self._rules = rules_of(self.arena, foods, limit, noise, food_types)
+        self.foods, self.limit = self._setting.foods, self._rules.limit
         self._blocks = -(-self.num_worlds // LANES)
-        self._rows = self._room(self._blocks)
-        self._setting = (
-            walls_of(self.arena),
-            edges_of(self.arena),
-            noise_of(noise, cable_anchor([self.arena]), 2),
-            site_array(self.arena),
-            site_walls(self.arena),
-        )
-        self._draws = arena_array(self.arena), np.array(food_odds(food_types))
+        self._worlds = empty_worlds(self._blocks, self.foods)
 
     @property
     def bytes_per_world(self) -> float:
         """Memory that a world takes."""
-        return sum(rows.nbytes for rows in self._rows) / self._blocks / LANES
+        return float(sum(rows.nbytes for rows in arrays_of(self._worlds)) / self._blocks / LANES)
 
     @property
     def diagonal(self) -> int:
         """Of the arena, in pixels."""
-        return int(self._setting[3][4])
+        return int(self._rules.place[4])
 
     @property
     def home(self) -> Floats:
         """x, y and radius of the home, in pixels."""
-        return self._setting[3][:3].copy()
+        return self._rules.place[:3].copy()
 
     def seed(self, seed: int, worlds: NDArray[np.int64]) -> None:
         """Give worlds their random numbers: world i of a seed, whatever the size of the batch.
@@ -115,18 +101,18 @@ class TaskBatch:
                 places = np.array(layout.foods)
         # New episodes begin in blocks of their own, which are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        room = self._room(blocks)
+        room = empty_worlds(blocks, self.foods)
         new = np.arange(len(worlds))
         there, here = (new // LANES, slice(None), new % LANES), (worlds // LANES, slice(None), worlds % LANES)
-        _by_row(room[2])[there] = _by_row(self._rows[2])[here]
+        _by_row(room.bodies.keys)[there] = _by_row(self._worlds.bodies.keys)[here]
         lanes = blocks * LANES
         self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
-        if np.isnan(_by_row(room[0])[:, body.X]).any():
+        if np.isnan(_by_row(room.bodies.robots)[:, body.X]).any():
             raise ValueError(
                 f"{self.arena.name}: no room for a robot and {self.foods} food objects outside home; "
                 "make the arena larger"
             )
-        for rows, fresh in zip(self._rows, room, strict=True):
+        for rows, fresh in zip(arrays_of(self._worlds), arrays_of(room), strict=True):
             _by_row(rows)[here] = _by_row(fresh)[there]
 
     def step(self, actions: Floats, waiting: NDArray[np.bool_]) -> None:
@@ -141,42 +127,29 @@ class TaskBatch:
         padded[: self.num_worlds] = actions
         fresh = np.zeros(lanes, np.bool_)
         fresh[: self.num_worlds] = waiting
-        self._play(
-            self._rows, padded.reshape(lanes, -1), fresh, np.full(3, np.nan), np.full((self.foods, 2), np.nan)
-        )
+        nowhere, nothing = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
+        self._play(self._worlds, padded.reshape(lanes, -1), fresh, nowhere, nothing)
 
     def task(self, row: int) -> Floats:
         """A row of `envs.batch.rows`, one number a world."""
-        return self._row(self._rows[3], row)
+        return self._row(self._worlds.tasks, row)
 
     def body(self, row: int) -> Floats:
         """A row of `worlds.batch.rows`, one number a world."""
-        return self._row(self._rows[0], row)
+        return self._row(self._worlds.bodies.robots, row)
 
     def _row(self, rows: Floats, row: int) -> Floats:
         return rows[:, row * LANES : (row + 1) * LANES].reshape(-1)[: self.num_worlds]
 
     def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
-        rows, lanes = self._rows[2].reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
+        rows, lanes = self._worlds.bodies.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
         rows[worlds // LANES, body.KEY, lanes] = keys
         rows[worlds // LANES, body.ROUND, lanes] = 0
 
     def _play(
-        self, rows: Rows, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
+        self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
-        play_all(*rows, self.foods, *self._setting, *self._draws, actions, fresh, pose, places, self.limit)
-
-    def _room(self, blocks: int) -> Rows:
-        """Rows of bodies, food, random numbers, task and register, for some blocks."""
-        rooms = (
-            np.zeros((blocks, body.ROBOT_ROWS * LANES)),
-            np.zeros((blocks, self.foods * body.FOOD_ROWS * LANES)),
-            np.zeros((blocks, body.KEY_ROWS * LANES), np.uint64),
-            np.zeros((blocks, at.TASK_ROWS * LANES)),
-            np.zeros((blocks, self.foods * at.TASK_FOOD_ROWS * LANES)),
-        )
-        begin_all(*rooms)
-        return rooms
+        play_all(*worlds, self._setting, self._rules, actions, fresh, pose, places)
 
 
 def _by_row(rows: NDArray[Any]) -> NDArray[Any]:

@@ -12,20 +12,20 @@ from numba import prange
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch import rows as at
-from khepera_forage.envs.batch.place import arena_array, site_array, site_walls
 from khepera_forage.envs.batch.rounds import begin_episode, carry_out, decide
+from khepera_forage.envs.batch.rules import Rules, rules_of
 from khepera_forage.envs.batch.task import drive
-from khepera_forage.envs.checks import FoodOdds, food_odds, the_arena, whole_number
+from khepera_forage.envs.batch.worlds import Worlds, empty_worlds, worlds_of
+from khepera_forage.envs.checks import FoodOdds, whole_number
 from khepera_forage.foraging.scoring import score
 from khepera_forage.noise import Noise
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import kernel
+from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
+from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
-from khepera_forage.worlds.standing import cable_anchor, check_seen
 
 # Columns of an episode's result.
 STEPS, CORRECT, DELIVERED, POISON_HOME, DELIVERABLE, COLUMNS = range(6)
@@ -60,105 +60,63 @@ def _teach(t: NDArray[np.float64]) -> None:
 
 @kernel
 def _play(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    place: NDArray[np.float64],
-    pixel_walls: NDArray[np.float64],
-    arena: NDArray[np.float64],
-    odds: NDArray[np.float64],
-    limit: int,
+    worlds: Worlds,
+    setting: Setting,
+    rules: Rules,
     episode_keys: NDArray[np.uint64],
     first: int,
     stride: int,
     results: NDArray[np.int64],
 ) -> None:
     """Play the episodes `first`, `first + stride`, `first + 2 * stride` ... in one block."""
-    episodes = episode_keys.shape[0]
+    s, t = worlds.bodies.robots, worlds.tasks
     coming = first
     playing = 0
     for i in range(LANES):
-        t[at.EPISODE * LANES + i] = coming if coming < episodes else -1
-        playing += 1 if coming < episodes else 0
-        keys[body.KEY * LANES + i] = episode_keys[min(coming, episodes - 1)]
-        keys[body.ROUND * LANES + i] = 0
-        begin_episode(s, f, keys, t, q, i, foods, walls, arena, noise, odds)
+        playing += _next(worlds, i, setting, rules, episode_keys, coming)
         coming += stride
     while playing > 0:
         _teach(t)
         decide(t, s)
-        drive(s, t, place)
-        carry_out(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls, limit)
+        drive(s, t, rules.place)
+        carry_out(worlds, setting, rules)
         for i in range(LANES):
             if t[at.TERMINATED * LANES + i] == 0.0 and t[at.TRUNCATED * LANES + i] == 0.0:
                 continue
-            steps = t[at.STEPS * LANES + i]
             episode = int(t[at.EPISODE * LANES + i])
             if episode >= 0:
-                results[episode, STEPS] = int(steps)
+                results[episode, STEPS] = int(t[at.STEPS * LANES + i])
                 results[episode, CORRECT] = int(t[at.CORRECT * LANES + i])
                 results[episode, DELIVERED] = int(t[at.DELIVERED * LANES + i])
                 results[episode, POISON_HOME] = int(t[at.POISON_HOME * LANES + i])
                 results[episode, DELIVERABLE] = int(t[at.DELIVERABLE * LANES + i])
                 playing -= 1
-            t[at.EPISODE * LANES + i] = coming if coming < episodes else -1
-            playing += 1 if coming < episodes else 0
-            keys[body.KEY * LANES + i] = episode_keys[min(coming, episodes - 1)]
-            keys[body.ROUND * LANES + i] = 0
-            begin_episode(s, f, keys, t, q, i, foods, walls, arena, noise, odds)
+            playing += _next(worlds, i, setting, rules, episode_keys, coming)
             coming += stride
+
+
+@inline
+def _next(
+    worlds: Worlds, i: int, setting: Setting, rules: Rules, episode_keys: NDArray[np.uint64], episode: int
+) -> int:
+    """Begin an episode in a lane, one that does not count when none is left; returns how many begin that count."""
+    last = episode_keys.shape[0] - 1
+    worlds.tasks[at.EPISODE * LANES + i] = episode if episode <= last else -1
+    worlds.bodies.keys[body.KEY * LANES + i] = episode_keys[min(episode, last)]
+    worlds.bodies.keys[body.ROUND * LANES + i] = 0
+    begin_episode(worlds, i, setting, rules)
+    return 1 if episode <= last else 0
 
 
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def forage(  # type: ignore[no-untyped-def]
-        robots,
-        food,
-        keys,
-        tasks,
-        registers,
-        foods,
-        walls,
-        corners,
-        noise,
-        place,
-        pixel_walls,
-        arena,
-        odds,
-        limit,
-        episode_keys,
-        results,
-    ):
-        blocks = robots.shape[0] if sources else 0
+    def forage(bodies, tasks, registers, setting, rules, episode_keys, results):  # type: ignore[no-untyped-def]
+        blocks = tasks.shape[0] if sources else 0
         for block in prange(blocks):
-            _play(
-                robots[block],
-                food[block],
-                keys[block],
-                tasks[block],
-                registers[block],
-                foods,
-                walls,
-                corners,
-                noise,
-                place,
-                pixel_walls,
-                arena,
-                odds,
-                limit,
-                episode_keys,
-                np.int64(block),  # type: ignore[arg-type]
-                blocks,
-                results,
-            )
+            worlds = worlds_of(bodies, tasks, registers, block)
+            _play(worlds, setting, rules, episode_keys, np.int64(block), blocks, results)  # type: ignore[arg-type]
 
     return forage
 
@@ -194,32 +152,11 @@ def run_teacher(
     Raises:
         ValueError: An argument out of range, or an arena with no room.
     """
-    the = the_arena(arena)
-    check_seen([the])
+    setting, rules = rules_of(arena, foods, limit, noise, food_types, wheel_speed)
     episodes, num_worlds = whole_number("episodes", episodes, 1), whole_number("num_worlds", num_worlds, 1)
-    if whole_number("foods", foods, 1) > body.MOST_FOODS:
-        raise ValueError(f"foods is {foods!r}; allowed: 1 to {body.MOST_FOODS} in a batch")
-    blocks = -(-min(num_worlds, episodes) // LANES)
     results = np.zeros((episodes, COLUMNS), np.int64)
-    noise = Noise.laboratory() if noise is None else noise
-    _forage(
-        np.zeros((blocks, body.ROBOT_ROWS * LANES)),
-        np.zeros((blocks, foods * body.FOOD_ROWS * LANES)),
-        np.zeros((blocks, body.KEY_ROWS * LANES), np.uint64),
-        np.zeros((blocks, at.TASK_ROWS * LANES)),
-        np.zeros((blocks, foods * at.TASK_FOOD_ROWS * LANES)),
-        foods,
-        walls_of(the),
-        edges_of(the),
-        noise_of(noise, cable_anchor([the]), 2, wheel_speed),
-        site_array(the),
-        site_walls(the),
-        arena_array(the),
-        np.array(food_odds(food_types)),
-        whole_number("limit", limit, 1),
-        keys_of(seed, np.arange(episodes)),
-        results,
-    )
+    worlds = empty_worlds(-(-min(num_worlds, episodes) // LANES), foods)
+    _forage(*worlds, setting, rules, keys_of(seed, np.arange(episodes)), results)
     steps, correct, delivered, poison_home, deliverable = results.T
     scores = [
         score(*row)

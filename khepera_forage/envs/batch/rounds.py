@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from khepera_forage.envs.batch import register
 from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.placing import place_all
+from khepera_forage.envs.batch.rules import Rules
 from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
+from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.foraging.identification import drawn_type
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.numbers import upper, word
 from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.stepping import advance_block, stand
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
@@ -24,27 +26,17 @@ _PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
 
 
 @inline
-def begin_episode(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    i: int,
-    foods: int,
-    walls: NDArray[np.float64],
-    arena: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    odds: NDArray[np.float64],
-) -> bool:
+def begin_episode(worlds: Worlds, i: int, setting: Setting, rules: Rules) -> bool:
     """Put robot and food of one world in random places; its first frame is taken in the coming round.
 
     Returns:
         Whether there was room.
     """
+    keys, f, t, q = worlds.bodies.keys, worlds.bodies.food, worlds.tasks, worlds.registers
+    foods = setting.foods
     key, round_ = keys[body.KEY * LANES + i], keys[body.ROUND * LANES + i]
-    x, y, heading = place_all(f, i, foods, word(key, _PLACES + round_), walls, arena)
-    stand(s, f, keys, i, x, y, heading, foods, noise)
+    x, y, heading = place_all(f, i, foods, word(key, _PLACES + round_), setting.walls, rules.arena)
+    stand(worlds.bodies, i, x, y, heading, setting)
     for row in range(at.TASK_ROWS):
         if row != at.EPISODE:
             t[row * LANES + i] = 0.0
@@ -56,7 +48,8 @@ def begin_episode(
             q[mine + row * LANES] = 0.0
         q[mine + at.PLACE_X * LANES] = f[there + body.FOOD_X * LANES] / MM_PER_PIXEL
         q[mine + at.PLACE_Y * LANES] = f[there + body.FOOD_Y * LANES] / MM_PER_PIXEL
-        q[mine + at.TYPE * LANES] = drawn_type(upper(word(types, np.uint64(food))), odds[0], odds[1]).value
+        draw = upper(word(types, np.uint64(food)))
+        q[mine + at.TYPE * LANES] = drawn_type(draw, rules.odds[0], rules.odds[1]).value
     return bool(x == x)
 
 
@@ -71,28 +64,17 @@ def decide(t: NDArray[np.float64], s: NDArray[np.float64]) -> None:
 
 
 @sequence
-def carry_out(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    place: NDArray[np.float64],
-    pixel_walls: NDArray[np.float64],
-    limit: int,
-) -> None:
+def carry_out(worlds: Worlds, setting: Setting, rules: Rules) -> None:
     """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth."""
+    s, f, t, q = worlds.bodies.robots, worlds.bodies.food, worlds.tasks, worlds.registers
     remember(s, t)
     for i in range(LANES):
         t[at.REWARD * LANES + i] = t[at.POISON_HOME * LANES + i] - t[at.DELIVERED * LANES + i]
         t[at.FRESH * LANES + i] = s[body.NEW * LANES + i]
-    advance_block(s, f, keys, foods, walls, corners, noise)
-    register.update(s, f, t, q, foods, place)
-    perceive(s, t, place, pixel_walls)
+    advance_block(worlds.bodies, setting)
+    register.update(s, f, t, q, setting.foods, rules.place)
+    perceive(s, t, rules.place, rules.walls)
+    limit = rules.limit
     for i in range(LANES):
         fresh = t[at.FRESH * LANES + i] != 0.0
         delivered = t[at.DELIVERED * LANES + i]
@@ -128,109 +110,43 @@ def _put(
 
 @kernel
 def _play(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    t: NDArray[np.float64],
-    q: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    place: NDArray[np.float64],
-    pixel_walls: NDArray[np.float64],
-    arena: NDArray[np.float64],
-    odds: NDArray[np.float64],
+    worlds: Worlds,
+    setting: Setting,
+    rules: Rules,
     actions: NDArray[np.float64],
     waiting: NDArray[np.bool_],
     pose: NDArray[np.float64],
     places: NDArray[np.float64],
-    limit: int,
 ) -> None:
     """One round in a block by given actions; lanes that wait begin an episode instead."""
+    s, t = worlds.bodies.robots, worlds.tasks
     for i in range(LANES):
         if waiting[i]:
-            begin_episode(s, f, keys, t, q, i, foods, walls, arena, noise, odds)
-            _put(s, f, q, i, foods, pose, places)
+            begin_episode(worlds, i, setting, rules)
+            _put(s, worlds.bodies.food, worlds.registers, i, setting.foods, pose, places)
     if actions.shape[1] == 1:
         for i in range(LANES):
             t[at.BEHAVIOUR * LANES + i] = actions[i, 0]
         decide(t, s)
-        drive(s, t, place)
+        drive(s, t, rules.place)
     else:
-        command_motors(s, t, place, actions)
+        command_motors(s, t, rules.place, actions)
         decide(t, s)
-    carry_out(s, f, keys, t, q, foods, walls, corners, noise, place, pixel_walls, limit)
+    carry_out(worlds, setting, rules)
 
 
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def play_all(  # type: ignore[no-untyped-def]
-        robots,
-        food,
-        keys,
-        tasks,
-        registers,
-        foods,
-        walls,
-        corners,
-        noise,
-        place,
-        pixel_walls,
-        arena,
-        odds,
-        actions,
-        waiting,
-        pose,
-        places,
-        limit,
-    ):
-        blocks = robots.shape[0] if sources else 0
+    def play_all(bodies, tasks, registers, setting, rules, actions, waiting, pose, places):  # type: ignore[no-untyped-def]
+        blocks = tasks.shape[0] if sources else 0
         for block in prange(blocks):
             lanes = slice(block * LANES, (block + 1) * LANES)
-            _play(
-                robots[block],
-                food[block],
-                keys[block],
-                tasks[block],
-                registers[block],
-                foods,
-                walls,
-                corners,
-                noise,
-                place,
-                pixel_walls,
-                arena,
-                odds,
-                actions[lanes],
-                waiting[lanes],
-                pose,
-                places,
-                limit,
-            )
+            worlds = worlds_of(bodies, tasks, registers, block)
+            _play(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
 
     return play_all
 
 
 play_all = _compile(SOURCES)
-
-
-def begin_all(
-    robots: NDArray[np.float64],
-    food: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    tasks: NDArray[np.float64],
-    registers: NDArray[np.float64],
-) -> None:
-    """Rows in which lanes that no world uses can be advanced without harm: at rest, far from anything."""
-    del keys, registers
-    view = robots.reshape(-1, body.ROBOT_ROWS, LANES)
-    view[:, body.X] = view[:, body.Y] = -1e6
-    view[:, body.COS] = 1.0
-    view[:, body.ARM] = view[:, body.ARM_TO] = ARM_RAISED
-    view[:, body.JAW] = view[:, body.JAW_TO] = JAW_OPEN
-    view[:, body.HELD] = -1.0
-    food.reshape(robots.shape[0], -1, body.FOOD_ROWS, LANES)[:, :, [body.TRACK, body.NOTE, body.GHOST]] = -1.0
-    tasks.reshape(-1, at.TASK_ROWS, LANES)[:, at.HELD] = -1.0

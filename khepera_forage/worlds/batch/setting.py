@@ -1,11 +1,14 @@
 """What all worlds of a batch have in common, as plain arrays for the kernels: walls, and the sizes of the noise."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.noise import Noise
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.polygon import area, edges, line_of
+from khepera_forage.worlds.standing import cable_anchor
 
 # Columns of `walls_of`: one end, the way to the other, 1 / its squared length, unit normal and offset of the line.
 X1, Y1, EX, EY, SHARE, NORMAL_X, NORMAL_Y, OFFSET = range(8)
@@ -26,6 +29,40 @@ X1, Y1, EX, EY, SHARE, NORMAL_X, NORMAL_Y, OFFSET = range(8)
     ANCHOR_Y,
     WHEEL_SPEED,
 ) = range(14)
+
+
+class Setting(NamedTuple):
+    """What holds for every world of a batch.
+
+    Attributes:
+        foods: Food objects in each.
+        walls: See `walls_of`.
+        corners: See `edges_of`.
+        noise: See `noise_of`.
+    """
+
+    foods: int
+    walls: NDArray[np.float64]
+    corners: NDArray[np.float64]
+    noise: NDArray[np.float64]
+
+
+def setting_of(
+    arena: Arena, foods: int, noise: Noise | None = None, holes: int = 2, wheel_speed: float = 1.0
+) -> Setting:
+    """The setting of worlds in one arena.
+
+    Args:
+        arena: Every world's.
+        foods: Food objects in each.
+        noise: The laboratory's troubles by default.
+        holes: Of the robots' marker, 1 or 2.
+        wheel_speed: Share of the commanded speed that wheels reach.
+    """
+    sizes = noise_of(
+        Noise.laboratory() if noise is None else noise, cable_anchor([arena]), holes, wheel_speed
+    )
+    return Setting(foods, walls_of(arena), edges_of(arena), sizes)
 
 
 def walls_of(arena: Arena) -> NDArray[np.float64]:

@@ -3,11 +3,10 @@
 import numba
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.worlds.batch import rows as at
-from khepera_forage.worlds.batch import setting
+from khepera_forage.worlds.batch.bodies import Bodies, bodies_of
 from khepera_forage.worlds.batch.camera import expose
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.contact import touch
@@ -15,6 +14,7 @@ from khepera_forage.worlds.batch.drive import aim, begin_round, glide
 from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.sensing import cast, end_round, measure
+from khepera_forage.worlds.batch.setting import WHEEL_BIAS, WHEEL_SPEED, Setting
 from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.tracks import track
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
@@ -26,92 +26,59 @@ _BIAS_LEFT, _BIAS_RIGHT, _BIAS_DITHER = (np.uint64(at.DRAWS - n) for n in (1, 2,
 
 
 @sequence
-def look(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    foods: int,
-    walls: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> None:
+def look(bodies: Bodies, setting: Setting) -> None:
     """What robots and camera sense at the end of a round, in every world of a block."""
-    end_round(s, f, foods)
-    cast(s, f, foods, walls)
-    measure(s, keys, noise)
-    expose(s, f, keys, foods, noise)
-    track(s, f, foods, noise)
+    s, f, keys = bodies.robots, bodies.food, bodies.keys
+    end_round(s, f, setting.foods)
+    cast(s, f, setting.foods, setting.walls)
+    measure(s, keys, setting.noise)
+    expose(s, f, keys, setting.foods, setting.noise)
+    track(s, f, setting.foods, setting.noise)
 
 
 @sequence
-def advance_block(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> None:
+def advance_block(bodies: Bodies, setting: Setting) -> None:
     """One round of 0.1 s in every world of a block."""
+    s, f, keys = bodies.robots, bodies.food, bodies.keys
     for i in range(LANES):
         keys[at.ROUND * LANES + i] += _ONE
-    begin_round(s, f, keys, foods, noise)
-    look_around(s, f, foods, walls)
+    begin_round(s, f, keys, setting.foods, setting.noise)
+    look_around(s, f, setting.foods, setting.walls)
     aim(s)
-    watch_walls(s, walls, corners)
-    watch_food(s, f, foods)
+    watch_walls(s, setting.walls, setting.corners)
+    watch_food(s, f, setting.foods)
     glide(s)
-    touch(s, f, foods, walls, corners)
-    look(s, f, keys, foods, walls, noise)
+    touch(s, f, setting.foods, setting.walls, setting.corners)
+    look(bodies, setting)
 
 
 @kernel
-def _advance(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    foods: int,
-    walls: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> None:
-    advance_block(s, f, keys, foods, walls, corners, noise)
+def _advance(bodies: Bodies, setting: Setting) -> None:
+    advance_block(bodies, setting)
 
 
 @inline
-def stand(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    i: int,
-    x: float,
-    y: float,
-    heading: float,
-    foods: int,
-    noise: NDArray[np.float64],
-) -> None:
+def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, setting: Setting) -> None:
     """Put a robot down at the start of an episode, at rest, with its gripper raised and open; the camera knows nothing.
 
     The food's places are set beside this.
     """
+    s, f, keys = bodies.robots, bodies.food, bodies.keys
     for row in range(at.ROBOT_ROWS):
         s[row * LANES + i] = 0.0
     key, first = keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS
     dither = word(key, first + _BIAS_DITHER)
-    mean = noise[setting.WHEEL_SPEED] - 1.0
-    s[at.BIAS_LEFT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(
-        word(key, first + _BIAS_LEFT), dither
-    )
-    s[at.BIAS_RIGHT * LANES + i] = mean + noise[setting.WHEEL_BIAS] * normal(
-        word(key, first + _BIAS_RIGHT), dither >> _32
-    )
+    mean = setting.noise[WHEEL_SPEED] - 1.0
+    bias = setting.noise[WHEEL_BIAS]
+    s[at.BIAS_LEFT * LANES + i] = mean + bias * normal(word(key, first + _BIAS_LEFT), dither)
+    s[at.BIAS_RIGHT * LANES + i] = mean + bias * normal(word(key, first + _BIAS_RIGHT), dither >> _32)
     s[at.X * LANES + i], s[at.Y * LANES + i], s[at.HEADING * LANES + i] = x, y, heading
     s[at.COS * LANES + i], s[at.SIN * LANES + i] = cosine_sine(heading)
     s[at.ARM * LANES + i] = s[at.ARM_TO * LANES + i] = ARM_RAISED
     s[at.JAW * LANES + i] = s[at.JAW_TO * LANES + i] = JAW_OPEN
     s[at.HELD * LANES + i] = -1.0
     s[at.NEW * LANES + i] = 1.0
-    for food in range(foods):
+    for food in range(setting.foods):
         there = food * at.FOOD_ROWS * LANES + i
         for row in range(at.LOST, at.FOOD_ROWS):
             f[there + row * LANES] = 0.0
@@ -123,22 +90,22 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernels that Python calls; see `sources` for why they are made here."""
 
     @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def advance_all(robots, food, keys, foods, walls, corners, noise):  # type: ignore[no-untyped-def]
-        blocks = robots.shape[0] if sources else 0
+    def advance_all(bodies, setting):  # type: ignore[no-untyped-def]
+        blocks = bodies.robots.shape[0] if sources else 0
         for block in prange(blocks):
-            _advance(robots[block], food[block], keys[block], foods, walls, corners, noise)
+            _advance(bodies_of(bodies, block), setting)
 
     @numba.njit(error_model="numpy", boundscheck=False, cache=True)
-    def stand_all(robots, food, keys, poses, places, noise):  # type: ignore[no-untyped-def]
+    def stand_all(bodies, setting, poses, places):  # type: ignore[no-untyped-def]
         foods = places.shape[1] if sources else 0
         for lane in range(poses.shape[0]):
             block, i = lane // LANES, lane % LANES
             x, y, heading = poses[lane, 0], poses[lane, 1], poses[lane, 2]
-            stand(robots[block], food[block], keys[block], i, x, y, heading, foods, noise)
+            stand(bodies_of(bodies, block), i, x, y, heading, setting)
             for k in range(foods):
                 there = k * at.FOOD_ROWS * LANES + i
-                food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
-                food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]
+                bodies.food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
+                bodies.food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]
 
     return advance_all, stand_all
 

@@ -16,11 +16,12 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as at
+from khepera_forage.worlds.batch.bodies import empty_bodies
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.setting import edges_of, noise_of, walls_of
+from khepera_forage.worlds.batch.setting import setting_of
 from khepera_forage.worlds.batch.stepping import advance_all, stand_all
-from khepera_forage.worlds.standing import cable_anchor, check_seen
+from khepera_forage.worlds.standing import check_seen
 
 Floats = NDArray[np.float64]
 
@@ -86,16 +87,13 @@ class BatchWorld:
         self.foods = foods
         self.noise = Noise.laboratory() if noise is None else noise
         blocks = -(-num_worlds // LANES)
-        self._robots = np.zeros((blocks, at.ROBOT_ROWS * LANES))
-        self._food = np.zeros((blocks, foods * at.FOOD_ROWS * LANES))
-        self._keys = np.zeros((blocks, at.KEY_ROWS * LANES), np.uint64)
-        self._walls, self._corners = walls_of(arena), edges_of(arena)
-        self._noise = noise_of(self.noise, cable_anchor([arena]), holes)
+        self._bodies = empty_bodies(blocks, foods)
+        self._setting = setting_of(arena, foods, self.noise, holes)
 
     @property
     def bytes_per_world(self) -> float:
         """Memory that a world takes."""
-        return (self._robots.nbytes + self._food.nbytes + self._keys.nbytes) / self._robots.shape[0] / LANES
+        return float(sum(rows.nbytes for rows in self._bodies) / self._bodies.robots.shape[0] / LANES)
 
     def reset(self, seed: int, starts: ArrayLike, foods: ArrayLike) -> None:
         """Put everything in its place.
@@ -110,12 +108,13 @@ class BatchWorld:
         """
         poses = self._all("starts", starts, (3,))
         places = self._all("foods", foods, (self.foods, 2))
-        blocks = self._robots.shape[0]
-        self._keys[:, at.KEY * LANES : (at.KEY + 1) * LANES] = keys_of(
+        keys = self._bodies.keys
+        blocks = keys.shape[0]
+        keys[:, at.KEY * LANES : (at.KEY + 1) * LANES] = keys_of(
             seed, np.arange(blocks * LANES).reshape(blocks, LANES)
         )
-        self._keys[:, at.ROUND * LANES : (at.ROUND + 1) * LANES] = 0
-        stand_all(self._robots, self._food, self._keys, poses, places, self._noise)
+        keys[:, at.ROUND * LANES : (at.ROUND + 1) * LANES] = 0
+        stand_all(self._bodies, self._setting, poses, places)
         self.advance((0, 0, ARM_RAISED, JAW_OPEN))  # nothing moves: the first frame is taken
 
     def advance(self, motors: ArrayLike) -> None:
@@ -128,7 +127,7 @@ class BatchWorld:
             ValueError: An array of another shape, or with values that are not finite.
         """
         self._drive(self._all("motors", motors, (4,)))
-        advance_all(self._robots, self._food, self._keys, self.foods, self._walls, self._corners, self._noise)
+        advance_all(self._bodies, self._setting)
 
     def senses(self) -> BatchSenses:
         """What the robots sense now."""
@@ -176,13 +175,13 @@ class BatchWorld:
             (at.ARM_TO, arm),
             (at.JAW_TO, jaw),
         ):
-            self._robots[:, row * LANES : (row + 1) * LANES] = values.reshape(-1, LANES)
+            self._bodies.robots[:, row * LANES : (row + 1) * LANES] = values.reshape(-1, LANES)
 
     def _row(self, row: int) -> Floats:
-        return self._robots[:, row * LANES : (row + 1) * LANES].reshape(-1)[: self.num_worlds]
+        return self._bodies.robots[:, row * LANES : (row + 1) * LANES].reshape(-1)[: self.num_worlds]
 
     def _food_rows(self, row: int) -> Floats:
-        rows = self._food.reshape(-1, self.foods, at.FOOD_ROWS, LANES)[:, :, row]
+        rows = self._bodies.food.reshape(-1, self.foods, at.FOOD_ROWS, LANES)[:, :, row]
         return rows.transpose(0, 2, 1).reshape(-1, self.foods)[: self.num_worlds]
 
     def _all(self, name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -194,7 +193,7 @@ class BatchWorld:
             )
         if not np.isfinite(array).all():
             raise ValueError(f"{name} has values that are not finite; allowed: finite numbers")
-        whole = np.empty((self._robots.shape[0] * LANES, *shape))
+        whole = np.empty((self._bodies.robots.shape[0] * LANES, *shape))
         whole[: self.num_worlds] = array
         whole[self.num_worlds :] = array if array.shape == shape else array[-1]
         return whole

@@ -1,0 +1,39 @@
+"""The rows of all blocks of a batch, or of one block."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.worlds.batch import rows as at
+from khepera_forage.worlds.batch.compiling import inline
+from khepera_forage.worlds.batch.rows import LANES
+
+
+class Bodies(NamedTuple):
+    """Robots, food and random numbers: one array a block each, or the arrays of one block (see `rows`).
+
+    Attributes:
+        robots: `ROBOT_ROWS` rows.
+        food: `FOOD_ROWS` rows a food object.
+        keys: `KEY_ROWS` rows.
+    """
+
+    robots: NDArray[np.float64]
+    food: NDArray[np.float64]
+    keys: NDArray[np.uint64]
+
+
+def empty_bodies(blocks: int, foods: int) -> Bodies:
+    """Room for some blocks."""
+    return Bodies(
+        np.zeros((blocks, at.ROBOT_ROWS * LANES)),
+        np.zeros((blocks, foods * at.FOOD_ROWS * LANES)),
+        np.zeros((blocks, at.KEY_ROWS * LANES), np.uint64),
+    )
+
+
+@inline
+def bodies_of(bodies: Bodies, block: int) -> Bodies:
+    """Those of one block."""
+    return Bodies(bodies.robots[block], bodies.food[block], bodies.keys[block])
