@@ -41,7 +41,9 @@ def _scene(batch: Any, i: Any) -> Any:
         batch.body(row)[i] for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES, body.OWN_FOUND)
     )
     own = Region(10**6, float(x), float(y), 2, int(degrees), bool(found), False, 0, 0, 1, 1, 1)
-    food = batch._rows[1].reshape(-1, batch.foods, body.FOOD_ROWS, LANES)[i // LANES, :, :, i % LANES]
+    food = batch._worlds.bodies.food.reshape(-1, batch.foods, body.FOOD_ROWS, LANES)[
+        i // LANES, :, :, i % LANES
+    ]
     regions = [own]
     for rows in food.tolist():
         if rows[body.TRACK] >= 0:
@@ -91,9 +93,11 @@ def test_register_perception_and_commands_are_those_of_the_single_environment() 
     site = site_of(RECTANGLE)
     registers = []
     for i in range(worlds):
-        rows = batch._rows[4].reshape(-1, foods, at.TASK_FOOD_ROWS, LANES)[i // LANES, :, :, i % LANES]
+        rows = batch._worlds.registers.reshape(-1, foods, at.TASK_FOOD_ROWS, LANES)[
+            i // LANES, :, :, i % LANES
+        ]
         places = (
-            batch._rows[1].reshape(-1, foods, body.FOOD_ROWS, LANES)[i // LANES, :, :2, i % LANES]
+            batch._worlds.bodies.food.reshape(-1, foods, body.FOOD_ROWS, LANES)[i // LANES, :, :2, i % LANES]
             / MM_PER_PIXEL
         )
         types = FoodTypes(foods, (1.0, 0.0, 0.0), np.random.default_rng(0))
@@ -143,11 +147,12 @@ def test_random_layouts_have_the_distribution_of_the_single_environment() -> Non
         (x, y, heading), (one, two) = env.layout.starts[0], env.layout.foods
         single.append((x, y, heading, *one, *two))
     many = (
-        _by_row(batch._rows[0])[:, (body.X, body.Y, body.HEADING)].transpose(0, 2, 1).reshape(-1, 3)[:worlds]
+        _by_row(batch._worlds.bodies.robots)[:, (body.X, body.Y, body.HEADING)]
+        .transpose(0, 2, 1)
+        .reshape(-1, 3)[:worlds]
     )
     food = (
-        batch._rows[1]
-        .reshape(-1, 2, body.FOOD_ROWS, LANES)[:, :, :2]
+        batch._worlds.bodies.food.reshape(-1, 2, body.FOOD_ROWS, LANES)[:, :, :2]
         .transpose(0, 3, 1, 2)
         .reshape(-1, 4)[:worlds]
     )
