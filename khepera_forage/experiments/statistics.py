@@ -73,11 +73,11 @@ def tally(rows: Iterable[_R], numbers: Sequence[int], *measures: Measure[_R]) ->
         numbers: The replications, one a line of the result; all that occur in the rows.
         *measures: One a column of the result.
     """
+    rows = list(rows)
     line = {number: i for i, number in enumerate(numbers)}
-    sums = np.zeros((len(numbers), len(measures)))
-    for row in rows:
-        sums[line[row.replication]] += [measure(row) for measure in measures]
-    return sums
+    lines = np.array([line[row.replication] for row in rows], dtype=np.intp)
+    sums = [np.bincount(lines, [measure(row) for row in rows], len(numbers)) for measure in measures]
+    return np.stack(sums, axis=1)
 
 
 def ratio(sums: Floats) -> Floats:
@@ -181,7 +181,10 @@ def wilson(successes: int, trials: int) -> Estimate:
 
 def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
     """How often each replication is drawn in each resample."""
-    return rng.multinomial(count, np.full(count, 1.0 / count), size=resamples).astype(np.float64)
+    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
+    return (
+        np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count).astype(np.float64)
+    )
 
 
 def _interval(draws: Floats) -> tuple[float, float]:
