@@ -13,7 +13,7 @@ from khepera_forage.experiments.training import arrays, train
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.worlds.operator import OperatorGaveUp
+from khepera_forage.worlds.lab.operator import OperatorGaveUp
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 from khepera_forage.worlds.world import World
 

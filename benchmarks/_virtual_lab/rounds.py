@@ -17,7 +17,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.vision.frames import RenderedSource
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.worlds.beat import WallBeat
+from khepera_forage.worlds.lab.beat import WallBeat
 from khepera_forage.worlds.virtual_laboratory import VirtualBeat, VirtualLaboratory
 
 LOCK_STEP, PACED = "lock-step", "wall clock"

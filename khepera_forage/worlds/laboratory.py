@@ -11,13 +11,13 @@ from khepera_forage.robots.serial_khepera import SerialKhepera
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.video import CameraLost, FrameSource
 from khepera_forage.worlds.arena import Arena, Point, Pose
-from khepera_forage.worlds.beat import Beat, WallBeat
-from khepera_forage.worlds.devices import open_camera, open_robots
-from khepera_forage.worlds.food_watch import FoodWatch
-from khepera_forage.worlds.lab_settings import LabSettings
-from khepera_forage.worlds.operator import Operator, Prompt, Request, RobotMark
+from khepera_forage.worlds.lab.beat import Beat, WallBeat
+from khepera_forage.worlds.lab.devices import open_camera, open_robots
+from khepera_forage.worlds.lab.food_watch import FoodWatch
+from khepera_forage.worlds.lab.operator import Operator, Prompt, Request, RobotMark
+from khepera_forage.worlds.lab.settings import LabSettings
+from khepera_forage.worlds.lab.survey import closed_grippers, own_marker, pose_of, survey
 from khepera_forage.worlds.standing import check_apart, check_layout, check_robot, check_seen
-from khepera_forage.worlds.survey import closed_grippers, own_marker, pose_of, survey
 from khepera_forage.worlds.world import FoodPlace, Layout
 
 ROUNDS = 30

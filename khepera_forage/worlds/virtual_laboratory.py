@@ -19,13 +19,13 @@ from khepera_forage.vision.frames import CameraLook, FrameRenderer, RenderedSour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.worlds.arena import ARENAS, Arena, Point, copies
-from khepera_forage.worlds.beat import WallBeat
-from khepera_forage.worlds.lab_settings import CameraSettings, LabSettings, RobotSettings
+from khepera_forage.worlds.lab.beat import WallBeat
+from khepera_forage.worlds.lab.operator import Operator
+from khepera_forage.worlds.lab.settings import CameraSettings, LabSettings, RobotSettings
+from khepera_forage.worlds.lab.virtual_operator import VirtualOperator
 from khepera_forage.worlds.laboratory import Laboratory
-from khepera_forage.worlds.operator import Operator
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.standing import cable_anchor, check_layout
-from khepera_forage.worlds.virtual_operator import VirtualOperator
 from khepera_forage.worlds.world import Layout
 
 

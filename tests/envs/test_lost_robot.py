@@ -18,7 +18,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.worlds.arena import RECTANGLE
-from khepera_forage.worlds.operator import OperatorGaveUp, Request
+from khepera_forage.worlds.lab.operator import OperatorGaveUp, Request
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
 pytest.importorskip("serial")

@@ -15,9 +15,9 @@ from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.vision.frames import CameraLook
 from khepera_forage.vision.video import CameraLost
 from khepera_forage.worlds.arena import CORRIDOR, Point, Pose, copies
-from khepera_forage.worlds.lab_file import load
+from khepera_forage.worlds.lab.file import load
+from khepera_forage.worlds.lab.operator import OperatorGaveUp, Request
 from khepera_forage.worlds.laboratory import Laboratory
-from khepera_forage.worlds.operator import OperatorGaveUp, Request
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 from khepera_forage.worlds.world import Layout
 

@@ -26,7 +26,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.vision.frames import CameraLook
 from khepera_forage.worlds.arena import CORRIDOR
-from khepera_forage.worlds.lab_file import parse
+from khepera_forage.worlds.lab.file import parse
 from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 from khepera_forage.worlds.world import Layout
 

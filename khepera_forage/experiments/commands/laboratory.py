@@ -82,7 +82,7 @@ def _laboratory(lab: str, arena: str, robots: int) -> World:
         virtual = VirtualLaboratory.of(arena, robots)
         print(f"virtual laboratory: robots at {', '.join(virtual.urls)}, a tracker on rendered frames")
         return virtual
-    from khepera_forage.worlds.lab_file import load
+    from khepera_forage.worlds.lab.file import load
     from khepera_forage.worlds.laboratory import Laboratory
 
     settings = load(lab)

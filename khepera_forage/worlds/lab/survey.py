@@ -7,8 +7,8 @@ from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, Sen
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.worlds.arena import Arena, Point, Pose
-from khepera_forage.worlds.lab_settings import Tolerance
-from khepera_forage.worlds.operator import RobotMark, holes
+from khepera_forage.worlds.lab.operator import RobotMark, holes
+from khepera_forage.worlds.lab.settings import Tolerance
 
 _PLAY = 10
 """Positions by which arm and jaw may read otherwise than commanded. Assumption."""

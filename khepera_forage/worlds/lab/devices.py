@@ -8,7 +8,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import FrameSource, VideoSource
-from khepera_forage.worlds.lab_settings import LabSettings
+from khepera_forage.worlds.lab.settings import LabSettings
 
 
 def open_robots(settings: LabSettings) -> Fleet:

@@ -7,7 +7,7 @@ import numpy as np
 
 from khepera_forage.noise import Noise
 from khepera_forage.worlds.arena import Point, Pose
-from khepera_forage.worlds.operator import OperatorGaveUp, Request
+from khepera_forage.worlds.lab.operator import OperatorGaveUp, Request
 from khepera_forage.worlds.pymunk_world import PymunkWorld
 from khepera_forage.worlds.world import Layout
 

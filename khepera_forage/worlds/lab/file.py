@@ -1,6 +1,6 @@
 """Reading `lab.toml`: which robots, camera and arena make up a laboratory.
 
-`lab_sample.toml` beside this module explains every key; `python -m khepera_forage.worlds.lab_file` prints it.
+`sample.toml` beside this module explains every key; `python -m khepera_forage.worlds.lab.file` prints it.
 """
 
 import math
@@ -14,9 +14,8 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
 from khepera_forage.robots.line.serial_port import BAUDS
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.worlds.arena import ARENAS, Arena, Point, Pose
-from khepera_forage.worlds.lab_settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
-from khepera_forage.worlds.standing import check_seen
-from khepera_forage.worlds.toml_table import (
+from khepera_forage.worlds.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
+from khepera_forage.worlds.lab.toml_table import (
     Table,
     TableError,
     list_of,
@@ -26,6 +25,7 @@ from khepera_forage.worlds.toml_table import (
     quoted,
     text,
 )
+from khepera_forage.worlds.standing import check_seen
 
 
 class LabFileError(ValueError):
@@ -68,7 +68,7 @@ def parse(toml: str, folder: Path = Path()) -> LabSettings:
 
 def sample() -> str:
     """The commented sample that ships with the package."""
-    return resources.files("khepera_forage.worlds").joinpath("lab_sample.toml").read_text(encoding="utf-8")
+    return resources.files("khepera_forage.worlds.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
 def _laboratory(table: Table, folder: Path) -> LabSettings:

@@ -11,9 +11,9 @@ from khepera_forage.robots.khepera import Senses
 from khepera_forage.vision.overhead import OverheadCamera, Truth
 from khepera_forage.vision.scene import Scene
 from khepera_forage.worlds.arena import CORRIDOR, Point, Pose, copies
-from khepera_forage.worlds.lab_settings import Tolerance
-from khepera_forage.worlds.operator import OperatorGaveUp, Prompt, Request, RobotMark, lines_of
-from khepera_forage.worlds.survey import closed_grippers, survey
+from khepera_forage.worlds.lab.operator import OperatorGaveUp, Prompt, Request, RobotMark, lines_of
+from khepera_forage.worlds.lab.settings import Tolerance
+from khepera_forage.worlds.lab.survey import closed_grippers, survey
 
 ARENAS = copies(CORRIDOR, 2)
 FOODS = tuple(food for arena in ARENAS for food in arena.foods)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_LENGTH, JAW_ROOT, Senses
 from khepera_forage.vision.scene import Scene
 from khepera_forage.worlds.arena import Arena, Point, Pose
-from khepera_forage.worlds.survey import place_of, within
+from khepera_forage.worlds.lab.survey import place_of, within
 from khepera_forage.worlds.world import FoodPlace
 
 _BETWEEN_FINGERS = JAW_ROOT + FINGER_LENGTH / 2

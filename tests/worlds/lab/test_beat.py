@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from khepera_forage.worlds.beat import MANY, WallBeat
+from khepera_forage.worlds.lab.beat import MANY, WallBeat
 
 
 class Clock:

@@ -10,8 +10,8 @@ import pytest
 
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE, Point
-from khepera_forage.worlds.lab_file import LabFileError, load, parse, sample
-from khepera_forage.worlds.lab_settings import LabSettings, RobotSettings
+from khepera_forage.worlds.lab.file import LabFileError, load, parse, sample
+from khepera_forage.worlds.lab.settings import LabSettings, RobotSettings
 
 LEAST = """
 [camera]
@@ -177,6 +177,6 @@ def test_calibration_is_looked_for_beside_the_file(tmp_path: Path) -> None:
 
 
 def test_the_documentation_shows_a_laboratory() -> None:
-    documentation = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
+    documentation = (Path(__file__).parents[3] / "docs" / "laboratory.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```toml\n(.*?)```", documentation, flags=re.DOTALL)
     assert len(parse(shown).robots) == 2
