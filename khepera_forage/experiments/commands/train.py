@@ -11,7 +11,7 @@ from tqdm import tqdm
 from khepera_forage.envs.training import PATIENCE, TrainingEnv
 from khepera_forage.experiments import training
 from khepera_forage.experiments.commands.laboratory import add_lab_argument, report, training_env
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.experiments.row_files import RowWriter
 from khepera_forage.experiments.rows import TrainingRow
 
 
@@ -45,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: A number that is out of range.
+        HopelessTraining: None of many attempts at an episode was complete.
         OSError: An experience file is there already; with `--lab`, what is in the way of the laboratory.
     """
     if arguments.episodes < 1:
@@ -55,23 +56,21 @@ def run(arguments: argparse.Namespace) -> int:
         if path.exists():
             raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
     with closing(training_env(arguments, patience=arguments.patience)) as env:
-        rows = _trained(env, paths, arguments)
+        with RowWriter(arguments.out / "attempts.csv", TrainingRow) as attempts:
+            _train(env, paths, arguments, attempts)
         report(env)
-    write_rows(arguments.out / "attempts.csv", TrainingRow, rows)
     return 0
 
 
-def _trained(env: TrainingEnv, paths: list[Path], arguments: argparse.Namespace) -> list[TrainingRow]:
+def _train(
+    env: TrainingEnv, paths: list[Path], arguments: argparse.Namespace, attempts: RowWriter[TrainingRow]
+) -> None:
     """A complete episode a file, and a row an attempt."""
-    rows: list[TrainingRow] = []
     quiet = arguments.lab is not None or not sys.stderr.isatty()  # an operator is asked on the same screen
     seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
     for number, (path, seed) in enumerate(
         tqdm(list(zip(paths, seeds, strict=True)), unit="episode", disable=quiet), 1
     ):
-        experience, attempts = training.train(env, seed, file=number, path=path, resume=arguments.resume)
-        rows += attempts
-        print(
-            f"{path}: {len(experience)} experience vectors, {len(attempts)} attempt(s), {attempts[-1].rounds} rounds"
-        )
-    return rows
+        experience, rows = training.train(env, seed, file=number, path=path, resume=arguments.resume)
+        attempts.write(*rows)
+        print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
