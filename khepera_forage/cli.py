@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from khepera_forage import __version__
 from khepera_forage.experiments import commands, reproduce
+from khepera_forage.experiments.training import HopelessTraining
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -23,6 +24,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name, module, help_text in (
         ("reproduce", reproduce, "run the thesis' experiments and set the outcome beside its own"),
         ("train", commands.train, "train a learner in the paired corridors and keep its experience"),
+        ("teach", commands.teach, "be the teacher yourself, with keys in a window"),
         ("recall", commands.recall, "let a trained learner, or the teacher, forage alone"),
         ("watch", commands.watch, "show a training or a recall as it happens, or save it as a film"),
         ("robot", commands.robot, "try out a real Khepera, or start a virtual one"),
@@ -36,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     try:
         status: int = arguments.run(arguments)
-    except (ValueError, OSError, ImportError) as error:
+    except (ValueError, OSError, ImportError, HopelessTraining) as error:
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -11,7 +11,7 @@ from khepera_forage.experiments.row_files import read_rows
 from khepera_forage.experiments.rows import RecallRow, TrainingRow
 
 
-@pytest.mark.parametrize("command", ["reproduce", "train", "recall", "watch"])
+@pytest.mark.parametrize("command", ["reproduce", "train", "teach", "recall", "watch"])
 def test_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main([command, "--help"])

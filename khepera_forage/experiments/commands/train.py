@@ -73,4 +73,6 @@ def _train(
     ):
         experience, rows = training.train(env, seed, file=number, path=path, resume=arguments.resume)
         attempts.write(*rows)
-        print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
+        print(
+            f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
+        )

@@ -1,0 +1,1 @@
+"""A person in the teacher's place: what the keys say (`keys`), who decides (`person`), and the window (`window`)."""

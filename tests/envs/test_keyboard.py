@@ -1,0 +1,73 @@
+"""The picture for a person at the keyboard: what changes in it, and what does not."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.envs.rendering import View
+from khepera_forage.envs.rendering.caption import Caption
+from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
+from khepera_forage.envs.rendering.painter import Painter
+from khepera_forage.experiments.teaching.keys import BEHAVIOUR_OF, LETTERS
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE
+
+VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
+PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
+
+
+def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
+    return Painter.pixels(KeyboardPainter().paint(view, caption))
+
+
+def test_every_behaviour_has_a_letter_of_its_name_and_its_number() -> None:
+    assert list(LETTERS) == list(Behaviour)[:10]
+    assert len(set(LETTERS.values())) == 10
+    for behaviour, letter in LETTERS.items():
+        assert letter.upper() in behaviour.name
+        assert BEHAVIOUR_OF[letter] == BEHAVIOUR_OF[str(int(behaviour))] == behaviour
+
+
+def test_above_the_keys_stands_the_picture_of_the_environment() -> None:
+    picture, above = pixels(VIEW, PLAIN), Painter.pixels(Painter().paint(VIEW))
+    assert picture.shape[1] == above.shape[1]
+    np.testing.assert_array_equal(picture[: len(above)], above)
+
+
+@pytest.mark.parametrize("behaviour", list(LETTERS))
+@pytest.mark.parametrize("what", ["lit", "last"])
+def test_a_key_is_marked_in_its_place_and_nowhere_else(behaviour: Behaviour, what: str) -> None:
+    marked = PLAIN._replace(lit=behaviour) if what == "lit" else PLAIN._replace(last=behaviour)
+    before, after = pixels(VIEW, PLAIN), pixels(VIEW, marked)
+    rows, columns = np.nonzero((before != after).any(axis=2))
+    assert len(rows) > 300
+    height, width = len(Painter.pixels(Painter().paint(VIEW))), before.shape[1]
+    row, column = divmod(int(behaviour), COLUMNS)
+    middle = (columns.min() + columns.max()) / 2
+    assert abs(middle / width - (column + 0.5) / COLUMNS) < 0.03
+    assert height + 36 + 38 * row <= rows.min() <= rows.max() < height + 36 + 38 * (row + 1)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [PLAIN._replace(message="Wait."), PLAIN._replace(aside="Space"), PLAIN._replace(warning=True)],
+    ids=["message", "aside", "warning"],
+)
+def test_message_and_warning_show(changed: Caption) -> None:
+    before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
+    rows = np.nonzero((before != after).any(axis=2))[0]
+    height = len(Painter.pixels(Painter().paint(VIEW)))
+    assert len(rows) > 0
+    assert height <= rows.min() <= rows.max() < height + 36
+
+
+def test_what_is_said_aside_gives_way_to_the_message() -> None:
+    long = PLAIN._replace(message="word " * 60)
+    np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(aside="")))
+
+
+def test_another_view_is_another_picture_and_the_old_one_comes_back() -> None:
+    painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
+    first = Painter.pixels(painter.paint(VIEW, PLAIN))
+    assert Painter.pixels(painter.paint(other, PLAIN)).shape != first.shape
+    np.testing.assert_array_equal(Painter.pixels(painter.paint(VIEW, PLAIN)), first)
