@@ -1,0 +1,1 @@
+"""What `benchmarks/kheperax.py` compares: the same work for Kheperax and for `BatchWorld`."""
