@@ -18,16 +18,15 @@ from khepera_forage.envs.checks import (
     the_arena,
     whole_number,
 )
-from khepera_forage.envs.company import Company
+from khepera_forage.envs.demonstration import Demonstration
 from khepera_forage.envs.forager import Forager, site_of
 from khepera_forage.envs.placement import marked, training_layout
 from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
-from khepera_forage.foraging.scoring import score
-from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType
+from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena, Pose, copies
 from khepera_forage.worlds.pymunk_world import PymunkWorld
@@ -124,7 +123,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
         self.action_spaces = {a: spaces.Discrete(11) for a in self.possible_agents}
         self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
-        self._foragers: list[Forager] = []
+        self._attempt: Demonstration | None = None
 
     def observation_space(self, agent: str) -> spaces.Box:
         """The space of every agent's observations."""
@@ -142,9 +141,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     @property
     def foragers(self) -> list[Forager]:
         """The robots at their task, the teacher first."""
-        if not self._foragers:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
-        return self._foragers
+        return self._begun.foragers
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt at a training episode.
@@ -164,39 +161,25 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.world.reset(world, layout)
         count = len(self.arenas[0].foods)
         draws = FoodTypes(count, self._odds, types)
-        scene = self.world.camera.look()
-        self._foragers = []
+        foragers = []
         for i, (robot, site) in enumerate(zip(self.world.robots, self._sites, strict=True)):
             foods = layout.foods[i * count : (i + 1) * count]
             register = FoodRegister(site, [(f.x / MM_PER_PIXEL, f.y / MM_PER_PIXEL) for f in foods], draws)
-            forager = Forager(robot, site, self._markers[i], register)
-            forager.perceive(scene)
-            self._foragers.append(forager)
-        n = len(self._foragers)
-        self._actions = [int(Behaviour.WAIT)] * n
-        self._correct = [0] * n
-        self._steps = 0
-        self._company = Company(self._foragers)
+            foragers.append(Forager(robot, site, self._markers[i], register))
+        self._attempt = Demonstration(self.world, foragers)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)
         self._cumulative_rewards = dict.fromkeys(self.agents, 0.0)
         self.terminations = dict.fromkeys(self.agents, False)
         self.truncations = dict.fromkeys(self.agents, False)
-        self.infos = {agent: self._info(i) for i, agent in enumerate(self.agents)}
+        self.infos = {agent: self._attempt.info(i) for i, agent in enumerate(self.agents)}
         self.agent_selection = self.agents[0]
         if self.render_mode == "human":
             self.render()
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
-        i = self._index[agent]
-        presence, home, food_type, arm, food = self.foragers[i].vector
-        diagonal = self._sites[0].diagonal
-        heard = self._actions[0] if i else Behaviour.WAIT
-        apart = self._company.apart[i] if i else any(self._company.apart)
-        return np.array(
-            (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64
-        )
+        return self._begun.observe(self._index[agent])
 
     def step(self, action: int | None) -> None:
         """The selected agent's step; the last agent's ends the round.
@@ -205,22 +188,23 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             ResetNeeded: Before the first reset.
             ValueError: An action that is not one of the eleven.
         """
-        if not self._foragers:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        attempt = self._begun
         if not self.agents:
-            raise ResetNeeded(f"the episode ended after {self._steps} rounds; call reset() to start another")
+            raise ResetNeeded(
+                f"the episode ended after {attempt.steps} rounds; call reset() to start another"
+            )
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             self._was_dead_step(action)
             return
         i = self._index[agent]
-        self._actions[i] = behaviour_number(action, 11, agent)
+        attempt.actions[i] = behaviour_number(action, 11, agent)
         self._cumulative_rewards[agent] = 0.0
-        if i < len(self._foragers) - 1:
+        if i < len(attempt.foragers) - 1:
             self._clear_rewards()
             self.agent_selection = self.possible_agents[i + 1]
         else:
-            self._round()
+            self._round(attempt)
             self.agent_selection = self.agents[0]
         self._accumulate_rewards()
 
@@ -237,12 +221,13 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             raise ValueError(
                 f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
             )
-        x, y, heading = self._company.teacher_beside(i)
+        company = self._begun.company
+        x, y, heading = company.teacher_beside(i)
         try:
             self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
         except LOST as lost:
             self._cut_short(lost)
-        self._company.rounds[i] = 0
+        company.rounds[i] = 0
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -250,13 +235,14 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     def view(self) -> View:
         """What a picture of the present round shows."""
-        foragers = self.foragers
+        attempt = self._begun
+        foragers, actions = attempt.foragers, attempt.actions
         names = [
             agent.replace("_0", "") if len(foragers) == 2 else agent.replace("_", " ")
             for agent in self._index
         ]
         names[0] = "teacher"
-        started = self._steps > 0
+        started = attempt.steps > 0
         return View(
             arenas=self.arenas,
             robots=tuple(
@@ -265,15 +251,15 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                     forager,
                     self.world,
                     i,
-                    heard=Behaviour(self._actions[0]) if i and started else None,
-                    executed=Behaviour(self._actions[i]) if started else None,
-                    separated=self._company.apart[i],
+                    heard=Behaviour(actions[0]) if i and started else None,
+                    executed=Behaviour(actions[i]) if started else None,
+                    separated=attempt.company.apart[i],
                 )
                 for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
             ),
             foods=foods_shown(self.world, foragers),
             regions=self.world.camera.look().regions,
-            step=self._steps,
+            step=attempt.steps,
             limit=self.max_cycles,
             delivered=sum(f.register.delivered_food for f in foragers),
             title="Training in paired corridors",
@@ -284,36 +270,20 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.world.close()
         self._screen.close()
 
-    def _round(self) -> None:
+    def _round(self, attempt: Demonstration) -> None:
         """Everybody's commands take effect together."""
-        foragers = self._foragers
-        before = [(f.register.delivered_food, f.register.poison_home) for f in foragers]
-        self._steps += 1
         try:
-            for i, forager in enumerate(foragers):
-                self._correct[i] += self._actions[i] == forager.state
-                forager.drive(self._motors_of(i, forager))
-            self.world.advance()
-            scene = self.world.camera.look()
-            for forager in foragers:
-                forager.perceive(scene)
+            gains = attempt.round()
         except LOST as lost:
             self._cut_short(lost)
             return
-        self._company.update()
-        complete = all(map(_is_done, foragers))
-        given_up = self._steps >= self.max_cycles or max(self._company.rounds) >= self.patience
+        complete = attempt.complete
+        given_up = attempt.steps >= self.max_cycles or max(attempt.company.rounds) >= self.patience
         for i, agent in enumerate(self.agents):
-            delivered, poison = before[i]
-            register = foragers[i].register
-            self.rewards[agent] = (
-                (register.delivered_food - delivered)
-                - (register.poison_home - poison)
-                - 1.0 / self.max_cycles
-            )
+            self.rewards[agent] = gains[i] - 1.0 / self.max_cycles
             self.terminations[agent] = complete
             self.truncations[agent] = given_up and not complete
-            self.infos[agent] = self._info(i, complete)
+            self.infos[agent] = attempt.info(i, complete)
         if self.render_mode == "human":
             self.render()
 
@@ -322,36 +292,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         for i, agent in enumerate(self.agents):
             self.rewards[agent] = -1.0 / self.max_cycles
             self.truncations[agent] = True
-            self.infos[agent] = {**self._info(i), "robot_lost": str(lost)}
+            self.infos[agent] = {**self._begun.info(i), "robot_lost": str(lost)}
 
-    def _motors_of(self, i: int, forager: Forager) -> Motors:
-        motors = forager.motors_for(self._actions[i])
-        return motors if i == 0 else self._company.lead(i, motors, silent=self._actions[i] == Behaviour.WAIT)
-
-    def _info(self, i: int, complete: bool = False) -> dict[str, Any]:
-        forager = self._foragers[i]
-        register, raw, state = forager.register, forager.raw, int(forager.state)
-        delivered = register.delivered_food
-        return {
-            "state": state,
-            "correct_behaviour": state,
-            "x": raw.x,
-            "y": raw.y,
-            "orientation": raw.orientation,
-            "score": score(self._correct[i], self._steps, delivered, register.deliverable),
-            "correct": self._correct[i],
-            "steps": self._steps,
-            "delivered": delivered,
-            "poison_home": register.poison_home,
-            "complete": int(complete),
-            "separated_rounds": self._company.rounds[i],
-            "separations": self._company.separations[i],
-        }
-
-
-def _is_done(forager: Forager) -> bool:
-    """Whether a robot has done its part of a training episode (5.3)."""
-    register, vector = forager.register, forager.vector
-    if FoodType.POISONOUS in register.known and (vector.object_presence or vector.arms_height > CARRY_HEIGHT):
-        return False  # Poison is avoided, not just known: otherwise nobody would ever be shown how.
-    return register.finished and vector.robot_home_distance > forager.site.home_radius
+    @property
+    def _begun(self) -> Demonstration:
+        if self._attempt is None:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        return self._attempt
