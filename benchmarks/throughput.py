@@ -4,7 +4,8 @@
 
 Goals: 15,000 steps a second of Corridor-v0 under the teacher, 4,000 rounds a second of the paired corridors, 40,000
 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB for the main job;
-with `--batch`, 15 million steps a second wholly in the kernel and 5 million through `gym.make_vec`.
+with `--batch`, 15 million steps a second wholly in the kernel, 5 million and 300 times pymunk through `gym.make_vec`,
+and 150,000 of one world; then there is a second picture, of what a step costs against worlds and food.
 """
 
 import argparse
@@ -12,7 +13,19 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from _throughput import bare_pymunk, batch, foraging, imitating, page, parts, processes
+from _throughput import (
+    bare_pymunk,
+    batch,
+    batch_imitator,
+    batch_pairs,
+    compiling,
+    foraging,
+    imitating,
+    page,
+    parts,
+    processes,
+    scaling,
+)
 from _throughput.lines import Job, Line, lines_of, repeated
 from arguments import add_count, count_of, parser_for
 from tqdm import tqdm
@@ -25,6 +38,8 @@ STEPS, QUICK_STEPS = 10_000, 400
 """Steps, rounds or decisions of a measure in each repeat."""
 EPISODES, QUICK_EPISODES = 16_384, 1_024
 """Episodes of a measure of the batched worlds in each repeat."""
+BATCH_STEPS, QUICK_BATCH_STEPS = 100_000, 2_000
+"""Steps of each measure against the number of worlds, and of food."""
 STEM = "throughput"
 
 
@@ -44,6 +59,15 @@ def jobs(steps: int, seed: int) -> list[Job]:
         imitating.job(steps, seed),
         processes.import_job,
         parts.job(steps, seed),
+    ]
+
+
+def batch_jobs(quick: bool, seed: int) -> list[Job]:
+    """Everything about many worlds at once that is repeated."""
+    episodes = QUICK_EPISODES if quick else EPISODES
+    return [
+        *(module.job(episodes, seed) for module in (batch, batch_imitator, batch_pairs)),
+        scaling.job(QUICK_BATCH_STEPS if quick else BATCH_STEPS, seed),
     ]
 
 
@@ -70,6 +94,10 @@ def write(folder: Path, lines: Sequence[Line]) -> str:
     (folder / f"{STEM}.md").write_text(f"{text}\n![throughput]({STEM}.png)\n", encoding="utf-8")
     write_rows(folder / f"{STEM}.csv", Line, lines)
     save(page.picture(lines), folder / f"{STEM}.png")
+    if any(line.section == scaling.SECTION for line in lines):
+        save(scaling.picture(lines), folder / f"{STEM}_batch.png")
+        with (folder / f"{STEM}.md").open("a", encoding="utf-8") as file:
+            file.write(f"![worlds and food]({STEM}_batch.png)\n")
     return text
 
 
@@ -80,7 +108,8 @@ def run(arguments: argparse.Namespace) -> int:
     repeats = count_of(arguments.repeats, REPEATS, quick, QUICK_REPEATS)
     lines = measure(jobs(steps, arguments.seed), repeats)
     if arguments.batch:
-        lines += measure([batch.job(QUICK_EPISODES if quick else EPISODES, arguments.seed)], repeats)
+        lines += measure(batch_jobs(quick, arguments.seed), repeats)
+        lines += lines_of([[compiling.job()]])
     if arguments.memory:
         lines += lines_of([[processes.memory_job(arguments.seed)()]])
     print(write(arguments.out, lines))

@@ -1,4 +1,4 @@
-"""Thousands of worlds at once: the teacher wholly in the kernel, and the vector environment. Needs numba."""
+"""Thousands of worlds at once: the teacher wholly in the kernel, the vector environment, and one world. Needs numba."""
 
 from time import perf_counter
 from typing import Any
@@ -16,7 +16,7 @@ KERNEL = Measure(
     SECTION,
     "recall in the corridor under the teacher, in the kernel",
     "steps/s",
-    f"whole episodes of {WORLDS:,} worlds, all cores",
+    "whole episodes, as few worlds at a time as keep all cores busy",
     15e6,
 )
 ONE_CORE = Measure(SECTION, "the same on one core", "steps/s", "one thread")
@@ -27,15 +27,17 @@ VECTOR = Measure(
     "behaviours in, observations and infos out, all cores",
     5e6,
 )
-MEMORY = Measure(SECTION, "memory of a world", "bytes", "one food object")
-OBJECTS = tuple(
-    Measure(SECTION, f"in the kernel with {foods} food objects in the rectangle", "steps/s", "all cores")
-    for foods in (1, 2, 4, 8)
+TIMES = Measure(
+    SECTION, "the same beside Corridor-v0 in pymunk", "times", "both in the same repeat, resets included", 300
 )
+SINGLE = Measure(
+    SECTION, 'Corridor-v0 with physics="batch"', "steps/s", "gym.make, one world, resets included", 150_000
+)
+MEMORY = Measure(SECTION, "memory of a world", "bytes", "one food object", 2_000)
 
 
 def job(episodes: int, seed: int) -> Job:
-    """All measures of the batch.
+    """The main measures of the batch.
 
     Args:
         episodes: Whole episodes a repeat in the kernel.
@@ -49,9 +51,9 @@ def job(episodes: int, seed: int) -> Job:
     _, infos = env.reset(seed=seed)
     state = {"infos": infos}
 
-    def forage(**arguments: Any) -> float:
+    def forage() -> float:
         start = perf_counter()
-        steps = int(run_teacher(episodes=episodes, seed=seed, **arguments).steps.sum())
+        steps = int(run_teacher(episodes=episodes, seed=seed).steps.sum())
         return steps / (perf_counter() - start)
 
     def step_all(rounds: int) -> float:
@@ -66,11 +68,25 @@ def job(episodes: int, seed: int) -> Job:
     def repeat() -> Values:
         most = numba.get_num_threads()
         values = {KERNEL: forage(), VECTOR: step_all(50), MEMORY: env.unwrapped.batch.bytes_per_world}
+        values[TIMES] = values[VECTOR] / alone(2_000, seed)
+        values[SINGLE] = alone(20_000, seed, physics="batch")
         numba.set_num_threads(1)
         values[ONE_CORE] = forage()
         numba.set_num_threads(most)
-        for measure, foods in zip(OBJECTS, (1, 2, 4, 8), strict=True):
-            values[measure] = forage(arena="rectangle", foods=foods, limit=700)
         return values
 
     return repeat
+
+
+def alone(steps: int, seed: int, **kwargs: Any) -> float:
+    """Steps a second of Corridor-v0 of `gym.make` under the teacher, resets included."""
+    env: Any = gym.make("khepera_forage/Corridor-v0", **kwargs)
+    _, info = env.reset(seed=seed)
+    start = perf_counter()
+    for _ in range(steps):
+        _, _, terminated, truncated, info = env.step(info["correct_behaviour"])
+        if terminated or truncated:
+            _, info = env.reset()
+    rate = steps / (perf_counter() - start)
+    env.close()
+    return rate

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from _throughput import bare_pymunk, batch, foraging, imitating, parts, processes
+from _throughput import bare_pymunk, batch, compiling, foraging, imitating, parts, processes, scaling
 from _throughput.lines import Line
 from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
 from khepera_forage.experiments.statistics import Estimate
@@ -25,6 +25,8 @@ _NOTES = {
     processes.SECTION: processes.NOTE,
     parts.SECTION: parts.NOTE,
     batch.SECTION: batch.NOTE,
+    scaling.SECTION: scaling.NOTE,
+    compiling.SECTION: compiling.NOTE,
 }
 _COLUMNS = ("measure", "unit", "measured", "goal", "met", "how")
 

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from khepera_forage.experiments.rows import STATES
 from khepera_forage.experiments.statistics import bootstrap, ratio, replications, tally
 from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.foraging.states import NEXT_TO_FOOD, Behaviour, FoodType, StateVector
@@ -44,32 +46,55 @@ class VoteRow:
     search: float
 
 
-def votes(
-    imitator: NearestNeighbourImitator, training_distance: int, replication: int, episodes: int, file_id: str
-) -> list[VoteRow]:
-    """Ask an imitator, for food at several distances from home.
+def arrivals(training_distance: int) -> NDArray[np.int64]:
+    """What a robot perceives on arriving next to food, for food at several distances from home.
+
+    Args:
+        training_distance: Pixels between food and home in training.
+
+    Returns:
+        State vectors, of shape (distances, ways of arriving, 5), in the order of `BEYOND`.
+    """
+    return np.array(
+        [
+            [
+                StateVector(0, training_distance + beyond + food, FoodType.UNKNOWN, ARM_RAISED, food)
+                for food in _ARRIVING
+            ]
+            for beyond in BEYOND
+        ]
+    )
+
+
+def levels_of(imitator: NearestNeighbourImitator, vectors: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Confidence levels (4.6.2) of the ten behaviours, in the last axis.
 
     Args:
         imitator: Fitted.
-        training_distance: Pixels between food and home in training.
+        vectors: State vectors in the last axis, of any shape before it.
+    """
+    levels = np.zeros((*vectors.shape[:-1], STATES))
+    for place in np.ndindex(vectors.shape[:-1]):
+        for behaviour, level in imitator.confidence_levels(StateVector(*vectors[place].tolist())).items():
+            levels[place][behaviour] = level
+    return levels
+
+
+def votes(levels: NDArray[np.float64], replication: int, episodes: int, file_id: str) -> list[VoteRow]:
+    """What one imitator says to `arrivals`.
+
+    Args:
+        levels: Its confidence levels of the ten behaviours, of shape (distances, ways of arriving, 10).
         replication: For the rows.
         episodes: For the rows.
         file_id: For the rows.
     """
-    rows = []
-    for beyond in BEYOND:
-        shares = np.zeros(len(Behaviour))
-        for food in _ARRIVING:
-            home = training_distance + beyond + food
-            vector = StateVector(0, home, FoodType.UNKNOWN, ARM_RAISED, food)
-            for behaviour, level in imitator.confidence_levels(vector).items():
-                shares[behaviour] += level / len(_ARRIVING)
-        levels = [
-            round(float(shares[b]), 6)
-            for b in (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
-        ]
-        rows.append(VoteRow(replication, episodes, file_id, beyond, *levels))
-    return rows
+    asked = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
+    means = levels.mean(axis=1)
+    return [
+        VoteRow(replication, episodes, file_id, beyond, *(round(float(mean[b]), 6) for b in asked))
+        for beyond, mean in zip(BEYOND, means, strict=True)
+    ]
 
 
 def vote_table(rows: Sequence[VoteRow], rng: np.random.Generator) -> Table:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import site_of
 from khepera_forage.envs.training import TrainingEnv
@@ -18,7 +19,7 @@ from khepera_forage.experiments.design import (
     Subset,
     noise_conditions,
 )
-from khepera_forage.experiments.next_to_food import VoteRow, votes
+from khepera_forage.experiments.next_to_food import VoteRow, arrivals, levels_of, votes
 from khepera_forage.experiments.recalling import recall, recall_env
 from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.experiments.training import arrays, train
@@ -32,6 +33,29 @@ TRAINING_DISTANCE = round(math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_P
 """Pixels between food and home in training."""
 TEACHER_LIMIT_FACTOR = 3
 """The teacher is given this many times the thesis' limits, to see whether those are enough."""
+
+
+def replication_seeds(seed: int, number: int, noise: str) -> np.random.SeedSequence:
+    """Of training and recalls in one replication.
+
+    Args:
+        seed: Of the whole reproduction.
+        number: Of the replication.
+        noise: Name of the noise condition.
+    """
+    return np.random.SeedSequence(seed, spawn_key=(number, list(noise_conditions()).index(noise)))
+
+
+def baseline_seeds(seed: int, block: int, learner: str, arena: str, forages: int) -> NDArray[np.int64]:
+    """Of the forages of one block of `Baseline`."""
+    key = (block, 1000 + (learner == RANDOM), len(arena))
+    return np.random.SeedSequence(seed, spawn_key=key).generate_state(forages).astype(np.int64)
+
+
+def baseline_limit(learner: str, arena: str) -> int:
+    """Steps that the teacher or a random policy is given."""
+    limit = next(cell.limit for cell in THESIS if cell.arena == arena)
+    return limit * TEACHER_LIMIT_FACTOR if learner == TEACHER else limit
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,10 +85,8 @@ class Replication:
 
     def run(self) -> Outcome:
         """Train, recall, and return the rows."""
-        conditions = noise_conditions()
-        noise = conditions[self.noise]
-        seeds = np.random.SeedSequence(self.seed, spawn_key=(self.number, list(conditions).index(self.noise)))
-        training, recalling = seeds.spawn(2)
+        noise = noise_conditions()[self.noise]
+        training, recalling = replication_seeds(self.seed, self.number, self.noise).spawn(2)
         files, trainings = self._train(noise, training)
         recalls = tuple(self._recalls(noise, files, recalling))
         return Outcome(
@@ -111,7 +133,8 @@ class Replication:
             if cell.arena == CORRIDOR.name:
                 for subset in cell.subsets:
                     imitator, _ = self._imitator(subset, files, site_of(CORRIDOR).diagonal)
-                    yield from votes(imitator, TRAINING_DISTANCE, self.number, cell.episodes, subset.name)
+                    levels = levels_of(imitator, arrivals(TRAINING_DISTANCE))
+                    yield from votes(levels, self.number, cell.episodes, subset.name)
 
     @staticmethod
     def _imitator(
@@ -141,16 +164,12 @@ class Baseline:
 
     def run(self) -> Outcome:
         """Forage, and return the rows."""
-        limit = next(cell.limit for cell in THESIS if cell.arena == self.arena)
-        if self.learner == TEACHER:
-            limit *= TEACHER_LIMIT_FACTOR
-        env = recall_env(self.arena, limit=limit)
+        env = recall_env(self.arena, limit=baseline_limit(self.learner, self.arena))
         policy: Policy = Teacher(env.home_radius) if self.learner == TEACHER else UniformPolicy()
-        key = (self.number, 1000 + (self.learner == RANDOM), len(self.arena))
-        seeds = np.random.SeedSequence(self.seed, spawn_key=key).generate_state(self.forages).tolist()
+        seeds = baseline_seeds(self.seed, self.number, self.learner, self.arena, self.forages)
         rows = tuple(
             recall(env, policy, seed, learner=self.learner, replication=self.number, number=i)
-            for i, seed in enumerate(seeds)
+            for i, seed in enumerate(seeds.tolist())
         )
         env.close()
         return Outcome(rows)
@@ -167,6 +186,3 @@ class Attempts:
     def run(self) -> Outcome:
         """Train, and return the rows."""
         return Outcome(trainings=Replication(self.seed, self.number, self.noise, ()).run().trainings)
-
-
-Work = Replication | Baseline | Attempts

@@ -3,73 +3,63 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from khepera_forage.experiments.design import LABORATORY, NO_NOISE, THESIS, Cell, noise_conditions
+from khepera_forage.experiments.design import LABORATORY
 from khepera_forage.experiments.next_to_food import VoteRow
-from khepera_forage.experiments.replication import Attempts, Baseline, Outcome, Replication, Work
+from khepera_forage.experiments.plan import BATCH, PYMUNK, Work, amounts, batch_plan, plan
+from khepera_forage.experiments.replication import Outcome
 from khepera_forage.experiments.report import PAGE, write_report
 from khepera_forage.experiments.row_files import RowWriter
-from khepera_forage.experiments.rows import RANDOM, TEACHER, RecallRow, TrainingRow
-from khepera_forage.experiments.statistics import FEWEST
+from khepera_forage.experiments.rows import TEACHER, RecallRow, TrainingRow
 
-REPLICATIONS = 24
-"""By default; about two minutes on two cores."""
+REPLICATIONS = {PYMUNK: 24, BATCH: 1000}
+"""By default; some two minutes on two cores either way."""
 QUICK_REPLICATIONS = 2
-NOISE_CELLS: tuple[Cell, ...] = tuple(cell for cell in THESIS if cell.episodes == 10)
-"""What is repeated under each single source of noise: ten training episodes, recalls in both arenas."""
 
 
-def plan(seed: int, replications: int, quick: bool = False) -> list[Work]:
-    """All pieces of work, the slowest kind first.
-
-    Args:
-        seed: Of the reproduction.
-        replications: Of the whole design; noise conditions get a third of it, and enough for intervals.
-        quick: Only enough to exercise every part.
-    """
-    forages = 5 if quick else 25
-    blocks = 2 if quick else 20
-    few = 1 if quick else max(FEWEST, replications // 3)
-    conditions = [name for name in noise_conditions() if name != LABORATORY]
-    if quick:
-        conditions = [NO_NOISE]
-    work: list[Work] = [Replication(seed, i) for i in range(replications)]
-    work += [Replication(seed, i, noise, NOISE_CELLS) for noise in conditions for i in range(few)]
-    # Without losses only the attempts count, and there are to be as many of them as with losses.
-    work += [Attempts(seed, i) for i in range(0 if quick else few, replications)]
-    for arena in ("corridor", "rectangle"):
-        work += [Baseline(seed, i, TEACHER, arena, forages) for i in range(blocks)]
-        work += [Baseline(seed, i, RANDOM, arena, forages // 5) for i in range(blocks)]
-    return work
-
-
-def reproduce(seed: int, replications: int, out: Path, jobs: int = -1, quick: bool = False) -> Path:
+def reproduce(
+    seed: int, replications: int, out: Path, jobs: int = -1, quick: bool = False, physics: str = PYMUNK
+) -> Path:
     """Run everything and write the report.
 
     Args:
-        seed: The same seed gives the same rows, whatever the number of processes.
+        seed: The same seed gives the same rows, whatever the number of processes or threads.
         replications: Of the whole design.
         out: Folder for rows, tables and figures.
-        jobs: Processes; -1 is one a core.
+        jobs: Processes with pymunk; -1 is one a core.
         quick: The same work in small, in under a minute.
+        physics: `pymunk`, one world at a time, or `batch`, thousands of worlds at once.
 
     Returns:
         The report, a Markdown page.
+
+    Raises:
+        ValueError: Another kind of physics.
+        ImportError: numba is not installed, for `batch`.
     """
-    work = plan(seed, replications, quick)
+    if physics not in REPLICATIONS:
+        raise ValueError(f"physics is {physics!r}; allowed: {', '.join(REPLICATIONS)}")
+    how_much = amounts(replications, physics, quick)
+    work = plan(seed, how_much) if physics == PYMUNK else batch_plan(seed, how_much)
     outcomes: list[Outcome] = []
     with (
         RowWriter(out / "recalls.csv", RecallRow) as recalls,
         RowWriter(out / "trainings.csv", TrainingRow) as trainings,
         RowWriter(out / "votes.csv", VoteRow) as votes,
     ):
-        # Results come in the order of the work, so that the files are the same on any machine.
-        running = Parallel(n_jobs=jobs, return_as="generator")(delayed(_run)(piece) for piece in work)
+        # Results come in the order of the work, so that the files are the same on any machine. Batches are worked on
+        # by all cores already.
+        running = (
+            Parallel(n_jobs=jobs, return_as="generator")(delayed(_run)(piece) for piece in work)
+            if physics == PYMUNK
+            else map(_run, work)
+        )
         for outcome in tqdm(
             running, total=len(work), desc="thesis", unit="piece", disable=not sys.stderr.isatty()
         ):
@@ -98,11 +88,20 @@ def report(out: Path, outcomes: Sequence[Outcome], seed: int) -> Path:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `khepera-forage reproduce` and `benchmarks/thesis.py`."""
     parser.add_argument(
-        "--replications", type=int, default=None, help=f"of the whole design ({REPLICATIONS})"
+        "--physics",
+        choices=list(REPLICATIONS),
+        default=None,
+        help="batch: thousands of worlds at once, needs numba; pymunk: one by one (batch if numba is there)",
+    )
+    parser.add_argument(
+        "--replications",
+        type=int,
+        default=None,
+        help=f"of the whole design ({REPLICATIONS[BATCH]} with batch, {REPLICATIONS[PYMUNK]} with pymunk)",
     )
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same rows (0)")
     parser.add_argument("--out", type=Path, default=Path("results/thesis"), help="folder (results/thesis)")
-    parser.add_argument("--jobs", type=int, default=-1, help="processes; -1 is one a core (-1)")
+    parser.add_argument("--jobs", type=int, default=-1, help="processes with pymunk; -1 is one a core (-1)")
     parser.add_argument("--quick", action="store_true", help="the same work in small, in under a minute")
 
 
@@ -111,13 +110,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: Fewer than one replication.
+        ImportError: `--physics batch` without numba.
     """
+    physics = arguments.physics or (BATCH if find_spec("numba") is not None else PYMUNK)
     replications = arguments.replications
     if replications is None:
-        replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS
+        replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[physics]
     if replications < 1:
         raise ValueError(f"--replications is {replications}; allowed: at least 1")
-    page = reproduce(arguments.seed, replications, arguments.out, arguments.jobs, arguments.quick)
+    page = reproduce(arguments.seed, replications, arguments.out, arguments.jobs, arguments.quick, physics)
     print(page.read_text(encoding="utf-8"))
     print(f"Tables, figures and rows are in {arguments.out}")
     return 0

@@ -25,7 +25,7 @@ def quick(script: str, out: Path, *arguments: str) -> str:
         *arguments,
     ]
     # Another folder than the repository's: a script must not lean on where it is started.
-    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=80)
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=300)
     assert finished.returncode == 0, finished.stderr
     assert finished.stderr == ""
     return finished.stdout

@@ -7,10 +7,13 @@ import pytest
 from .running import help_of, is_picture, quick, read
 
 
-@pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=["pymunk", "batch"])
+def out(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if request.param == "batch":
+        pytest.importorskip("numba")
     folder = tmp_path_factory.mktemp("run") / "thesis"
-    (folder.parent / "printed").write_text(quick("thesis.py", folder), encoding="utf-8")
+    printed = quick("thesis.py", folder, "--physics", request.param)
+    (folder.parent / "printed").write_text(printed, encoding="utf-8")
     return folder
 
 
@@ -39,5 +42,5 @@ def test_rows_are_kept(out: Path) -> None:
 
 def test_help_names_every_argument() -> None:
     told = help_of("thesis.py")
-    for argument in ("--seed", "--out", "--quick", "--replications", "--jobs"):
+    for argument in ("--seed", "--out", "--quick", "--replications", "--jobs", "--physics"):
         assert argument in told

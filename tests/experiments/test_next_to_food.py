@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.next_to_food import BEYOND, vote_table, votes
+from khepera_forage.experiments.next_to_food import BEYOND, arrivals, levels_of, vote_table, votes
 from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import NearestNeighbourImitator
 
@@ -17,8 +17,11 @@ def imitator() -> NearestNeighbourImitator:
     return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array(behaviours))
 
 
+LEVELS = levels_of(imitator(), arrivals(36))
+
+
 def test_a_noiseless_episode_orients_up_to_the_training_place_and_draws_lots_beyond() -> None:
-    rows = {row.beyond: row for row in votes(imitator(), 36, 0, 1, "g1")}
+    rows = {row.beyond: row for row in votes(LEVELS, 0, 1, "g1")}
     assert set(rows) == set(BEYOND)
     assert rows[-10].orient == rows[0].orient == 1.0
     for beyond in (10, 20, 40, 60):
@@ -29,7 +32,7 @@ def test_a_noiseless_episode_orients_up_to_the_training_place_and_draws_lots_bey
 
 
 def test_table_has_a_line_a_place_and_a_column_an_amount_of_training() -> None:
-    rows = [row for n in range(6) for k in (1, 3) for row in votes(imitator(), 36, n, k, "g1")]
+    rows = [row for n in range(6) for k in (1, 3) for row in votes(LEVELS, n, k, "g1")]
     table = vote_table(rows, np.random.default_rng(0))
     assert len(table.rows) == len(BEYOND)
     assert [column.name for column in table.columns] == ["pixels beyond", "1 episodes", "3 episodes"]

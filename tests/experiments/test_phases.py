@@ -8,9 +8,9 @@ import pytest
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments.design import THESIS, Cell, Subset
+from khepera_forage.experiments.plan import PYMUNK, amounts, plan
 from khepera_forage.experiments.recalling import recall, recall_env
 from khepera_forage.experiments.replication import Attempts, Baseline, Replication
-from khepera_forage.experiments.reproduce import plan
 from khepera_forage.experiments.rows import RANDOM, TEACHER
 from khepera_forage.experiments.training import MAX_ATTEMPTS, HopelessTraining, arrays, train
 from khepera_forage.noise import Noise
@@ -84,7 +84,7 @@ def test_baselines_and_attempts() -> None:
 
 
 def test_the_plan_holds_the_whole_design() -> None:
-    work = plan(seed=0, replications=6)
+    work = plan(0, amounts(6, PYMUNK))
     designs = [piece for piece in work if isinstance(piece, Replication) and piece.noise == "laboratory"]
     assert len(designs) == 6
     assert all(piece.cells == THESIS for piece in designs)

@@ -91,14 +91,7 @@ class TaskBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        pose, places = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
-        if options:
-            layout = given_layout(self.arena, self.foods, options, np.random.default_rng(0))
-            if "start" in options:
-                check_robot(self.arena, layout.starts[0])
-                pose = np.array(layout.starts[0])
-            if "foods" in options:
-                places = np.array(layout.foods)
+        pose, places = asked_for(self.arena, self.foods, options or {})
         # New episodes begin in blocks of their own, which are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
         room = empty_worlds(blocks, self.foods)
@@ -108,10 +101,7 @@ class TaskBatch:
         lanes = blocks * LANES
         self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
         if np.isnan(_by_row(room.bodies.robots)[:, body.X]).any():
-            raise ValueError(
-                f"{self.arena.name}: no room for a robot and {self.foods} food objects outside home; "
-                "make the arena larger"
-            )
+            raise no_room(self.arena, self.foods)
         for rows, fresh in zip(arrays_of(self._worlds), arrays_of(room), strict=True):
             _by_row(rows)[here] = _by_row(fresh)[there]
 
@@ -150,6 +140,35 @@ class TaskBatch:
         self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
         play_all(*worlds, self._setting, self._rules, actions, fresh, pose, places)
+
+
+def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:
+    """Start and food places that `reset(options=...)` asks for, mm and radians; what it leaves open is not a number.
+
+    Args:
+        arena: Where.
+        foods: Number of food objects.
+        options: `start` and `foods` as for the environments.
+
+    Raises:
+        ValueError: Options that are unknown or place something off the free floor.
+    """
+    pose, places = np.full(3, np.nan), np.full((foods, 2), np.nan)
+    if options:
+        layout = given_layout(arena, foods, options, np.random.default_rng(0))
+        if "start" in options:
+            check_robot(arena, layout.starts[0])
+            pose = np.array(layout.starts[0])
+        if "foods" in options:
+            places = np.array(layout.foods)
+    return pose, places
+
+
+def no_room(arena: Arena, foods: int) -> ValueError:
+    """What is wrong with an arena in which no random places were found."""
+    return ValueError(
+        f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
+    )
 
 
 def _by_row(rows: NDArray[Any]) -> NDArray[Any]:

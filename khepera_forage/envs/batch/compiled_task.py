@@ -75,7 +75,6 @@ for _function in (
     perception.raw_data,
     perception.state_vector,
     states.classify,
-    steering.bearing,
     steering.detour,
     steering.steer,
     steering._turn_on_the_spot,

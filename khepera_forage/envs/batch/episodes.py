@@ -1,38 +1,32 @@
-"""Whole episodes inside the kernel: the teacher forages in thousands of worlds, and no Python runs in between.
+"""Whole episodes inside the kernel: teacher, imitators and chance forage in thousands of worlds.
 
-Every episode is a world of its own: what happens in episode i of a seed depends on nothing but both. A block of worlds
-takes the next of its episodes whenever one of its lanes has ended one.
+Every episode is a world of its own: what happens in episode i of a seed depends on who decides and on nothing beside.
 """
 
 from typing import NamedTuple
 
 import numba
 import numpy as np
-from numba import prange
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.envs.batch import rows as at
-from khepera_forage.envs.batch.rounds import begin_episode, carry_out, decide
-from khepera_forage.envs.batch.rules import Rules, rules_of
-from khepera_forage.envs.batch.task import drive
-from khepera_forage.envs.batch.worlds import Worlds, empty_worlds, worlds_of
+from khepera_forage.envs.batch.deciding import CONFLICTS, GHOSTS, ROUNDS, TEACHER, TIES, UNIFORM, WRONG
+from khepera_forage.envs.batch.playing import ACCOUNT, Plan, empty_outcomes, play_out
+from khepera_forage.envs.batch.rules import rules_of
+from khepera_forage.envs.batch.worlds import empty_worlds
 from khepera_forage.envs.checks import FoodOdds, whole_number
-from khepera_forage.foraging.scoring import score
+from khepera_forage.foraging.scoring import penalty
 from khepera_forage.noise import Noise
+from khepera_forage.policies.ballot import BEHAVIOURS, Memories
+from khepera_forage.policies.ballot_box import NO_MEMORIES
 from khepera_forage.worlds.arena import Arena
-from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import inline, kernel
-from khepera_forage.worlds.batch.numbers import keys_of
+from khepera_forage.worlds.batch.numbers import keys_of, keys_of_each
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.setting import Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 
-# Columns of an episode's result.
-STEPS, CORRECT, DELIVERED, POISON_HOME, DELIVERABLE, COLUMNS = range(6)
+__all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
 
 
 class Episodes(NamedTuple):
-    """What became of episodes, one element each.
+    """What became of episodes, one element or row each; in the words of `experiments.rows.RecallRow`.
 
     Attributes:
         score: Equation 5.1, percent.
@@ -41,6 +35,16 @@ class Episodes(NamedTuple):
         delivered: Food brought home that is not poisonous.
         poison_home: Poisonous food brought home.
         deliverable: Food that was not known to be poisonous in the end.
+        penalty: Taken off for food that was left, percent.
+        start: Where the robot stood: x, y (mm), heading (radians).
+        foods: Where each food object lay: x, y (mm); shape (episodes, foods, 2).
+        food_delivered: Whether each food object was delivered; shape (episodes, foods).
+        rounds_by_state: Rounds in each of the ten states.
+        wrong_by_state: Rounds of each in which the teacher would have done something else.
+        orient_ghost: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and no
+            candidate food was within the close threshold.
+        ties: Rounds in which several experience vectors were equally near.
+        conflicts: Rounds with a tie between different behaviours.
     """
 
     score: NDArray[np.float64]
@@ -49,79 +53,86 @@ class Episodes(NamedTuple):
     delivered: NDArray[np.int64]
     poison_home: NDArray[np.int64]
     deliverable: NDArray[np.int64]
+    penalty: NDArray[np.float64]
+    start: NDArray[np.float64]
+    foods: NDArray[np.float64]
+    food_delivered: NDArray[np.bool_]
+    rounds_by_state: NDArray[np.int64]
+    wrong_by_state: NDArray[np.int64]
+    orient_ghost: NDArray[np.int64]
+    ties: NDArray[np.int64]
+    conflicts: NDArray[np.int64]
 
 
-@kernel
-def _teach(t: NDArray[np.float64]) -> None:
-    """What the teacher does: states and behaviours stand one to one (4.4.1)."""
-    for i in range(LANES):
-        t[at.BEHAVIOUR * LANES + i] = t[at.STATE * LANES + i]
+def run_recalls(
+    arena: Arena | str,
+    memories: Memories | None,
+    memory_of_episode: ArrayLike,
+    seed: int | NDArray[np.int64] = 0,
+    *,
+    foods: int = 1,
+    limit: int = 500,
+    noise: Noise | None = None,
+    food_types: FoodOdds = None,
+    num_worlds: int | None = None,
+    wheel_speed: float = 1.0,
+) -> Episodes:
+    """Recalls, start to end, from random places: those of `Corridor-v0` and `Rectangle-v0` (4.6, 5.4).
 
+    Args:
+        arena: As for the environments.
+        memories: What the imitators have learned, from `policies.ballot_box.memories_of`; None where there are none.
+        memory_of_episode: Who decides in each episode: the number of a memory, `TEACHER`, or `UNIFORM`.
+        seed: Episode i of a seed has the same places, noise and draws whatever else is asked for. Or one seed an
+            episode: it is then what `gym.make(..., physics="batch")` plays after `reset(seed=...)` with it.
+        foods: Food objects in each, 1 to 16.
+        limit: Steps after which an episode ends.
+        noise: The laboratory's troubles.
+        food_types: One type, or odds by type.
+        num_worlds: How many worlds to keep in memory at a time; by default as few as keep all threads busy, which
+            leaves the fewest idle while the last episodes end.
+        wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
 
-@kernel
-def _play(
-    worlds: Worlds,
-    setting: Setting,
-    rules: Rules,
-    episode_keys: NDArray[np.uint64],
-    first: int,
-    stride: int,
-    results: NDArray[np.int64],
-) -> None:
-    """Play the episodes `first`, `first + stride`, `first + 2 * stride` ... in one block."""
-    s, t = worlds.bodies.robots, worlds.tasks
-    coming = first
-    playing = 0
-    for i in range(LANES):
-        playing += _next(worlds, i, setting, rules, episode_keys, coming)
-        coming += stride
-    while playing > 0:
-        _teach(t)
-        decide(t, s)
-        drive(s, t, rules.place)
-        carry_out(worlds, setting, rules)
-        for i in range(LANES):
-            if t[at.TERMINATED * LANES + i] == 0.0 and t[at.TRUNCATED * LANES + i] == 0.0:
-                continue
-            episode = int(t[at.EPISODE * LANES + i])
-            if episode >= 0:
-                results[episode, STEPS] = int(t[at.STEPS * LANES + i])
-                results[episode, CORRECT] = int(t[at.CORRECT * LANES + i])
-                results[episode, DELIVERED] = int(t[at.DELIVERED * LANES + i])
-                results[episode, POISON_HOME] = int(t[at.POISON_HOME * LANES + i])
-                results[episode, DELIVERABLE] = int(t[at.DELIVERABLE * LANES + i])
-                playing -= 1
-            playing += _next(worlds, i, setting, rules, episode_keys, coming)
-            coming += stride
-
-
-@inline
-def _next(
-    worlds: Worlds, i: int, setting: Setting, rules: Rules, episode_keys: NDArray[np.uint64], episode: int
-) -> int:
-    """Begin an episode in a lane, one that does not count when none is left; returns how many begin that count."""
-    last = episode_keys.shape[0] - 1
-    worlds.tasks[at.EPISODE * LANES + i] = episode if episode <= last else -1
-    worlds.bodies.keys[body.KEY * LANES + i] = episode_keys[min(episode, last)]
-    worlds.bodies.keys[body.ROUND * LANES + i] = 0
-    begin_episode(worlds, i, setting, rules)
-    return 1 if episode <= last else 0
-
-
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def forage(bodies, tasks, registers, setting, rules, episode_keys, results):  # type: ignore[no-untyped-def]
-        blocks = tasks.shape[0] if sources else 0
-        for block in prange(blocks):
-            worlds = worlds_of(bodies, tasks, registers, block)
-            _play(worlds, setting, rules, episode_keys, np.int64(block), blocks, results)  # type: ignore[arg-type]
-
-    return forage
-
-
-_forage = _compile(SOURCES)
+    Raises:
+        ValueError: An argument out of range, or an arena with no room.
+    """
+    setting, rules = rules_of(arena, foods, limit, noise, food_types, wheel_speed)
+    memories = NO_MEMORIES if memories is None else memories
+    policies = _policies(memory_of_episode, len(memories.planes) - 1)
+    episodes = len(policies)
+    most = (
+        numba.get_num_threads() * LANES if num_worlds is None else whole_number("num_worlds", num_worlds, 1)
+    )
+    outcomes = empty_outcomes(episodes, foods)
+    worlds = empty_worlds(-(-min(most, episodes) // LANES), foods)
+    keys = _keys(seed, episodes)
+    play_out(*worlds, setting, rules, memories, Plan(keys, policies), outcomes)
+    if np.isnan(outcomes.places).any():
+        raise ValueError(
+            f"{arena}: no room for a robot and {foods} food objects outside home; make it larger"
+        )
+    sums = outcomes.sums.astype(np.int64)
+    steps, correct, delivered, poison_home, deliverable = sums.T[:ACCOUNT]
+    taken = np.array([[penalty(k, n) for n in range(foods + 1)] for k in range(foods + 1)])
+    penalties = taken[delivered, deliverable]
+    account = sums[:, ACCOUNT - 1 :]
+    return Episodes(
+        100.0 * correct / steps - penalties,
+        steps,
+        correct,
+        delivered,
+        poison_home,
+        deliverable,
+        penalties,
+        outcomes.places[:, :3],
+        outcomes.places[:, 3:].reshape(episodes, foods, 2),
+        outcomes.brought,
+        account[:, ROUNDS : ROUNDS + BEHAVIOURS],
+        account[:, WRONG : WRONG + BEHAVIOURS],
+        account[:, GHOSTS],
+        account[:, TIES],
+        account[:, CONFLICTS],
+    )
 
 
 def run_teacher(
@@ -133,10 +144,10 @@ def run_teacher(
     limit: int = 500,
     noise: Noise | None = None,
     food_types: FoodOdds = None,
-    num_worlds: int = 4096,
+    num_worlds: int | None = None,
     wheel_speed: float = 1.0,
 ) -> Episodes:
-    """Recalls under the teacher, start to end, from random places: those of `Corridor-v0` and `Rectangle-v0`.
+    """Recalls under the teacher; see `run_recalls`.
 
     Args:
         arena: As for the environments.
@@ -146,20 +157,48 @@ def run_teacher(
         limit: Steps after which an episode ends.
         noise: The laboratory's troubles.
         food_types: One type, or odds by type.
-        num_worlds: How many worlds to keep in memory at a time.
-        wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
+        num_worlds: As for `run_recalls`.
+        wheel_speed: Share of the commanded speed that wheels reach.
 
     Raises:
         ValueError: An argument out of range, or an arena with no room.
     """
-    setting, rules = rules_of(arena, foods, limit, noise, food_types, wheel_speed)
-    episodes, num_worlds = whole_number("episodes", episodes, 1), whole_number("num_worlds", num_worlds, 1)
-    results = np.zeros((episodes, COLUMNS), np.int64)
-    worlds = empty_worlds(-(-min(num_worlds, episodes) // LANES), foods)
-    _forage(*worlds, setting, rules, keys_of(seed, np.arange(episodes)), results)
-    steps, correct, delivered, poison_home, deliverable = results.T
-    scores = [
-        score(*row)
-        for row in zip(*(c.tolist() for c in (correct, steps, delivered, deliverable)), strict=True)
-    ]
-    return Episodes(np.array(scores), steps, correct, delivered, poison_home, deliverable)
+    return run_recalls(
+        arena,
+        None,
+        np.full(whole_number("episodes", episodes, 1), TEACHER),
+        seed,
+        foods=foods,
+        limit=limit,
+        noise=noise,
+        food_types=food_types,
+        num_worlds=num_worlds,
+        wheel_speed=wheel_speed,
+    )
+
+
+def _keys(seed: int | NDArray[np.int64], episodes: int) -> NDArray[np.uint64]:
+    if not isinstance(seed, np.ndarray):
+        return keys_of(seed, np.arange(episodes))
+    if seed.shape != (episodes,) or seed.min() < 0:
+        raise ValueError(
+            f"seed is an array of shape {seed.shape}, the least {seed.min()}; allowed: one seed of at least 0 for each "
+            f"of {episodes} episodes"
+        )
+    return keys_of_each(seed.tolist())
+
+
+def _policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
+    """Who decides in each episode, once it is found to be in range."""
+    policies = np.asarray(given)
+    if policies.ndim != 1 or policies.dtype.kind not in "iu" or not len(policies):
+        raise ValueError(
+            f"memory_of_episode is {given!r}; allowed: one whole number an episode, one episode or more"
+        )
+    for policy in (int(policies.min()), int(policies.max())):
+        if not UNIFORM <= policy < memories:
+            raise ValueError(
+                f"memory_of_episode has {policy}; allowed: {UNIFORM} (uniform), {TEACHER} (teacher), and numbers of "
+                f"the {memories} memories, from 0"
+            )
+    return policies.astype(np.int64)

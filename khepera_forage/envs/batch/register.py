@@ -79,8 +79,7 @@ def update(
     for i in range(LANES):
         if t[_ODD * LANES + i] != 0.0:
             tie(f, t, q, foods, i, place)
-    _count(t, q, foods)
-    _pick(s, f, t, q, foods)
+    _count_and_pick(s, f, t, q, foods)
     for i in range(LANES):
         if t[_ODD * LANES + i] != 0.0:
             pick_among_all(s, f, t, q, foods, i, place)
@@ -137,15 +136,24 @@ def _senses(present: float, arm: float, jaw: float) -> Senses:
 
 
 @inline
-def _count(t: NDArray[np.float64], q: NDArray[np.float64], foods: int) -> None:
-    """How much is delivered, and which type is in the gripper."""
+def _count_and_pick(
+    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int
+) -> None:
+    """How much is delivered, which type is in the gripper, and the nearest candidate.
+
+    The last as it is where every track shows the object of its place in memory.
+    """
     for i in range(LANES):
         t[at.DELIVERED * LANES + i] = 0.0
         t[at.POISON_HOME * LANES + i] = 0.0
         t[at.DELIVERABLE * LANES + i] = foods
         t[at.FOOD_TYPE * LANES + i] = _UNKNOWN
+        t[_NEAREST * LANES + i] = np.inf
+        t[at.FOOD_SEEN * LANES + i] = 0.0
+        t[at.FOOD_X * LANES + i] = 0.0
+        t[at.FOOD_Y * LANES + i] = 0.0
     for food in range(foods):
-        mine = food * at.TASK_FOOD_ROWS * LANES
+        base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
         for i in range(LANES):
             known, home = q[mine + at.KNOWN * LANES + i], q[mine + at.HOME * LANES + i]
             poison = 1.0 if known == _POISONOUS else 0.0
@@ -154,26 +162,12 @@ def _count(t: NDArray[np.float64], q: NDArray[np.float64], foods: int) -> None:
             t[at.POISON_HOME * LANES + i] += home * poison
             t[at.DELIVERABLE * LANES + i] -= poison
             t[at.FOOD_TYPE * LANES + i] = known if held else t[at.FOOD_TYPE * LANES + i]
-            q[mine + at.SETTLED * LANES + i] = 1.0 if home != 0.0 or (poison != 0.0 and not held) else 0.0
-
-
-@inline
-def _pick(
-    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int
-) -> None:
-    """The nearest candidate, where every track shows the object of its place in memory."""
-    for i in range(LANES):
-        t[_NEAREST * LANES + i] = np.inf
-        t[at.FOOD_SEEN * LANES + i] = 0.0
-        t[at.FOOD_X * LANES + i] = 0.0
-        t[at.FOOD_Y * LANES + i] = 0.0
-    for food in range(foods):
-        base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
-        for i in range(LANES):
+            settled = home != 0.0 or (poison != 0.0 and not held)
+            q[mine + at.SETTLED * LANES + i] = 1.0 if settled else 0.0
             x, y = f[base + body.TRACK_X * LANES + i], f[base + body.TRACK_Y * LANES + i]
             dx, dy = x - s[body.OWN_X * LANES + i], y - s[body.OWN_Y * LANES + i]
             squared = dx * dx + dy * dy
-            candidate = f[base + body.TRACK * LANES + i] >= 0.0 and q[mine + at.SETTLED * LANES + i] == 0.0
+            candidate = f[base + body.TRACK * LANES + i] >= 0.0 and not settled
             nearer = candidate and squared < t[_NEAREST * LANES + i]
             t[_NEAREST * LANES + i] = squared if nearer else t[_NEAREST * LANES + i]
             t[at.FOOD_SEEN * LANES + i] = 1.0 if nearer else t[at.FOOD_SEEN * LANES + i]

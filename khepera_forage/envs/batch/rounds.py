@@ -5,9 +5,9 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from khepera_forage.envs.batch import register
 from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.placing import place_all
+from khepera_forage.envs.batch.register import update
 from khepera_forage.envs.batch.rules import Rules
 from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
 from khepera_forage.envs.batch.worlds import Worlds, worlds_of
@@ -72,7 +72,7 @@ def carry_out(worlds: Worlds, setting: Setting, rules: Rules) -> None:
         t[at.REWARD * LANES + i] = t[at.POISON_HOME * LANES + i] - t[at.DELIVERED * LANES + i]
         t[at.FRESH * LANES + i] = s[body.NEW * LANES + i]
     advance_block(worlds.bodies, setting)
-    register.update(s, f, t, q, setting.foods, rules.place)
+    update(s, f, t, q, setting.foods, rules.place)
     perceive(s, t, rules.place, rules.walls)
     limit = rules.limit
     for i in range(LANES):
@@ -109,12 +109,12 @@ def _put(
 
 
 @kernel
-def _play(
+def play_block(
     worlds: Worlds,
     setting: Setting,
     rules: Rules,
     actions: NDArray[np.float64],
-    waiting: NDArray[np.bool_],
+    waiting: NDArray[np.bool_] | NDArray[np.float64],
     pose: NDArray[np.float64],
     places: NDArray[np.float64],
 ) -> None:
@@ -144,7 +144,7 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
         for block in prange(blocks):
             lanes = slice(block * LANES, (block + 1) * LANES)
             worlds = worlds_of(bodies, tasks, registers, block)
-            _play(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
+            play_block(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
 
     return play_all
 

@@ -60,6 +60,10 @@ def raw_of(s: NDArray[np.float64], t: NDArray[np.float64], i: int, site: Site) -
         site.home_opening,
         t[at.WALL_DISTANCE * LANES + i],
         t[at.WALL_BEARING * LANES + i],
+        t[at.HOME_WAY * LANES + i],
+        t[at.HOME_BEARING * LANES + i],
+        t[at.FOOD_WAY * LANES + i],
+        t[at.FOOD_BEARING * LANES + i],
     )
 
 
@@ -173,6 +177,10 @@ def perceive(
         t[at.FOOD_TYPE * LANES + i] = raw.food_type
         t[at.WALL_DISTANCE * LANES + i] = raw.wall_distance
         t[at.WALL_BEARING * LANES + i] = raw.wall_bearing
+        t[at.HOME_WAY * LANES + i] = raw.home_distance
+        t[at.HOME_BEARING * LANES + i] = raw.home_bearing
+        t[at.FOOD_WAY * LANES + i] = raw.food_distance
+        t[at.FOOD_BEARING * LANES + i] = raw.food_bearing
         vector = state_vector(raw, site.diagonal)
         t[at.PRESENCE * LANES + i] = vector.object_presence
         t[at.HOME_DISTANCE * LANES + i] = vector.robot_home_distance

@@ -9,6 +9,9 @@ from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.compiling import inline
 from khepera_forage.worlds.batch.rows import LANES
 
+_STRIDE = 8
+"""Worlds to an instruction."""
+
 
 class Bodies(NamedTuple):
     """Robots, food and random numbers: one array a block each, or the arrays of one block (see `rows`).
@@ -37,3 +40,10 @@ def empty_bodies(blocks: int, foods: int) -> Bodies:
 def bodies_of(bodies: Bodies, block: int) -> Bodies:
     """Those of one block."""
     return Bodies(bodies.robots[block], bodies.food[block], bodies.keys[block])
+
+
+@inline
+def filled(count: int) -> int:
+    """A count of lanes rounded up: a loop over it has no rest to be done one by one. What is beyond is not used."""
+    stride = min(_STRIDE, LANES)
+    return (count + stride - 1) & -stride

@@ -31,12 +31,14 @@ from khepera_forage.worlds.batch.jaw import move_jaw
 from khepera_forage.worlds.batch.pushing import push_food
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
-from khepera_forage.worlds.batch.walls import behind, from_wall
+from khepera_forage.worlds.batch.walls import behind, from_wall, squared_from_wall
 from khepera_forage.worlds.pymunk_khepera import SUBSTEPS as STEPS
 
 _DT = CONTROL_PERIOD / STEPS
 _REPEATS = 4
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
+_REACH = FINGER_TIP + 2 * FOOD_RADIUS
+"""mm from a robot's centre beyond which a wall is too far to be touched, by food in its gripper either."""
 _TOLERATED = 0.5
 """mm of overlap up to which a robot goes on."""
 _SETTLED = 1e-6
@@ -110,9 +112,9 @@ def _off_walls(
     moved = 0.0
     wide = half_gap(s[at.JAW * LANES + i]) + FINGER_THICKNESS
     for wall in range(walls.shape[0]):
-        far, nx, ny = from_wall(s[at.X * LANES + i], s[at.Y * LANES + i], walls, wall)
-        if far > FINGER_TIP + 2 * FOOD_RADIUS:
+        if squared_from_wall(s[at.X * LANES + i], s[at.Y * LANES + i], walls, wall) > _REACH * _REACH:
             continue
+        far, nx, ny = from_wall(s[at.X * LANES + i], s[at.Y * LANES + i], walls, wall)
         if far < RADIUS:
             s[at.X * LANES + i] += nx * (RADIUS - far)
             s[at.Y * LANES + i] += ny * (RADIUS - far)
@@ -156,14 +158,15 @@ def _overlap(
     c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
     wide = half_gap(s[at.JAW * LANES + i]) + FINGER_THICKNESS
     for wall in range(walls.shape[0]):
-        far, _, _ = from_wall(s[at.X * LANES + i], s[at.Y * LANES + i], walls, wall)
-        worst = max(worst, RADIUS - far)
-        if far < FINGER_TIP + 2 * FOOD_RADIUS:
-            for corner in range(4):
-                u = FINGER_TIP if corner < 2 else JAW_ROOT
-                v = wide if corner < 2 else _PALM
-                depth, _, _ = behind(s, i, u, v if corner & 1 else -v, walls, wall)
-                worst = max(worst, depth)
+        squared = squared_from_wall(s[at.X * LANES + i], s[at.Y * LANES + i], walls, wall)
+        if squared > _REACH * _REACH:
+            continue
+        worst = max(worst, RADIUS - math.sqrt(squared))
+        for corner in range(4):
+            u = FINGER_TIP if corner < 2 else JAW_ROOT
+            v = wide if corner < 2 else _PALM
+            depth, _, _ = behind(s, i, u, v if corner & 1 else -v, walls, wall)
+            worst = max(worst, depth)
     for food in range(foods):
         u, v = seen_from(s, f, food, i)
         if u * u + v * v > (FINGER_TIP + 8 * FOOD_RADIUS) ** 2:
@@ -176,8 +179,7 @@ def _overlap(
                 s[at.Y * LANES + i] + s[at.GRIP_X * LANES + i] * d,
             )
         for wall in range(walls.shape[0]):
-            far, _, _ = from_wall(x, y, walls, wall)
-            worst = max(worst, FOOD_RADIUS - far)
+            worst = max(worst, FOOD_RADIUS - math.sqrt(squared_from_wall(x, y, walls, wall)))
         if food == held:
             continue
         worst = max(worst, RADIUS + FOOD_RADIUS - math.sqrt(u * u + v * v))

@@ -120,19 +120,17 @@ def glide(s: NDArray[np.float64]) -> None:
         s[at.TOUCHES * LANES + i] = 1.0 if touches else 0.0
         s[at.PULSES_LEFT * LANES + i] += s[at.LEFT * LANES + i] * _PULSES
         s[at.PULSES_RIGHT * LANES + i] += s[at.RIGHT * LANES + i] * _PULSES
-    _take(s, at.X, at.FREE_X)
-    _take(s, at.Y, at.FREE_Y)
-    _take(s, at.HEADING, at.FREE_HEADING)
-    _take(s, at.COS, at.FREE_COS)
-    _take(s, at.SIN, at.FREE_SIN)
-    _take(s, at.JAW, at.FREE_JAW)
-    _take(s, at.LAST_FORWARD, at.FORWARD)
-    _take(s, at.LAST_TURN, at.TURN)
+        _take(s, i, at.X, at.FREE_X, touches)
+        _take(s, i, at.Y, at.FREE_Y, touches)
+        _take(s, i, at.HEADING, at.FREE_HEADING, touches)
+        _take(s, i, at.COS, at.FREE_COS, touches)
+        _take(s, i, at.SIN, at.FREE_SIN, touches)
+        _take(s, i, at.JAW, at.FREE_JAW, touches)
+        _take(s, i, at.LAST_FORWARD, at.FORWARD, touches)
+        _take(s, i, at.LAST_TURN, at.TURN, touches)
 
 
 @inline
-def _take(s: NDArray[np.float64], row: int, end: int) -> None:
-    """Replace a row where nothing is touched."""
-    for i in range(LANES):
-        free = s[at.TOUCHES * LANES + i] == 0.0
-        s[row * LANES + i] = s[end * LANES + i] if free else s[row * LANES + i]
+def _take(s: NDArray[np.float64], i: int, row: int, end: int, touches: bool) -> None:
+    """Replace a number where nothing is touched."""
+    s[row * LANES + i] = s[row * LANES + i] if touches else s[end * LANES + i]

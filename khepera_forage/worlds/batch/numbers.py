@@ -4,6 +4,8 @@ The generator is SplitMix64 (Steele, Lea and Flood 2014), whose n-th number is a
 world draws the same numbers whatever stands beside it, and no number waits for the one before it.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,3 +75,9 @@ def keys_of(seed: int, worlds: NDArray[np.int64]) -> NDArray[np.uint64]:
     with np.errstate(over="ignore"):
         keys: NDArray[np.uint64] = word(base, worlds.astype(np.uint64) + _1)  # type: ignore[arg-type, assignment]
     return keys
+
+
+def keys_of_each(seeds: Iterable[int]) -> NDArray[np.uint64]:
+    """The key of world 0 of each of some seeds, each at least 0."""
+    zero = np.zeros(1, np.int64)
+    return np.concatenate([keys_of(seed, zero) for seed in seeds])

@@ -10,7 +10,7 @@ from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.compiling import inline
 from khepera_forage.worlds.batch.gripper import push_out, seen_from
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.walls import from_wall
+from khepera_forage.worlds.batch.walls import from_wall, squared_from_wall
 
 
 @inline
@@ -56,8 +56,8 @@ def _settle(
     x, y = f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES]
     moved = 0.0
     for wall in range(walls.shape[0]):
-        far, nx, ny = from_wall(x, y, walls, wall)
-        if far < FOOD_RADIUS:
+        if squared_from_wall(x, y, walls, wall) < FOOD_RADIUS * FOOD_RADIUS:
+            far, nx, ny = from_wall(x, y, walls, wall)
             x, y = x + nx * (FOOD_RADIUS - far), y + ny * (FOOD_RADIUS - far)
             moved += FOOD_RADIUS - far
     f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES] = x, y

@@ -41,7 +41,9 @@ NEAR_WALL, NEAR_FOOD = 60, 61
 """Whether anything of the robot could touch a wall, or food, in this round."""
 LAG = 62
 """Share of the round in which the robot still moves as in the last one."""
-ROBOT_ROWS = 63
+MARK = 63
+"""Free for use within a pass, too."""
+ROBOT_ROWS = 64
 
 # A food object: where it is, and whether the camera's tracker is missing it.
 FOOD_X, FOOD_Y, LOST = 0, 1, 2

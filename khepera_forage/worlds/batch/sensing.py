@@ -12,6 +12,7 @@ from khepera_forage.robots.proximity import _OFFSET as OFFSET
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch import setting
+from khepera_forage.worlds.batch.bodies import filled
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import in_barrier
 from khepera_forage.worlds.batch.numbers import lower, upper, word
@@ -19,11 +20,12 @@ from khepera_forage.worlds.batch.rows import LANES
 
 _DRAWS = np.uint64(at.DRAWS)
 _FIRST, _ONE = np.uint64(at.DRAW_PROXIMITY), np.uint64(1)
-_STRIDE = 8
 _SENSORS = np.array(SENSORS)
+_FRONT = 6
+"""Sensors that a lowered arm hides."""
 _LOW, _SPAN = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 # The lanes in reach of a wall or of food are packed into the scratch rows: what is there in the robot's frame.
-_AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE, _NEAR = (at.SCRATCH + n for n in range(7))
+_AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE, _NEAR, _HIDDEN = (at.SCRATCH + n for n in range(8))
 
 
 @kernel
@@ -65,7 +67,8 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
         for i in range(LANES):
             off = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset)
             s[_NEAR * LANES + i] = 1.0 if off < REACH else 0.0
-        _cast_wall(s, walls, wall, _pack(s))
+        sees, count = _pack(s)
+        _cast_wall(s, walls, wall, sees, count)
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
@@ -74,31 +77,38 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
             lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
             near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted
             s[_NEAR * LANES + i] = 1.0 if near else 0.0
-        _cast_food(s, f, base, _pack(s))
+        sees, count = _pack(s)
+        _cast_food(s, f, base, sees, count)
 
 
 @inline
-def _pack(s: NDArray[np.float64]) -> int:
-    """Write the numbers of the marked lanes side by side; returns how many there are."""
+def _pack(s: NDArray[np.float64]) -> tuple[int, int]:
+    """Write the numbers of the marked lanes side by side, those first whose arm does not hide the front sensors.
+
+    Returns:
+        How many these are, and how many there are in all.
+    """
+    for i in range(LANES):
+        hidden = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
+        s[_HIDDEN * LANES + i] = s[_NEAR * LANES + i] if hidden else 0.0
+        s[_NEAR * LANES + i] = 0.0 if hidden else s[_NEAR * LANES + i]
     count = 0
     for i in range(LANES):
         s[_LANE * LANES + count] = i
         count += int(s[_NEAR * LANES + i])
-    return count
+    sees = count
+    for i in range(LANES):
+        # Once every lane is in, this writes to the marks of the first, which are done with.
+        s[_LANE * LANES + count] = i
+        count += int(s[_HIDDEN * LANES + i])
+    return sees, count
 
 
 @inline
-def _filled(count: int) -> int:
-    """A count rounded up, so that a loop over it has no rest to be done one by one; what is beyond is not used."""
-    return (count + _STRIDE - 1) & -_STRIDE
-
-
-@inline
-def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, count: int) -> None:
+def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, sees: int, count: int) -> None:
     """One wall as some sensors of the packed lanes see it."""
     x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
     share = walls[wall, setting.SHARE]
-    whole = _filled(count)
     for n in range(count):
         i = int(s[_LANE * LANES + n])
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
@@ -108,20 +118,20 @@ def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, co
         s[_ALONG * LANES + n] = ex * c + ey * d
         s[_ACROSS * LANES + n] = ey * c - ex * d
     for sensor in range(8):
+        reached = sees if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(whole):
+        for n in range(filled(reached)):
             along, aside = s[_ALONG * LANES + n], s[_ACROSS * LANES + n]
             dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
             t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
             s[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
-        _keep(s, sensor, count)
+        _keep(s, sensor, reached)
 
 
 @inline
-def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, count: int) -> None:
+def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, sees: int, count: int) -> None:
     """One food object as some sensors of the packed lanes see it."""
-    whole = _filled(count)
     for n in range(count):
         i = int(s[_LANE * LANES + n])
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
@@ -130,12 +140,13 @@ def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, count:
         s[_AHEAD * LANES + n] = dx * c + dy * d
         s[_ASIDE * LANES + n] = dy * c - dx * d
     for sensor in range(8):
+        reached = sees if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(whole):
+        for n in range(filled(reached)):
             dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
             s[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
-        _keep(s, sensor, count)
+        _keep(s, sensor, reached)
 
 
 @inline
@@ -168,7 +179,7 @@ def measure(s: NDArray[np.float64], keys: NDArray[np.uint64], noise: NDArray[np.
     for pair in range(4):
         number = _FIRST + np.uint64(pair)
         one, two = (at.PROXIMITY + 2 * pair) * LANES, (at.PROXIMITY + 2 * pair + 1) * LANES
-        front = pair < 3
+        front = 2 * pair < _FRONT
         for i in range(LANES):
             bits = word(keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS + number)
             hidden = front and s[at.ARM * LANES + i] >= ARM_ON_FLOOR

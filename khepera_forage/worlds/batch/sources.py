@@ -21,6 +21,8 @@ _COMPILED = (
     "worlds/wall_watch.py",
     "envs/placement.py",
     "envs/register.py",
+    "policies/ballot.py",
+    "policies/votes.py",
 )
 
 

@@ -21,6 +21,12 @@ from khepera_forage.worlds.batch.trigonometry import cosine_sine
 from khepera_forage.worlds.batch.watching import look_around, watch_food, watch_walls
 
 _ONE, _32 = np.uint64(1), np.uint64(32)
+_KEPT = (
+    *(at.PULSES_LEFT, at.PULSES_RIGHT, at.LEFT, at.RIGHT, at.PRESENT, at.ARM_READ, at.JAW_READ),
+    *(at.OWN_X, at.OWN_Y, at.OWN_DEGREES, at.OWN_FOUND, at.OWN_LOST),
+    *(at.NEXT_LABEL, at.GHOSTS, at.LAST_FORWARD, at.LAST_TURN),
+)
+"""Rows that one round hands to the next and that begin at 0; all others are written before they are read."""
 _DRAWS = np.uint64(at.DRAWS)
 _BIAS_LEFT, _BIAS_RIGHT, _BIAS_DITHER = (np.uint64(at.DRAWS - n) for n in (1, 2, 3))
 
@@ -64,7 +70,7 @@ def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, setting: S
     The food's places are set beside this.
     """
     s, f, keys = bodies.robots, bodies.food, bodies.keys
-    for row in range(at.ROBOT_ROWS):
+    for row in _KEPT:
         s[row * LANES + i] = 0.0
     key, first = keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS
     dither = word(key, first + _BIAS_DITHER)

@@ -23,6 +23,16 @@ def from_wall(x: float, y: float, walls: NDArray[np.float64], wall: int) -> tupl
 
 
 @inline
+def squared_from_wall(x: float, y: float, walls: NDArray[np.float64], wall: int) -> float:
+    """The square of that distance: enough to tell that a wall is far, and without a root or a division."""
+    ex, ey = walls[wall, setting.EX], walls[wall, setting.EY]
+    x, y = x - walls[wall, setting.X1], y - walls[wall, setting.Y1]
+    t = min(1.0, max(0.0, (x * ex + y * ey) * walls[wall, setting.SHARE]))
+    dx, dy = x - t * ex, y - t * ey
+    return float(dx * dx + dy * dy)
+
+
+@inline
 def behind(
     s: NDArray[np.float64], i: int, u: float, v: float, walls: NDArray[np.float64], wall: int
 ) -> tuple[float, float, float]:

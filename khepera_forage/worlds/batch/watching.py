@@ -17,6 +17,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch import setting
+from khepera_forage.worlds.batch.bodies import filled
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import finger_overlap, palm_overlap
 from khepera_forage.worlds.batch.rows import LANES
@@ -27,6 +28,17 @@ from khepera_forage.worlds.wall_watch import PUSHED
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
 _SHOVED = RADIUS + FOOD_RADIUS + 1.0
 """Food that the body itself may push lies within this of its centre, mm."""
+# What `watch_walls` looks at of the lanes near a wall, packed into the scratch rows; the first of these is in use.
+_LOOKED_AT = np.array(
+    (
+        *(at.FREE_X, at.FREE_Y, at.FREE_COS, at.FREE_SIN, at.FREE_JAW),
+        *(at.X, at.Y, at.HELD, at.GRIP_X, at.GRIP_Y),
+    )
+)
+_FIRST = at.SCRATCH + 1
+_X, _Y, _COS, _SIN, _JAW, _FROM_X, _FROM_Y, _HELD, _GRIP_X, _GRIP_Y = (_FIRST + n for n in range(10))
+_TOUCHES = at.MARK
+_LANE = _FIRST + 10
 _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
 
@@ -72,17 +84,27 @@ def look_around(
 
 @kernel
 def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
-    """Mark the worlds whose robot would touch a wall at the free end of the round."""
+    """Mark the worlds whose robot would touch a wall at the free end of the round: some of those that are near one."""
+    count = 0
+    for i in range(LANES):
+        s[_LANE * LANES + count] = i
+        count += int(s[at.NEAR_WALL * LANES + i])
+    for n in range(count):
+        i = int(s[_LANE * LANES + n])
+        for row in range(len(_LOOKED_AT)):
+            s[(_FIRST + row) * LANES + n] = s[_LOOKED_AT[row] * LANES + i]
+        s[_TOUCHES * LANES + n] = 0.0
+    whole = filled(count)
     for wall in range(walls.shape[0]):
         x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
         share = walls[wall, setting.SHARE]
         nx, ny, offset = walls[wall, 5], walls[wall, 6], walls[wall, 7]
-        for i in range(LANES):
-            x, y = s[at.FREE_X * LANES + i], s[at.FREE_Y * LANES + i]
-            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
-            wide = half_gap(s[at.FREE_JAW * LANES + i]) + FINGER_THICKNESS
+        for n in range(whole):
+            x, y = s[_X * LANES + n], s[_Y * LANES + n]
+            c, d = s[_COS * LANES + n], s[_SIN * LANES + n]
+            wide = half_gap(s[_JAW * LANES + n]) + FINGER_THICKNESS
             # Which side of the wall the robot is on now.
-            side = nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset
+            side = nx * s[_FROM_X * LANES + n] + ny * s[_FROM_Y * LANES + n] - offset
             side = math.copysign(1.0, side)
             off = side * (nx * x + ny * y - offset)
             t = ((x - x1) * ex + (y - y1) * ey) * share
@@ -93,18 +115,20 @@ def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDA
             ahead, aside = side * (nx * c + ny * d), abs(nx * -d + ny * c)
             tip = off + FINGER_TIP * ahead - wide * aside < 0.0
             root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
-            held = s[at.HELD * LANES + i] >= 0.0
+            held = s[_HELD * LANES + n] >= 0.0
             grip = (
                 held
-                and off + s[at.GRIP_X * LANES + i] * ahead - aside * abs(s[at.GRIP_Y * LANES + i])
-                < FOOD_RADIUS
+                and off + s[_GRIP_X * LANES + n] * ahead - aside * abs(s[_GRIP_Y * LANES + n]) < FOOD_RADIUS
             )
             # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
             along = (x - x1) * ex + (y - y1) * ey
             reach = 94.0 * math.sqrt(ex * ex + ey * ey)
             beside = along > -reach and along < ex * ex + ey * ey + reach
             if body or (beside and (tip or root or grip)):
-                s[at.TOUCHES * LANES + i] = 1.0
+                s[_TOUCHES * LANES + n] = 1.0
+    for n in range(count):
+        i = int(s[_LANE * LANES + n])
+        s[at.TOUCHES * LANES + i] = max(s[at.TOUCHES * LANES + i], s[_TOUCHES * LANES + n])
     for corner in range(corners.shape[0]):
         cx, cy = corners[corner, 0], corners[corner, 1]
         for i in range(LANES):

@@ -1,0 +1,187 @@
+"""Training episodes of teachers and learners wholly inside the kernel: attempts, until an episode is complete (5.2)."""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from khepera_forage.envs.batch import pair_rows as pair
+from khepera_forage.envs.batch.pair_company import (
+    drive_pair,
+    judge,
+    keep_company,
+    record,
+    share_types,
+    speak,
+)
+from khepera_forage.envs.batch.pair_placing import Marks, forget, place_side
+from khepera_forage.envs.batch.rounds import carry_out
+from khepera_forage.envs.batch.rules import Rules
+from khepera_forage.envs.batch.worlds import Worlds, worlds_of
+from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.numbers import word
+from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.setting import Setting
+from khepera_forage.worlds.batch.sources import SOURCES
+
+_ONE, _TYPES = np.uint64(1), np.uint64(1 << 20)
+
+
+class Terms(NamedTuple):
+    """How long is tried.
+
+    Attributes:
+        patience: Rounds of separation after which an attempt is given up.
+        attempts: Incomplete attempts after which an episode is.
+    """
+
+    patience: int
+    attempts: int
+
+
+class Records(NamedTuple):
+    """What is written down of training episodes, one row each.
+
+    Attributes:
+        vectors: Those of the last attempt, shape (episodes, rounds, `VECTOR_COLUMNS`), as many as its account says.
+        accounts: One line an attempt, shape (episodes, attempts, `ACCOUNT_COLUMNS`).
+        tried: How many attempts there were.
+        free: Whether robots and food found room on their marks.
+    """
+
+    vectors: NDArray[np.int16]
+    accounts: NDArray[np.int32]
+    tried: NDArray[np.int64]
+    free: NDArray[np.bool_]
+
+
+@inline
+def _setting_of(setting: Setting, side: int) -> Setting:
+    """That of one side, of the stacked settings of both."""
+    return Setting(setting.foods, setting.walls[side], setting.corners[side], setting.noise[side])
+
+
+@inline
+def _rules_of(rules: Rules, side: int) -> Rules:
+    """Those of one side, of the stacked rules of both."""
+    return Rules(rules.place[side], rules.walls[side], rules.arena[side], rules.odds, rules.limit)
+
+
+@kernel
+def _begin(
+    pairs: Worlds,
+    c: NDArray[np.float64],
+    i: int,
+    setting: Setting,
+    rules: Rules,
+    marks: Marks,
+    key: np.uint64,
+) -> bool:
+    """Begin an attempt in one lane; returns whether there was room."""
+    forget(c, i)
+    free = True
+    for side in range(pair.SIDES):
+        own = word(key, np.uint64(side))
+        worlds, types = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, side), word(key, _TYPES)
+        placed = place_side(worlds, i, side, own, _setting_of(setting, side), rules.odds, types, marks)
+        free = free and placed
+    return free
+
+
+@kernel
+def _train(
+    pairs: Worlds,
+    c: NDArray[np.float64],
+    setting: Setting,
+    rules: Rules,
+    marks: Marks,
+    terms: Terms,
+    episode_keys: NDArray[np.uint64],
+    first: int,
+    stride: int,
+    records: Records,
+) -> None:
+    """Train the episodes `first`, `first + stride`, `first + 2 * stride` ... in one block of pairs."""
+    episodes = episode_keys.shape[0]
+    teachers = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, pair.TEACHER)
+    learners = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, pair.LEARNER)
+    place, learners_place = rules.place[pair.TEACHER], rules.place[pair.LEARNER]
+    coming, training = first, 0
+    for i in range(LANES):
+        # A lane with nothing to do stays as it was made: at rest, far from anything.
+        c[pair.OVER * LANES + i] = 1.0
+        c[pair.COMPLETE * LANES + i] = 1.0
+        c[pair.EPISODE * LANES + i] = -1.0
+    over = True
+    while over or training > 0:
+        if over:
+            for i in range(LANES):
+                if c[pair.OVER * LANES + i] == 0.0:
+                    continue
+                episode = int(c[pair.EPISODE * LANES + i])
+                attempt = int(c[pair.ATTEMPT * LANES + i]) + 1
+                if episode >= 0:
+                    _write_down(c, i, episode, attempt, records)
+                if c[pair.COMPLETE * LANES + i] != 0.0 or attempt == terms.attempts:
+                    training += (1 if coming < episodes else 0) - (1 if episode >= 0 else 0)
+                    episode, attempt = coming if coming < episodes else -1, 0
+                    coming += stride
+                c[pair.EPISODE * LANES + i], c[pair.ATTEMPT * LANES + i] = episode, attempt
+                c[pair.OVER * LANES + i] = 0.0
+                if episode >= 0:
+                    key = word(episode_keys[episode], np.uint64(attempt))
+                    if not _begin(pairs, c, i, setting, rules, marks, key):
+                        records.free[episode] = False
+        speak(teachers, learners, c)
+        record(learners.tasks, c, int(learners_place[4]), records.vectors)
+        for side in range(pair.SIDES):
+            worlds = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, side)
+            drive_pair(worlds.bodies.robots, worlds.tasks, c, rules.place[side], side == pair.LEARNER)
+            if side == pair.LEARNER:
+                share_types(teachers.registers, learners.registers, setting.foods)
+            carry_out(worlds, _setting_of(setting, side), _rules_of(rules, side))
+        share_types(learners.registers, teachers.registers, setting.foods)
+        keep_company(teachers.bodies.robots, learners.bodies.robots, c, place, learners_place)
+        over = judge(teachers, learners, c, setting.foods, place[2], rules.limit, terms.patience)
+
+
+@inline
+def _write_down(c: NDArray[np.float64], i: int, episode: int, attempt: int, records: Records) -> None:
+    """The account of an attempt that has ended."""
+    account = records.accounts[episode, attempt - 1]
+    account[pair.ACCOUNT_ROUNDS] = int(c[pair.ROUNDS * LANES + i])
+    account[pair.ACCOUNT_VECTORS] = int(c[pair.VECTORS * LANES + i])
+    account[pair.ACCOUNT_SEPARATIONS] = int(c[pair.SEPARATIONS * LANES + i])
+    account[pair.ACCOUNT_COMPLETE] = int(c[pair.COMPLETE * LANES + i])
+    records.tried[episode] = attempt
+
+
+def _compile(sources: int):  # type: ignore[no-untyped-def]
+    """The kernel that Python calls; see `sources` for why it is made here."""
+
+    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
+    def train_all(  # type: ignore[no-untyped-def]
+        bodies, tasks, registers, company, setting, rules, marks, terms, episode_keys, records
+    ):
+        blocks = tasks.shape[0] if sources else 0
+        for block in prange(blocks):
+            pairs = worlds_of(bodies, tasks, registers, block)
+            _train(
+                pairs,
+                company[block],
+                setting,
+                rules,
+                marks,
+                terms,
+                episode_keys,
+                np.int64(block),  # type: ignore[arg-type]
+                blocks,
+                records,
+            )
+
+    return train_all
+
+
+train_all = _compile(SOURCES)
