@@ -1,0 +1,140 @@
+"""How each kind of learner learns, in growing amounts; everyone in the corridor alone."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experiments.dagger import dagger
+from khepera_forage.experiments.recalling import recall_env
+from khepera_forage.experiments.reinforcement import reinforce
+from khepera_forage.experiments.training import arrays, train
+from khepera_forage.policies import Policy, Teacher
+from khepera_forage.policies.learners import FromQueries, FromSteps, FromVectors, Learner
+from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE
+
+SITES = {arena.name: site_of(arena) for arena in (CORRIDOR, RECTANGLE)}
+"""What is known of each arena from the beginning."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """Who learns nothing and is there to compare with.
+
+    Attributes:
+        title: For tables and figures.
+        expert: Whether it is the teacher; if not, behaviours are drawn uniformly.
+    """
+
+    title: str
+    expert: bool
+    needs: ClassVar[None] = None
+
+
+REFERENCES = {"teacher": Reference("the teacher", True), "random": Reference("any behaviour", False)}
+"""By name: the most that imitation can hope for, and the chance level."""
+Compared = Learner | Reference
+
+
+class Learned(NamedTuple):
+    """A learner after some amount of learning.
+
+    Attributes:
+        steps: Of the environment, that it has lived through.
+        vectors: That it learned from.
+        seconds: Wall time so far.
+        policies: By the name of the arena they are for.
+    """
+
+    steps: int
+    vectors: int
+    seconds: float
+    policies: Mapping[str, Any]
+
+
+def lessons(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequence) -> Iterator[Learned]:
+    """The learner after each amount of learning.
+
+    Args:
+        learner: An entry of `LEARNERS`, or one of `REFERENCES`.
+        amounts: Training episodes, queries or steps, in increasing order.
+        seeds: Of one replication; imitators of the same replication imitate the very same episodes.
+    """
+    seed = int(seeds.generate_state(1)[0]) % 2**31
+    match learner:
+        case FromVectors():
+            yield from _imitation(learner, amounts, seeds.spawn(amounts[-1]), seed)
+        case FromQueries():
+            yield from _asking(learner, amounts, seed)
+        case FromSteps():
+            for policy, steps, seconds in reinforce(learner, amounts, seed):
+                yield Learned(steps, 0, seconds, dict.fromkeys(SITES, policy))
+        case Reference():
+            policies = {
+                arena: Teacher(site.home_radius) if learner.expert else UniformPolicy()
+                for arena, site in SITES.items()
+            }
+            yield Learned(0, 0, 0.0, policies)
+
+
+def _imitation(
+    learner: FromVectors, amounts: Sequence[int], seeds: Sequence[np.random.SeedSequence], seed: int
+) -> Iterator[Learned]:
+    env = TrainingEnv()
+    files = []
+    steps, seconds = 0, 0.0
+    for number, file_seed in enumerate(seeds, 1):
+        began = perf_counter()
+        experience, attempts = train(env, file_seed, file=number)
+        seconds += perf_counter() - began
+        files.append(experience)
+        steps += sum(row.rounds for row in attempts)
+        if number in amounts:
+            vectors, behaviours = arrays(files)
+            groups = np.repeat(np.arange(number), [len(file.vectors) for file in files])
+            policies, fitting = _policies(learner, vectors, behaviours, seed, groups)
+            yield Learned(steps, len(vectors), seconds + fitting, policies)
+    env.close()
+
+
+def _asking(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[Learned]:
+    """For each amount from the start, with the same seed: its time is then its own."""
+    student = learner.learner
+    env = recall_env("corridor")
+    for amount in amounts:
+        began = perf_counter()
+        asked = dagger(
+            lambda: student.classifier(env.diagonal, seed),
+            env,
+            amount,
+            seed,
+            sample=student.sample,
+            **learner.settings,
+        )
+        seconds = perf_counter() - began
+        policies, _ = _policies(student, asked.vectors, asked.behaviours, seed, None)
+        yield Learned(amount, amount, seconds, policies)
+    env.close()
+
+
+def _policies(
+    learner: FromVectors,
+    vectors: NDArray[np.int64],
+    behaviours: NDArray[np.int64],
+    seed: int,
+    groups: NDArray[np.int64] | None,
+) -> tuple[dict[str, Policy], float]:
+    """A policy for each arena, the same one if it takes no diagonal; and the seconds that one takes to fit."""
+    began = perf_counter()
+    first = learner.learn(vectors, behaviours, SITES["corridor"].diagonal, seed, groups)
+    seconds = perf_counter() - began
+    if not learner.diagonal:
+        return dict.fromkeys(SITES, first), seconds
+    second = learner.learn(vectors, behaviours, SITES["rectangle"].diagonal, seed, groups)
+    return {"corridor": first, "rectangle": second}, seconds

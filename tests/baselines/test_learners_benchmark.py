@@ -1,0 +1,25 @@
+"""`benchmarks/learners.py` with learners by trial and error: a row each, beside an imitator's."""
+
+from pathlib import Path
+
+from benchmarks.running import is_picture, quick, read
+
+from khepera_forage.policies.learners import LEARNERS, Needs
+
+TRIAL = [name for name, learner in LEARNERS.items() if learner.needs is Needs.STEPS]
+
+
+def test_trial_and_error_takes_part(tmp_path: Path) -> None:
+    out = tmp_path / "learners"
+    names = ["imitator", *TRIAL]
+    only = [part for name in names for part in ("--only", name)]
+    quick("learners.py", out, *only, "--seeds", "1", "--jobs", "1")
+    rows = read(out / "rows.csv")
+    assert [row["learner"] for row in rows] == ["imitator"] * 4 + [name for name in TRIAL for _ in range(2)]
+    for row in rows[4:]:
+        assert int(row["steps"]) >= int(row["amount"]) == 1_000
+        assert int(row["vectors"]) == 0
+        assert float(row["seconds"]) > 0
+    page = (out / "learners.md").read_text(encoding="utf-8")
+    assert all(f"| `{name}` | {LEARNERS[name].title} | `" in page for name in names)
+    assert is_picture(out / "learners.png")

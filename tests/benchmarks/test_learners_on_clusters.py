@@ -1,0 +1,79 @@
+"""`benchmarks/learners.py` on a Ray and on a Dask cluster: the same rows as on one machine (extras `ray`, `dask`)."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from .running import ROOT, read
+
+SCRIPT = str(ROOT / "benchmarks/learners.py")
+WORK = ["--quick", "--only", "tree", "--only", "teacher", "--seeds", "3", "--seed", "1"]
+
+
+def run(out: Path, *arguments: str) -> str:
+    """What a run prints; what a cluster has to say on its way is no matter."""
+    command = [sys.executable, SCRIPT, *WORK, "--out", str(out), *arguments]
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=300)
+    assert finished.returncode == 0, finished.stderr
+    return finished.stdout
+
+
+def rows(out: Path) -> list[dict[str, str]]:
+    """Rows but for wall times."""
+    return [
+        {name: value for name, value in row.items() if name != "seconds"} for row in read(out / "rows.csv")
+    ]
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, str]]:
+    out = tmp_path_factory.mktemp("here") / "learners"
+    run(out, "--jobs", "1")
+    return rows(out)
+
+
+@pytest.mark.parametrize("backend", ["ray", "dask"])
+def test_two_workers_make_the_same_rows(backend: str, here: list[dict[str, str]], tmp_path: Path) -> None:
+    if find_spec("distributed" if backend == "dask" else backend) is None:
+        pytest.skip(f"needs the extra {backend}")
+    printed = run(tmp_path / "learners", "--backend", backend, "--jobs", "2")
+    assert f"6 units for 2 workers of {backend.capitalize()}" in printed
+    assert rows(tmp_path / "learners") == here
+
+
+@pytest.fixture
+def dask_cluster(tmp_path: Path) -> Iterator[str]:
+    """A scheduler and two workers, each a process of its own that knows nothing of the benchmark's folder."""
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    where = tmp_path / "scheduler.json"
+    told = ["--scheduler-file", str(where)]
+    local = ["--host", "127.0.0.1", "--no-dashboard"]
+    with ExitStack() as stack:
+        for part in (
+            ["scheduler", *told, *local, "--port", "0"],
+            *(["worker", *told, *local, "--nthreads", "1", "--no-nanny"] for _ in range(2)),
+        ):
+            process = subprocess.Popen(
+                [sys.executable, "-m", "dask", *part], cwd=tmp_path, env=os.environ, stderr=subprocess.DEVNULL
+            )
+            stack.callback(process.wait)
+            stack.callback(process.terminate)
+        from distributed import Client
+
+        with Client(scheduler_file=str(where), timeout=60) as client:
+            client.wait_for_workers(2, timeout=60)
+            yield client.scheduler.address
+
+
+def test_a_cluster_at_an_address_is_sent_what_it_needs(
+    dask_cluster: str, here: list[dict[str, str]], tmp_path: Path
+) -> None:
+    printed = run(tmp_path / "learners", "--backend", "dask", "--address", dask_cluster)
+    assert "6 units for 2 workers of Dask" in printed
+    assert rows(tmp_path / "learners") == here
