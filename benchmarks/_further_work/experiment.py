@@ -21,11 +21,13 @@ class Report(NamedTuple):
         claims: Each with its effect, interval, verdict and a sentence.
         tables: All figures behind them.
         figure: The picture.
+        summary: What came out in a plain sentence, made of the figures; empty where the claims say it all.
     """
 
     claims: tuple[Claim, ...]
     tables: tuple[Table, ...]
     figure: "Figure"
+    summary: str = ""
 
 
 @dataclass(frozen=True, slots=True)

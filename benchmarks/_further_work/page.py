@@ -44,5 +44,6 @@ def page(experiment: Experiment, report: Report, command: str) -> str:
         f"## What came out\n\nOf {len(report.claims)} claims: {verdicts}.\n\n{came_out}\n\n"
         f"![{experiment.title}]({experiment.name}.png)\n\n"
         f"{tables}\n"
+        f"{f'## In short{chr(10) * 2}{report.summary}{chr(10) * 2}' if report.summary else ''}"
         f"## Command\n\n    {command}\n"
     )

@@ -124,6 +124,8 @@ def recall_all(
             beyond=row.food_home_distances[0] - TRAINING_DISTANCE,
             vectors=len(vectors),
             distinct=distinct,
+            rounds_by_state=row.rounds_by_state,
+            wrong_by_state=row.wrong_by_state,
         )
 
 

@@ -1,8 +1,30 @@
 """All experiments, in the order of the pages. Another one is another file and a line here."""
 
-from _further_work import bodies, chains, company, push_avoid, roads, variety
+from _further_work import (
+    action_level,
+    attribute_weights,
+    bodies,
+    chains,
+    company,
+    human_teacher,
+    push_avoid,
+    roads,
+    state_vector,
+    variety,
+)
 
 EXPERIMENTS = {
     module.EXPERIMENT.name: module.EXPERIMENT
-    for module in (push_avoid, variety, bodies, chains, roads, company)
+    for module in (
+        push_avoid,
+        attribute_weights,
+        variety,
+        state_vector,
+        action_level,
+        bodies,
+        chains,
+        human_teacher,
+        roads,
+        company,
+    )
 }

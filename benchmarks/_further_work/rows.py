@@ -54,6 +54,8 @@ class Recalled:
         beyond: How much further from home than in training the first object lay, in pixels.
         vectors: Experience vectors of the learner.
         distinct: Different state vectors among them.
+        rounds_by_state: Steps in each of the ten states, as the teacher would classify them.
+        wrong_by_state: Those of them in which the learner did not do what the teacher would have done.
     """
 
     replication: int
@@ -72,6 +74,8 @@ class Recalled:
     beyond: float
     vectors: int
     distinct: int
+    rounds_by_state: tuple[int, ...]
+    wrong_by_state: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)

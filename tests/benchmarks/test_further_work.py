@@ -12,7 +12,18 @@ from khepera_forage.foraging.states import Behaviour, StateVector
 
 from .running import ROOT, help_of, is_picture, quick, read
 
-NAMES = ("push_avoid", "variety", "bodies", "chains", "roads", "company")
+NAMES = (
+    "push_avoid",
+    "attribute_weights",
+    "variety",
+    "state_vector",
+    "action_level",
+    "bodies",
+    "chains",
+    "human_teacher",
+    "roads",
+    "company",
+)
 WITHOUT_RECALLS = {"company"}
 Rows = list[dict[str, str]]
 
@@ -60,7 +71,7 @@ def test_every_claim_is_printed_and_answered_on_its_page(out: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(set(NAMES) - WITHOUT_RECALLS))
 def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
-    key = "generation" if name == "chains" else "episodes"
+    key = {"chains": "generation", "human_teacher": "delay"}.get(name, "episodes")
     column = "food settled (%)" if name == "push_avoid" else "food delivered (%)"
     table = read(out / name / "table_recalls.csv")
     for line in table:

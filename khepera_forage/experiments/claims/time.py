@@ -25,7 +25,7 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
     """Whether an episode becomes complete is mainly a matter of tracking."""
     laboratory = attempts_per_episode(evidence, LABORATORY)
     without = attempts_per_episode(evidence, NO_LOSSES)
-    show = Unit("attempts", ".2f")
+    show = Unit("attempts in 100 episodes", ".2f", 100.0)
     return judged(
         "Tracking losses cost attempts at a complete training episode",
         "5.3.1",
@@ -33,7 +33,7 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
         Above(0.0),
         show,
         'completeness "is mainly affected from the tracking"',
-        f"{show(laboratory.value)} an episode in the laboratory, {show(without.value)} without losses.",
+        f"{show(laboratory.value)} in the laboratory, {show(without.value)} without losses.",
     )
 
 

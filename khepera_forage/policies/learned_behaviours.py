@@ -1,0 +1,131 @@
+"""Behaviours that are learned too: from raw data to motors, one regression a behaviour (action level, 4.8)."""
+
+from collections.abc import Sequence
+from numbers import Integral
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.foraging.angles import bearing_of, length, turn_to
+from khepera_forage.foraging.behaviours import wait
+from khepera_forage.foraging.perception import RawData
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+
+RELATIONS = 17
+_ARM_HALF, _JAW_HALF = (ARM_DOWN + ARM_RAISED) / 2, (JAW_OPEN + JAW_CLOSED) / 2
+
+
+def relations(raw: RawData) -> tuple[float, ...]:
+    """Raw data as the robot stands to things, in whatever arena: what 4.3 does with places, with directions kept.
+
+    Args:
+        raw: What the robot perceives now.
+
+    Returns:
+        17 numbers: the six infra-reds, arm, jaw, object presence, whether food is seen, distance (pixels) and bearing
+        (degrees) of food, home and nearest wall (those of food 0 if none is seen), and the type of the food.
+    """
+    food = bearing_of_food = 0.0
+    if raw.food_seen:
+        food = length(raw.food_x - raw.x, raw.food_y - raw.y)
+        bearing_of_food = _bearing(raw, raw.food_x, raw.food_y)
+    return (
+        *raw.proximity,
+        raw.arm,
+        raw.jaw,
+        raw.object_presence,
+        raw.food_seen,
+        food,
+        bearing_of_food,
+        length(raw.home_x - raw.x, raw.home_y - raw.y),
+        _bearing(raw, raw.home_x, raw.home_y),
+        raw.wall_distance,
+        raw.wall_bearing,
+        raw.food_type,
+    )
+
+
+def _bearing(raw: RawData, x: float, y: float) -> float:
+    return turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
+
+
+class LearnedBehaviours:
+    """In the place of `foraging.behaviours.command`: what a behaviour commands, learned from the motors behind it.
+
+    For every behaviour an ensemble of scikit-learn's extremely randomised trees goes from `relations` to wheels, arm
+    and jaw. Wheels are the mean of the trees; arm and jaw, which are told one of two things, that of the majority (of
+    as many votes raised and closed).
+    A behaviour that was never shown is to stand still, arm and jaw as they are.
+
+    Args:
+        trees: Of each ensemble, at least 1.
+        random_state: Of their splits; the same one gives the same behaviours.
+
+    Raises:
+        ValueError: A number of trees below 1.
+    """
+
+    trees: int
+    random_state: int
+
+    def __init__(self, trees: int = 10, random_state: int = 0) -> None:
+        if not isinstance(trees, Integral) or isinstance(trees, bool) or trees < 1:
+            raise ValueError(f"trees is {trees!r}; allowed: an integer, at least 1")
+        self.trees = trees
+        self.random_state = random_state
+        self._ensembles: dict[int, list[Any]] = {}
+
+    @property
+    def known(self) -> frozenset[int]:
+        """The behaviours that were shown, by their numbers."""
+        return frozenset(self._ensembles)
+
+    def fit(self, raws: Sequence[RawData], behaviours: Sequence[int], motors: Sequence[Motors]) -> Self:
+        """Learn from steps, forgetting earlier ones.
+
+        Args:
+            raws: What the robot perceived before each.
+            behaviours: Which behaviour each was part of.
+            motors: What wheels, arm and jaw were told.
+
+        Raises:
+            ValueError: Not as many of each, or a number that is not finite.
+        """
+        from sklearn.ensemble import ExtraTreesRegressor
+
+        if not len(raws) == len(behaviours) == len(motors):
+            raise ValueError(
+                f"{len(raws)} raw data, {len(behaviours)} behaviours, {len(motors)} motors; allowed: as many of each"
+            )
+        rows = np.array([relations(raw) for raw in raws], np.float32).reshape(-1, RELATIONS)
+        told = np.array(motors, np.float64).reshape(-1, len(Motors._fields))
+        for name, numbers in (("raw data", rows), ("motors", told)):
+            if not np.isfinite(numbers).all():
+                worst = int((~np.isfinite(numbers)).any(axis=1).argmax())
+                raise ValueError(f"{name} {worst} are {numbers[worst].tolist()}; allowed: finite numbers")
+        words = np.array(behaviours, np.int64)
+        self._ensembles = {}
+        for behaviour in np.unique(words).tolist():
+            own = words == behaviour
+            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(rows[own], told[own])
+            self._ensembles[behaviour] = [estimator.tree_ for estimator in forest.estimators_]
+        return self
+
+    def command(self, behaviour: int, raw: RawData) -> Motors:
+        """Motors for one step of a behaviour.
+
+        Args:
+            behaviour: A `Behaviour`.
+            raw: What the robot perceives now.
+        """
+        ensemble = self._ensembles.get(int(behaviour))
+        if ensemble is None:
+            return wait(raw)
+        row = np.array([relations(raw)], np.float32)
+        # Straight from the trees: what scikit-learn checks at every `predict` takes thirty times as long.
+        said: NDArray[np.float64] = np.concatenate([tree.predict(row)[..., 0] for tree in ensemble])
+        left, right = said[:, :2].mean(axis=0).tolist()
+        arm = ARM_DOWN if 2 * (said[:, 2] > _ARM_HALF).sum() > len(said) else ARM_RAISED
+        jaw = JAW_OPEN if 2 * (said[:, 3] > _JAW_HALF).sum() > len(said) else JAW_CLOSED
+        return Motors(left, right, arm, jaw)

@@ -1,0 +1,232 @@
+"""Experiments 2, 4 and 5 of `benchmarks/further_work.py`: what counts how much, what is perceived, and motors."""
+
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experiments.recalling import recall, recall_env
+from khepera_forage.experiments.training import attempt, train
+from khepera_forage.foraging.behaviours import command
+from khepera_forage.foraging.perception import RawData, state_vector
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.noise import Noise
+from khepera_forage.policies import NearestNeighbourImitator, Teacher
+from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.policies.votes import distance
+from khepera_forage.robots.khepera import applicable
+
+from .running import ROOT, quick, read
+
+ATTRIBUTES = 5
+DIAGONAL = 138
+SIGHT: dict[str, Any] = {
+    "proximity": (0,) * 6,
+    "arm": 215,
+    "jaw": 200,
+    "x": 40.0,
+    "y": 20.0,
+    "tracked": True,
+    "food_seen": True,
+    "food_x": 70.0,
+    "food_y": 20.0,
+    "home_x": 110.0,
+    "home_y": 20.0,
+    "home_radius": 20,
+    "home_opening": 180.0,
+    "wall_distance": 15.0,
+    "wall_bearing": 90.0,
+}
+RAW = RawData(**(dict.fromkeys(RawData._fields, 0) | SIGHT))
+Import = Callable[[str], ModuleType]
+
+
+@pytest.fixture
+def module(monkeypatch: pytest.MonkeyPatch) -> Import:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    return lambda name: importlib.import_module(f"_further_work.{name}")
+
+
+def test_the_argument_for_weights_holds_on_the_training_line(module: Import) -> None:
+    """Equal weights tie what lies on one line with start and home; any weight of the food above the home's does not."""
+    fixed = module("attribute_weights").FIXED
+    far = (Behaviour.SEARCH_FOR_FOOD, range(31, 57)), (Behaviour.MOVE_SLOWLY, range(21, 31))
+    training = [((0, 36 + food, 0, 215, food), heard) for heard, foods in far for food in foods]
+    training.append(((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD))
+    vectors, heard = (np.array(part) for part in zip(*training, strict=True))
+    further_out = np.array([(0, 96, 0, 215, 20)])
+
+    def level(weights: tuple[int, ...]) -> float:
+        shares = WeightedImitator(DIAGONAL, weights).fit(vectors, heard).predict_proba(further_out)
+        return float(shares[0, list(np.unique(heard)).index(Behaviour.ORIENT_WITH_FOOD)])
+
+    assert level(fixed["equal"]) == pytest.approx(1 / len(training))
+    assert [level(fixed[name]) for name in ("food ×2", "food ×4", "food ×8")] == [1.0, 1.0, 1.0]
+    assert level(fixed["home ×4"]) == 0.0
+
+
+def test_equal_weights_are_the_thesis_own_distance(module: Import) -> None:
+    rng = np.random.default_rng(0)
+    lows, highs = (0, 0, 0, 215, 0), (2, 60, 4, 256, 60)
+    vectors, asked = (rng.integers(lows, highs, (200, ATTRIBUTES)) for _ in range(2))
+    heard = rng.integers(0, 10, 200)
+    weights = module("attribute_weights").FIXED["equal"]
+    mine = WeightedImitator(DIAGONAL, weights).fit(vectors, heard)
+    own = NearestNeighbourImitator(DIAGONAL).fit(vectors, heard)
+    assert mine.predict_proba(asked) == pytest.approx(own.predict_proba(asked))
+
+
+def test_food_nearness_and_at_home_by_hand(module: Import) -> None:
+    new = module("prototype")
+    assert new.REACH == 15
+    assert new.food_nearness(RAW) == pytest.approx(15 / 45)
+    assert new.food_nearness(RAW._replace(food_x=55.0)) == 0.5
+    assert new.food_nearness(RAW._replace(food_seen=False)) == 0.0
+    for food_seen in (True, False):
+        assert new.food_nearness(RAW._replace(object_presence=255, food_seen=food_seen)) == 1.0
+    assert not new.at_home(RAW)
+    assert new.at_home(RAW._replace(x=90.0))
+    assert not new.at_home(RAW._replace(x=89.9))
+    assert new.redesigned(RAW) == (0, 0, 0, 215, 333)
+
+
+def test_distances_of_the_redesigned_vector(module: Import) -> None:
+    new = module("prototype")
+    here = new.redesigned(RAW)
+
+    def away(**changes: Any) -> float:
+        return float(distance(here, new.redesigned(RAW._replace(**changes)), new.FULL))
+
+    assert away(home_x=45.0) == 1
+    assert away(food_type=2) == 1
+    assert away(arm=226) == pytest.approx(11 / 55)
+    assert away(food_seen=False) == pytest.approx(1 / 3, abs=1e-3)
+    assert away(object_presence=255) == pytest.approx(1 + 2 / 3, abs=1e-3)
+
+
+def test_how_far_from_home_the_food_lies_is_nothing_to_the_redesigned_vector(module: Import) -> None:
+    redesigned = module("prototype").redesigned
+    assert {redesigned(RAW._replace(home_x=x)) for x in (61.0, 80.0, 110.0, 200.0)} == {redesigned(RAW)}
+
+
+def test_a_witness_notes_what_the_file_holds_and_more(module: Import) -> None:
+    env = TrainingEnv()
+    witness = module("witness").Witness(env)
+    with pytest.raises(AssertionError, match="nothing was taught"):
+        witness.moments()
+    for seed in (1, 2):
+        experience, rows = train(env, np.random.SeedSequence(seed), teacher=witness)
+        moments = witness.moments()
+        assert rows[-1].complete
+        assert [state_vector(moment.raw, DIAGONAL) for moment in moments] == list(experience.vectors)
+        assert [moment.heard for moment in moments] == list(experience.behaviours)
+    env.close()
+
+
+def test_a_witness_forgets_an_attempt_that_was_given_up(module: Import) -> None:
+    env = TrainingEnv(max_cycles=20)
+    witness = module("witness").Witness(env)
+    for seed in (1, 2):
+        assert not attempt(env, seed, lambda *_: None, teacher=witness).complete
+        assert 0 < len(witness.moments()) <= 20
+    env.close()
+
+
+def test_who_copies_drives_what_the_teacher_drives(module: Import) -> None:
+    """Without noise both robots stand in the same place, and following has nothing to bend."""
+    env = module("copying").CopyingEnv(noise=Noise.none())
+    witness = module("witness").Witness(env)
+    told = []
+
+    def watch() -> None:
+        teacher, learner = env.foragers
+        told.append((teacher.applied, learner.applied))
+
+    assert attempt(env, 3, lambda *_: None, teacher=witness, watch=watch).complete
+    env.close()
+    assert len(told) > 50
+    assert [learner for _, learner in told] == [teacher for teacher, _ in told]
+    assert [moment.motors for moment in witness.moments()] == [learner for _, learner in told]
+
+
+def test_who_copies_needs_no_behaviour_of_its_own(module: Import) -> None:
+    """In the laboratory's noise the learner's motors are the teacher's, unless following bends them."""
+    env = module("copying").CopyingEnv()
+    shown = []
+
+    def watch() -> None:
+        teacher, learner = env.foragers
+        shown.append((teacher.applied[2:], learner.applied[2:]))
+        same_mean.append(sum(teacher.applied[:2]) == pytest.approx(sum(learner.applied[:2]), abs=1.01))
+
+    same_mean: list[bool] = []
+    attempt(env, 4, lambda *_: None, watch=watch)
+    env.close()
+    assert all(teacher == learner for teacher, learner in shown)
+    assert np.mean(same_mean) > 0.9, "only a learner that recovers goes at a speed of its own"
+
+
+def test_recall_with_the_given_behaviours_is_recall(module: Import) -> None:
+    given = recall_env("corridor")
+    own = module("copying").OwnBehavioursEnv(command, arena="corridor", foods=given.foods, limit=given.limit)
+    for seed in (5, 6):
+        assert recall(own, Teacher(), seed) == recall(given, Teacher(), seed)
+    own.command = lambda behaviour, raw: applicable(command(Behaviour.WAIT, raw))
+    still = recall(own, Teacher(), 5)
+    assert (still.steps, still.delivered) == (given.limit, 0)
+    given.close()
+    own.close()
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run") / "further_work"
+    names = ("attribute_weights", "state_vector", "action_level", "roads")
+    only = [part for name in names for part in ("--only", name)]
+    quick("further_work.py", folder, *only, "--replications", "1", "--jobs", "1")
+    return folder
+
+
+def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(out: Path) -> None:
+    """The same files, recalls and learner under three names."""
+    names = {
+        "attribute_weights": "equal",
+        "state_vector": "the thesis' state vector",
+        "roads": "the thesis' own",
+    }
+    rows = {
+        name: [row | {"condition": ""} for row in read(out / name / "recalls.csv") if row["condition"] == own]
+        for name, own in names.items()
+    }
+    assert len(rows["roads"]) == 4
+    assert rows["attribute_weights"] == rows["state_vector"] == rows["roads"]
+
+
+def test_every_page_ends_in_a_plain_sentence(out: Path) -> None:
+    for name in ("attribute_weights", "state_vector", "action_level"):
+        page = (out / name / f"{name}.md").read_text(encoding="utf-8")
+        summary = page.split("## In short\n\n")[1].split("\n\n## Command")[0]
+        assert "after 3 episodes" in summary.lower()
+        assert "nan" not in summary
+
+
+def test_wrong_steps_by_state_add_up(out: Path) -> None:
+    rows = read(out / "action_level" / "recalls.csv")
+    assert {row["condition"] for row in rows} == {
+        f"{setup}: {what}"
+        for setup in ("one set-up", "start and food moved")
+        for what in ("the teacher", "learned program", "learned behaviours", "both learned")
+    }
+    for row in rows:
+        spent, wrong = (
+            [int(n) for n in row[key].split(";")] for key in ("rounds_by_state", "wrong_by_state")
+        )
+        assert sum(spent) == int(row["steps"])
+        assert sum(wrong) == int(row["steps"]) - int(row["correct"])
+        if row["condition"].endswith(("the teacher", "learned behaviours")):
+            assert sum(wrong) == 0, "the program is the teacher's"

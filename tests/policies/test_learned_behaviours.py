@@ -1,0 +1,184 @@
+"""Behaviours learned from the motors behind them (action level, 4.8)."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import khepera_forage  # noqa: F401 - registers the environments
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.foraging.behaviours import command, wait
+from khepera_forage.foraging.perception import RawData
+from khepera_forage.foraging.states import Behaviour
+from khepera_forage.policies.learned_behaviours import RELATIONS, LearnedBehaviours, relations
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+
+SIGHT: dict[str, Any] = {
+    "proximity": (0, 10, 20, 30, 40, 50),
+    "arm": 215,
+    "jaw": 200,
+    "x": 40.0,
+    "y": 20.0,
+    "tracked": True,
+    "food_seen": True,
+    "food_x": 60.0,
+    "food_y": 20.0,
+    "home_x": 110.0,
+    "home_y": 20.0,
+    "home_radius": 20,
+    "home_opening": 180.0,
+    "wall_distance": 15.0,
+    "wall_bearing": 90.0,
+}
+RAW = RawData(**(dict.fromkeys(RawData._fields, 0) | SIGHT))
+Steps = tuple[list[RawData], list[int], list[Motors]]
+
+
+def moved(raw: RawData, x: float, y: float, degrees: int) -> RawData:
+    """The same sight elsewhere: everything turned about the origin, then shifted."""
+    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+
+    def there(px: float, py: float) -> tuple[float, float]:
+        return x + px * cosine - py * sine, y + px * sine + py * cosine
+
+    (x1, y1), (x2, y2), (x3, y3) = (
+        there(raw.x, raw.y),
+        there(raw.food_x, raw.food_y),
+        there(raw.home_x, raw.home_y),
+    )
+    orientation = (raw.orientation + degrees) % 360
+    return raw._replace(x=x1, y=y1, food_x=x2, food_y=y2, home_x=x3, home_y=y3, orientation=orientation)
+
+
+def as_trees_see(raw: RawData) -> tuple[float, ...]:
+    """Relations in the single precision of scikit-learn's trees."""
+    return tuple(np.array(relations(raw), np.float32).tolist())
+
+
+@pytest.fixture(scope="module")
+def steps() -> Steps:
+    """The teacher's own forages at random places: what it perceived, did, and told its motors."""
+    env = gym.make("khepera_forage/Corridor-v0").unwrapped
+    assert isinstance(env, BehavioursEnv)
+    raws, behaviours, motors = [], [], []
+    for seed in range(12):
+        _, info = env.reset(seed=seed)
+        over = False
+        while not over:
+            raws.append(env.forager.raw)
+            behaviours.append(info["correct_behaviour"])
+            motors.append(command(behaviours[-1], raws[-1]))
+            _, _, terminated, truncated, info = env.step(behaviours[-1])
+            over = terminated or truncated
+    env.close()
+    return raws, behaviours, motors
+
+
+@pytest.fixture(scope="module")
+def learned(steps: Steps) -> LearnedBehaviours:
+    return LearnedBehaviours().fit(*steps)
+
+
+@given(st.floats(-200, 200), st.floats(-200, 200), st.integers(-180, 180))
+def test_relations_are_the_same_wherever_it_happens(x: float, y: float, degrees: int) -> None:
+    assert relations(moved(RAW, x, y, degrees)) == pytest.approx(relations(RAW), abs=1e-6)
+
+
+def test_relations_by_hand() -> None:
+    assert len(relations(RAW)) == RELATIONS
+    assert relations(RAW) == (0, 10, 20, 30, 40, 50, 215, 200, 0, True, 20.0, 0.0, 70.0, 0.0, 15.0, 90.0, 0)
+    left = relations(RAW._replace(food_x=40.0, food_y=50.0, food_seen=True))
+    assert left[10:12] == (30.0, 90.0)
+    assert relations(RAW._replace(food_seen=False))[9:12] == (False, 0.0, 0.0)
+
+
+def test_what_was_shown_is_done_again(steps: Steps, learned: LearnedBehaviours) -> None:
+    """Trees without bootstrap know their own rows: only rows that are equal and were told otherwise are averaged."""
+    told: dict[tuple[int, tuple[float, ...]], set[Motors]] = {}
+    for raw, behaviour, motors in zip(*steps, strict=True):
+        told.setdefault((behaviour, as_trees_see(raw)), set()).add(motors)
+    checked = 0
+    for raw, behaviour, motors in zip(*steps, strict=True):
+        if len(told[behaviour, as_trees_see(raw)]) == 1:
+            said = learned.command(behaviour, raw)
+            assert said[:2] == pytest.approx(motors[:2], abs=1e-4)
+            assert said[2:] == motors[2:]
+            checked += 1
+    assert checked > 500
+
+
+def test_it_forages_with_them_at_places_never_shown(learned: LearnedBehaviours) -> None:
+    env = gym.make("khepera_forage/CorridorWheels-v0").unwrapped
+    delivered = []
+    for seed in range(100, 106):
+        _, info = env.reset(seed=seed)
+        over = False
+        while not over:
+            left, right, arm, jaw = learned.command(info["correct_behaviour"], env.forager.raw)  # type: ignore[attr-defined]
+            raised, closed = (
+                2.0 * (told == then) - 1.0 for told, then in ((arm, ARM_RAISED), (jaw, JAW_CLOSED))
+            )
+            action = np.array((left / 20, right / 20, raised, closed), np.float32)
+            _, _, terminated, truncated, info = env.step(action)
+            over = terminated or truncated
+        delivered.append(info["delivered"])
+    env.close()
+    assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
+
+
+def test_a_behaviour_never_shown_stands_still(learned: LearnedBehaviours) -> None:
+    assert Behaviour.PUSH_FOOD not in learned.known
+    assert learned.known >= {Behaviour.SEARCH_FOR_FOOD, Behaviour.GO_HOME, Behaviour.RELEASE_FOOD}
+    assert learned.command(Behaviour.PUSH_FOOD, RAW) == wait(RAW)
+    assert LearnedBehaviours().command(Behaviour.GO_HOME, RAW) == wait(RAW)
+
+
+def test_only_what_a_robot_can_be_told(steps: Steps, learned: LearnedBehaviours) -> None:
+    for raw, behaviour in list(zip(steps[0], steps[1], strict=True))[::7]:
+        for other in learned.known:
+            left, right, arm, jaw = learned.command(other, raw)
+            assert max(abs(left), abs(right)) <= 20
+            assert arm in (ARM_DOWN, ARM_RAISED)
+            assert jaw in (JAW_OPEN, JAW_CLOSED)
+        assert behaviour in learned.known
+
+
+def test_same_seed_same_behaviours_and_another_seed_others(steps: Steps, learned: LearnedBehaviours) -> None:
+    def all_said(behaviours: LearnedBehaviours) -> Iterator[Motors]:
+        unseen = moved(RAW, 3.0, 4.0, 5)._replace(food_y=31.0, wall_distance=11.0)
+        return (behaviours.command(behaviour, unseen) for behaviour in sorted(behaviours.known))
+
+    again = LearnedBehaviours().fit(*steps)
+    assert list(all_said(again)) == list(all_said(learned))
+    assert list(all_said(LearnedBehaviours(random_state=1).fit(*steps))) != list(all_said(learned))
+
+
+def test_fitting_again_forgets(steps: Steps) -> None:
+    behaviours = LearnedBehaviours(trees=1).fit(*steps)
+    behaviours.fit([RAW], [Behaviour.GO_HOME], [Motors(3, 4, ARM_RAISED, JAW_CLOSED)])
+    assert behaviours.known == {Behaviour.GO_HOME}
+    assert behaviours.command(Behaviour.GO_HOME, RAW) == Motors(3, 4, ARM_RAISED, JAW_CLOSED)
+
+
+@pytest.mark.parametrize("trees", [0, -1, 2.5, True])
+def test_number_of_trees_is_checked(trees: int) -> None:
+    with pytest.raises(ValueError, match=f"trees is {trees}; allowed: an integer, at least 1"):
+        LearnedBehaviours(trees)
+
+
+def test_as_many_of_each() -> None:
+    with pytest.raises(ValueError, match="1 raw data, 2 behaviours, 0 motors; allowed: as many of each"):
+        LearnedBehaviours().fit([RAW], [1, 2], [])
+
+
+def test_nothing_that_is_not_finite() -> None:
+    motors = Motors(0, 0, 215, 0)
+    with pytest.raises(ValueError, match=r"raw data 1 are \[.*nan.*\]; allowed: finite numbers"):
+        LearnedBehaviours().fit([RAW, RAW._replace(x=math.nan)], [1, 1], [motors, motors])
+    with pytest.raises(ValueError, match=r"motors 0 are \[inf, .*\]; allowed: finite numbers"):
+        LearnedBehaviours().fit([RAW], [1], [motors._replace(left=math.inf)])
