@@ -15,8 +15,8 @@ test: $(VENV)/installed lint
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
 test-baselines: $(VENV)/installed
 	$(BIN)/pip install --quiet torch==2.13.0
-	$(BIN)/pip install --quiet --editable '.[dev,baselines]'
-	$(BIN)/python -m pytest tests/baselines
+	$(BIN)/pip install --quiet --editable '.[dev,baselines,ray,dask]'
+	$(BIN)/python -m pytest tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
