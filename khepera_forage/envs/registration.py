@@ -6,16 +6,13 @@ import gymnasium as gym
 def register_all() -> None:
     """Register the recall environments; a second call does nothing."""
     for name, foods, limit in (("Corridor", 1, 500), ("Rectangle", 2, 700)):
-        for suffix, entry, many in (
-            ("", "behaviours_env:BehavioursEnv", "behaviours"),
-            ("Wheels", "wheels_env:WheelsEnv", "wheels"),
-        ):
+        for suffix, kind in (("", "behaviours"), ("Wheels", "wheels")):
             env_id = f"khepera_forage/{name}{suffix}-v0"
             if env_id not in gym.registry:
                 kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
                 gym.register(
                     env_id,
-                    entry_point=f"khepera_forage.envs.{entry}",
-                    vector_entry_point=f"khepera_forage.envs.vectorized:{many}",
+                    entry_point=f"khepera_forage.envs.physics:{kind}",
+                    vector_entry_point=f"khepera_forage.envs.vectorized:{kind}",
                     kwargs=kwargs,
                 )

@@ -23,10 +23,10 @@ keeps it off the walls (3.4).
 
 import math
 
-from khepera_forage.foraging.angles import bearing_of, length, turn_to
+from khepera_forage.foraging.angles import turn_to
 from khepera_forage.foraging.perception import RawData
 from khepera_forage.foraging.states import Behaviour
-from khepera_forage.foraging.steering import TURN, bearing, clip, detour, steer
+from khepera_forage.foraging.steering import TURN, clip, detour, steer
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
@@ -107,11 +107,11 @@ def _search(raw: RawData) -> Motors:
 
 def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
     """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
-    near = raw.food_seen and length(raw.food_x - raw.x, raw.food_y - raw.y) < _TOO_NEAR
+    near = raw.food_seen and raw.food_distance < _TOO_NEAR
     if near or raw.arm >= ARM_ON_FLOOR:
         # First clear of what may lie between the fingers, such as poison.
         return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = steer(raw, bearing(raw, raw.food_x, raw.food_y) + aside if raw.food_seen else 0.0, speed)
+    left, right = steer(raw, raw.food_bearing + aside, speed)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
@@ -120,8 +120,8 @@ def _orient(raw: RawData) -> Motors:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if not raw.food_seen:
         return Motors(-_CREEP, _CREEP, ARM_DOWN, JAW_OPEN)
-    distance = length(raw.food_x - raw.x, raw.food_y - raw.y)
-    error = bearing(raw, raw.food_x, raw.food_y)
+    distance = raw.food_distance
+    error = raw.food_bearing
     if abs(error) > _ASTRAY:
         # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
         turn = math.copysign(TURN, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
@@ -152,17 +152,17 @@ def _pick_up(raw: RawData) -> Motors:
 def _push(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_CLOSED)
-    left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _PUSHING)
+    left, right = steer(raw, raw.home_bearing, _PUSHING)
     return Motors(left, right, ARM_DOWN, JAW_CLOSED)
 
 
 def _go_home(raw: RawData) -> Motors:
-    left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _FAST)
+    left, right = steer(raw, raw.home_bearing, _FAST)
     return Motors(left, right, _arm_after_jaw(raw), JAW_CLOSED)
 
 
 def _avoid_home(raw: RawData) -> Motors:
-    away = bearing_of(raw.x - raw.home_x, raw.y - raw.home_y)
+    away = raw.orientation + raw.home_bearing + 180.0
     # Behind the home there is no way out: out means its open side.
     out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
     error = turn_to(out, raw.orientation)
@@ -178,8 +178,8 @@ def _release(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT:
         back = -_RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
         return Motors(back, back, ARM_DOWN, JAW_OPEN)
-    if length(raw.x - raw.home_x, raw.y - raw.home_y) > raw.home_radius - _DEEP:
-        left, right = steer(raw, bearing(raw, raw.home_x, raw.home_y), _SLOW)
+    if raw.home_distance > raw.home_radius - _DEEP:
+        left, right = steer(raw, raw.home_bearing, _SLOW)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.

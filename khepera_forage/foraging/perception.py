@@ -63,6 +63,10 @@ class RawData(NamedTuple):
         home_opening: Degrees from the home to the middle of the floor.
         wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
         wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
+        home_distance: To the centre of its home.
+        home_bearing: Of that centre from the heading.
+        food_distance: To the nearest candidate food; 0 without one.
+        food_bearing: Of that food from the heading; 0 without one.
     """
 
     proximity: tuple[int, int, int, int, int, int]
@@ -83,6 +87,10 @@ class RawData(NamedTuple):
     home_opening: float
     wall_distance: float
     wall_bearing: float
+    home_distance: float
+    home_bearing: float
+    food_distance: float
+    food_bearing: float
 
 
 def within(region: Region, site: Site) -> bool:
@@ -190,6 +198,9 @@ def raw_data(
         site: Its enclosure.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
+    home_x, home_y = site.home_x - x, site.home_y - y
+    to_x, to_y = food_x - x, food_y - y
+    food_distance, food_bearing = length(to_x, to_y), turn_to(bearing_of(to_x, to_y), orientation)
     return RawData(
         (a, b, c, d, e, f),
         senses.arm,
@@ -209,6 +220,10 @@ def raw_data(
         site.home_opening,
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
+        length(home_x, home_y),
+        turn_to(bearing_of(home_x, home_y), orientation),
+        food_distance if food_seen else 0.0,
+        food_bearing if food_seen else 0.0,
     )
 
 
@@ -219,11 +234,10 @@ def state_vector(raw: RawData, diagonal: int) -> StateVector:
         raw: What is perceived now.
         diagonal: Of the arena in pixels: the food distance where there is no candidate.
     """
-    home = length(raw.x - raw.home_x, raw.y - raw.home_y)
-    food = length(raw.x - raw.food_x, raw.y - raw.food_y) if raw.food_seen else diagonal
+    food = raw.food_distance if raw.food_seen else diagonal
     return StateVector(
         1 if raw.object_presence else 0,
-        int(home + 0.5),
+        int(raw.home_distance + 0.5),
         raw.food_type,
         raw.arm,
         int(food + 0.5),

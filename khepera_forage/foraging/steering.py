@@ -2,7 +2,7 @@
 
 import math
 
-from khepera_forage.foraging.angles import arcsine, bearing_of, length, sine, turn_to
+from khepera_forage.foraging.angles import arcsine, sine, turn_to
 from khepera_forage.foraging.perception import RawData
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -25,25 +25,22 @@ _BLOCKED = 600
 """Infra-red reading (about 14 mm) in front from which it backs off."""
 
 
-def bearing(raw: RawData, x: float, y: float) -> float:
-    """Degrees to turn to face a place, -180..180, left positive."""
-    return turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
-
-
 def detour(raw: RawData) -> float:
     """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
-    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
-    fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
-    home, food = length(hx, hy), length(fx, fy)
+    home, food = raw.home_distance, raw.food_distance
     if not raw.food_seen or home <= raw.home_radius or food == 0.0:
         return 0.0
+    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
+    fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
     along = (hx * fx + hy * fy) / food
-    aside = bearing_of(hx * fx + hy * fy, hx * fy - hy * fx)
+    if along <= 0.0 or along >= food:
+        return 0.0
+    aside = turn_to(raw.food_bearing, raw.home_bearing)
     berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
-    if along <= 0.0 or along >= food or abs(aside) >= berth:
+    if abs(aside) >= berth:
         return 0.0
     # Past the side nearer to the food, unless the home stands against a wall there.
-    opening = turn_to(raw.home_opening, bearing_of(hx, hy))
+    opening = turn_to(raw.home_opening, raw.home_bearing + raw.orientation)
     side = math.copysign(1.0, aside)
     if berth - abs(aside) > _SQUARE and side * sine(opening) < -0.6:
         side = -side
