@@ -1,10 +1,12 @@
 """Learning by trial and error: stable-baselines3 on the recall environments (extra `baselines`)."""
 
+import logging
 import pickle
 import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from importlib import import_module
+from importlib.util import find_spec
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -16,10 +18,13 @@ import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
 from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
+from khepera_forage.worlds.arena import ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
 """From a number of environments to as many in one, starting again in the step that ends an episode."""
 ENVS = 8
+"""How many where they are not batched."""
+_log = logging.getLogger(__name__)
 
 
 class Trained(NamedTuple):
@@ -48,7 +53,7 @@ def recall_envs(arena: str = "corridor", wheels: bool = False, mode: str = "sync
 
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
         return gym.make_vec(
-            f"khepera_forage:khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v0",
+            f"khepera_forage:{_name(arena, wheels)}",
             num_envs=count,
             vectorization_mode=mode,
             vector_kwargs={"autoreset_mode": AutoresetMode.SAME_STEP},
@@ -63,8 +68,9 @@ def reinforce(
     amounts: Sequence[int],
     seed: int,
     make_env: MakeEnv | None = None,
-    envs: int = ENVS,
+    envs: int | None = None,
     watch: Callable[[int], object] | None = None,
+    arena: str = "corridor",
 ) -> list[Trained]:
     """Train once, and keep what the learner is after each amount of steps.
 
@@ -76,15 +82,17 @@ def reinforce(
         amounts: Steps over all environments after which to keep the policy, each above 0; reached to within what the
             algorithm takes at a time.
         seed: Of the algorithm and of the environments.
-        make_env: Makes the environments, all in one; by default those of the corridor.
-        envs: How many.
+        make_env: Makes the environments, all in one. By default those of `arena`: a batch of worlds where numba is
+            installed, plain environments side by side otherwise; the log says which, at level INFO.
+        envs: How many; by default as many as the learner's settings say in a batch, 8 otherwise.
         watch: Called with the steps so far.
+        arena: `corridor` or `rectangle`.
 
     Returns:
         One for each amount, in increasing order.
 
     Raises:
-        ValueError: No amount, or one that is not above 0.
+        ValueError: No amount, or one that is not above 0; another arena.
         ImportError: stable-baselines3 is not installed.
     """
     wanted = sorted(set(amounts))
@@ -93,10 +101,11 @@ def reinforce(
     algorithm = algorithm_named(learner.algorithm)
     from stable_baselines3.common.callbacks import BaseCallback
 
-    from khepera_forage.experiments.vector_bridge import VectorBridge
-
-    make = make_env if make_env is not None else recall_envs(wheels=learner.wheels)
-    env = VectorBridge(make(envs), wheels_features if learner.wheels else behaviour_features)
+    env = vec_env(learner, make_env, envs, arena)
+    settings = dict(learner.settings)
+    if "n_steps" in settings:
+        # A rollout smaller than a batch is one batch.
+        settings["batch_size"] = min(settings["batch_size"], settings["n_steps"] * env.num_envs)
     kept: list[Trained] = []
     began = perf_counter()
 
@@ -108,40 +117,86 @@ def reinforce(
 
         def _on_rollout_start(self) -> None:
             if watch is not None:
-                watch(self.num_timesteps)
+                watch(self.steps)
             self.keep(wanted[:-1])
 
         def keep(self, reached: Sequence[int]) -> None:
             """A copy for each of these amounts that is reached and not kept yet."""
-            policy = (
-                WheelsPolicy(self.model) if learner.wheels else BaselinePolicy(self.model, learner.sample)
-            )
+            kind = WheelsPolicy if learner.wheels else BaselinePolicy
+            policy = kind(self.model, learner.hold, learner.sample)
             for amount in reached[len(kept) :]:
-                if self.model.num_timesteps >= amount:
+                if self.steps >= amount:
                     twin = pickle.loads(pickle.dumps(policy))
-                    kept.append(Trained(twin, self.model.num_timesteps, perf_counter() - began))
+                    kept.append(Trained(twin, self.steps, perf_counter() - began))
+
+        @property
+        def steps(self) -> int:
+            """Of the environment: a decision counts as many as it holds."""
+            return int(self.model.num_timesteps) * learner.hold
 
     with closing(env), _chance_of_its_own():
-        model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **learner.settings)
+        model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **settings)
         keeper = Keeper()
-        model.learn(wanted[-1], callback=keeper)
+        model.learn(-(-wanted[-1] // learner.hold), callback=keeper)
         keeper.keep(wanted)
     return kept
+
+
+def vec_env(
+    learner: FromSteps, make_env: MakeEnv | None = None, envs: int | None = None, arena: str = "corridor"
+) -> Any:
+    """The environments that a learner learns in, as stable-baselines3 takes them.
+
+    Args:
+        learner: What it commands, for how long, and in how many worlds it learns.
+        make_env: As for `reinforce`; so are the next two.
+        envs: How many.
+        arena: `corridor` or `rectangle`.
+
+    Raises:
+        ValueError: Another arena.
+    """
+    if make_env is None and find_spec("numba") is not None:
+        from khepera_forage.experiments.batch_vec_env import BatchVecEnv
+
+        count = learner.worlds if envs is None else envs
+        _log.info("%s learns in a batch of %d worlds", learner.title, count)
+        kwargs = gym.spec(_name(arena, learner.wheels)).kwargs
+        return BatchVecEnv(count, **kwargs, wheels=learner.wheels, hold=learner.hold)
+    from khepera_forage.experiments.vector_bridge import VectorBridge
+
+    count = ENVS if envs is None else envs
+    _log.info("%s learns in %d environments side by side", learner.title, count)
+    make = recall_envs(arena, learner.wheels) if make_env is None else make_env
+    return VectorBridge(make(count), wheels_features if learner.wheels else behaviour_features, learner.hold)
+
+
+def _name(arena: str, wheels: bool) -> str:
+    if arena not in ARENAS:
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
+    return f"khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v0"
 
 
 @contextmanager
 def _chance_of_its_own() -> Iterator[None]:
     """Give back the global sources of chance as they were, which stable-baselines3 seeds and draws from.
 
-    On one thread: networks this small are slower on two, and their sums would depend on how many there are.
+    On one thread: networks this small are slower on two, and their sums would depend on how many there are; a batch of
+    a few hundred worlds spends longer waiting for a second thread than computing.
     """
     torch = import_module("torch")
-    before, python, threads = np.random.get_state(), random.getstate(), torch.get_num_threads()  # noqa: NPY002
-    torch.set_num_threads(1)
+    before, python = np.random.get_state(), random.getstate()  # noqa: NPY002
+    threads = [(torch.set_num_threads, torch.get_num_threads())]
+    if find_spec("numba") is not None:
+        numba = import_module("numba")
+        threads.append((numba.set_num_threads, numba.get_num_threads()))
+    for set_threads, _ in threads:
+        set_threads(1)
     try:
         with torch.random.fork_rng(devices=[]):
             yield
     finally:
-        torch.set_num_threads(threads)
+        for set_threads, number in threads:
+            set_threads(number)
         random.setstate(python)
         np.random.set_state(before)  # noqa: NPY002

@@ -20,16 +20,18 @@ class VectorBridge(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped wher
     Args:
         env: Whose environments start again in the very step that ends an episode (`AutoresetMode.SAME_STEP`).
         features: From observations of all environments to one row of numbers each.
+        hold: Rounds that a decision holds; what they bring is added up. Above 1 the environment must know the option
+            `reset_mask`, as Gymnasium's own do: an episode that ends in between starts again at the end.
 
     Raises:
         ValueError: A vector environment that starts again in another way.
     """
 
-    def __init__(self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features) -> None:
+    def __init__(self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features, hold: int = 1) -> None:
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
             raise ValueError(f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}")
-        self._env, self._features = env, features
+        self._env, self._features, self._hold = env, features, hold
         self._next_seed: int | None = None
         self._actions: NDArray[Any] | None = None
         shape = features(create_empty_array(env.single_observation_space)).shape
@@ -55,14 +57,21 @@ class VectorBridge(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped wher
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """What came of them; what an ended episode showed last is in its info."""
-        shown, rewards, terminated, truncated, info = self._env.step(self._actions)
-        ended = terminated | truncated
+        rewards, ended = np.zeros(self.num_envs), np.zeros(self.num_envs, np.bool_)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        for i in ended.nonzero()[0]:
-            infos[i] = {
-                "terminal_observation": self._features(info["final_obs"][i])[0],
-                "TimeLimit.truncated": bool(truncated[i] and not terminated[i]),
-            }
+        early = ended
+        for _ in range(self._hold):
+            early = ended
+            shown, more, terminated, truncated, info = self._env.step(self._actions)
+            rewards += np.where(ended, 0.0, more)
+            for i in (~ended & (terminated | truncated)).nonzero()[0]:
+                infos[i] = {
+                    "terminal_observation": self._features(info["final_obs"][i])[0],
+                    "TimeLimit.truncated": bool(truncated[i] and not terminated[i]),
+                }
+            ended = ended | terminated | truncated
+        if early.any():
+            shown, _ = self._env.reset(options={"reset_mask": early})
         return self._features(shown), rewards.astype(np.float32), ended, infos
 
     def close(self) -> None:

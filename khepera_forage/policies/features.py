@@ -29,15 +29,26 @@ def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
         ValueError: An attribute is missing.
     """
     keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
-    columns = [_column(shown, key, 1)[:, 0] for key in keys]
-    return coded(np.column_stack(columns), SCALE).astype(np.float32)
+    return state_vector_features(np.column_stack([_column(shown, key, 1)[:, 0] for key in keys]))
+
+
+def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
+    """State vectors in rows, coded.
+
+    Args:
+        vectors: Of shape (n, 5).
+
+    Returns:
+        As `behaviour_features`.
+    """
+    return coded(vectors, SCALE).astype(np.float32)
 
 
 def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     """Raw data of `CorridorWheels-v0` and its kind, as the robot would tell it: places ahead and to the left of it.
 
     Args:
-        shown: One observation, or as many as a vector environment shows at a time.
+        shown: One observation, or as many as a vector environment shows at a time; of `home` one will do.
 
     Returns:
         Of shape (n, 25): six infra-reds, arm, jaw, object presence, tracked, food seen; four columns of food type;

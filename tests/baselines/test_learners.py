@@ -15,8 +15,9 @@ from contracts.suites import PolicyContract
 from gymnasium.vector import AutoresetMode
 
 from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.experiments.reinforcement import Trained, recall_envs, reinforce
+from khepera_forage.experiments.reinforcement import Trained, recall_envs, reinforce, vec_env
 from khepera_forage.experiments.vector_bridge import VectorBridge
+from khepera_forage.experiments.wheels_recalling import recall_wheels, recall_wheels_env
 from khepera_forage.policies import Policy
 from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
 from khepera_forage.policies.features import behaviour_features
@@ -28,9 +29,10 @@ SMALL: dict[str, dict[str, Any]] = {
     "DQN": {"learning_starts": 100},
     "SAC": {"learning_starts": 100, "train_freq": 16, "gradient_steps": 2},
 }
+AMOUNTS = 600, 1_300
 
 
-def short(name: str, amounts: tuple[int, ...] = (600,), seed: int = 0) -> list[Trained]:
+def short(name: str, amounts: tuple[int, ...], seed: int = 0) -> list[Trained]:
     """A short training with a learner's own settings, but for those that ask for a long one."""
     learner = TRIAL[name]
     learner = replace(learner, settings={**learner.settings, **SMALL[learner.algorithm]})
@@ -39,7 +41,7 @@ def short(name: str, amounts: tuple[int, ...] = (600,), seed: int = 0) -> list[T
 
 @pytest.fixture(scope="module")
 def trained() -> dict[str, list[Trained]]:
-    return {name: short(name, (250, 600)) for name in TRIAL}
+    return {name: short(name, AMOUNTS) for name in TRIAL}
 
 
 class TestBehaviours(PolicyContract):
@@ -53,16 +55,18 @@ class TestBehaviours(PolicyContract):
 @pytest.mark.parametrize("name", TRIAL)
 def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[Trained]]) -> None:
     early, late = trained[name]
-    assert 250 <= early.steps < late.steps
-    assert 600 <= late.steps < 600 + 2 * 64 + 1
+    a_time = 2 * 64 * TRIAL[name].hold
+    assert 600 <= early.steps < min(600 + a_time, late.steps)
+    assert 1_300 <= late.steps < 1_300 + a_time
+    assert early.steps % TRIAL[name].hold == late.steps % TRIAL[name].hold == 0
     assert 0 < early.seconds < late.seconds
     assert parameters(early) != parameters(late), "it went on learning, and the early one did not"
 
 
 @pytest.mark.parametrize("name", TRIAL)
 def test_same_seed_same_policy(name: str, trained: dict[str, list[Trained]]) -> None:
-    assert parameters(short(name, (250, 600))[-1]) == parameters(trained[name][-1])
-    assert parameters(short(name, (250, 600), seed=1)[-1]) != parameters(trained[name][-1])
+    assert parameters(short(name, AMOUNTS)[-1]) == parameters(trained[name][-1])
+    assert parameters(short(name, AMOUNTS, seed=1)[-1]) != parameters(trained[name][-1])
 
 
 @pytest.mark.parametrize("name", TRIAL)
@@ -83,9 +87,37 @@ def test_a_pickle_decides_the_same(name: str, trained: dict[str, list[Trained]])
 def test_it_forages_where_the_thesis_learner_does(trained: dict[str, list[Trained]]) -> None:
     policy = trained["ppo"][-1].policy
     assert isinstance(policy, BaselinePolicy)
-    rows = [recall(recall_env("rectangle", limit=60), policy, 3, learner="ppo") for _ in range(2)]
+    env = recall_env("rectangle", limit=58)
+    rows = [recall(env, policy, 3, learner="ppo") for _ in range(2)]
+    assert rows[0] == rows[1], "also where the last decision of the first recall still held"
+    assert rows[0].steps == 58
+
+
+@pytest.mark.parametrize("name", ["ppo_wheels", "sac_wheels"])
+def test_it_forages_with_wheels(name: str, trained: dict[str, list[Trained]]) -> None:
+    policy = trained[name][-1].policy
+    assert isinstance(policy, WheelsPolicy)
+    env = recall_wheels_env("corridor", limit=58)
+    rows = [recall_wheels(env, policy, 3) for _ in range(2)]
     assert rows[0] == rows[1]
-    assert rows[0].steps == 60
+    assert (rows[0].steps, rows[0].foods) == (58, 1)
+
+
+@pytest.mark.parametrize("name", ["ppo", "ppo_wheels"])
+def test_a_decision_holds(name: str, trained: dict[str, list[Trained]]) -> None:
+    policy = replace(trained[name][-1].policy, hold=4)
+    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if TRIAL[name].wheels else ''}-v0")
+    shown = [env.reset(seed=seed)[0] for seed in range(40)]
+    env.close()
+
+    def decisions(rng: np.random.Generator, count: int) -> list[tuple[float, ...]]:
+        return [tuple(np.atleast_1d(policy.act(one, rng)).tolist()) for one in shown[:count]]
+
+    first = decisions(np.random.default_rng(0), 40)
+    assert all(len(set(first[begin : begin + 4])) == 1 for begin in range(0, 40, 4))
+    assert len(set(first)) > 3
+    decisions(np.random.default_rng(1), 2)
+    assert decisions(np.random.default_rng(0), 40) == first, "another generator, another episode"
 
 
 def test_what_a_short_training_can_learn_is_learned() -> None:
@@ -117,8 +149,8 @@ def test_what_a_short_training_can_learn_is_learned() -> None:
     learner = replace(TRIAL["ppo"], settings={**TRIAL["ppo"].settings, **SMALL["PPO"]}, sample=False)
     (out,) = reinforce(learner, [3_000], 0, make_env=make, envs=4)
     assert isinstance(out.policy, BaselinePolicy)
-    sample = recall_env("corridor").observation_space
-    assert [int(out.policy.act(sample.sample())) for _ in range(20)].count(7) >= 18
+    space, policy = recall_env("corridor").observation_space, replace(out.policy, hold=1)
+    assert [int(policy.act(space.sample())) for _ in range(20)].count(7) >= 18
 
 
 def test_global_chance_is_left_as_it_was() -> None:
@@ -152,6 +184,24 @@ def test_what_an_episode_showed_last_is_told() -> None:
     plain.close()
 
 
+def test_a_batch_or_side_by_side(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", "khepera_forage")
+    short("dqn", (50,))
+    monkeypatch.setattr("khepera_forage.experiments.reinforcement.find_spec", lambda name: None)
+    short("dqn", (50,))
+    assert [record.message for record in caplog.records] == [
+        "DQN on behaviours learns in a batch of 2 worlds",
+        "DQN on behaviours learns in 2 environments side by side",
+    ]
+
+
+def test_arenas() -> None:
+    env = vec_env(TRIAL["ppo_wheels"], envs=1, arena="rectangle")
+    assert (env.get_attr("limit"), env.get_attr("foods"), env.action_space.shape) == ([700], [2], (4,))
+    with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
+        reinforce(TRIAL["ppo"], [1], 0, arena="ring")
+
+
 def test_environments_that_start_again_too_late() -> None:
     env = gym.make_vec("khepera_forage:khepera_forage/Corridor-v0", num_envs=2, vectorization_mode="sync")
     with pytest.raises(ValueError, match=r"autoreset_mode is .*; allowed: .*SAME_STEP"):
@@ -176,8 +226,9 @@ def test_no_such_algorithm_and_none_at_all(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_who_draws_needs_a_generator(trained: dict[str, list[Trained]]) -> None:
-    with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator"):
-        trained["ppo"][-1].policy.act([0, 60, 0, 215, 40])  # type: ignore[arg-type]
+    for name, shown in (("ppo", [0, 60, 0, 215, 40]), ("ppo_wheels", {})):
+        with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator"):
+            trained[name][-1].policy.act(shown)  # type: ignore[arg-type]
 
 
 def parameters(trained: Trained) -> bytes:
@@ -190,4 +241,4 @@ def test_the_block_of_the_page_on_learners(capsys: pytest.CaptureFixture[str]) -
     page = (Path(__file__).parents[2] / "docs" / "plug_in_a_learner.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```python\n(# needs the extra: baselines\n.*?)```", page, flags=re.DOTALL)
     exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": recall_env("corridor", limit=50)})
-    assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2048", "4096"]
+    assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2560", "5120"]
