@@ -8,38 +8,31 @@ from tempfile import TemporaryDirectory
 from _throughput.lines import Measure, Values
 
 SECTION = "Compiling"
-NOTE = "Seconds from the import to the first step in a fresh process; then again in another."
-FIRST = {
-    "make_vec": Measure(SECTION, "make_vec, nothing on disk", "s", "4,096 worlds", 30.0),
-    "make": Measure(SECTION, 'make with physics="batch", nothing on disk', "s", "one world", 30.0),
+NOTE = "Seconds from the import to the end of the first call in a fresh process; then again in another."
+_STEP = "; env.step(env.reset(seed=0)[1]['correct_behaviour'])"
+CALLS = {
+    "make_vec, a step of 4,096 worlds": "import gymnasium as gym, khepera_forage; "
+    "env = gym.make_vec('khepera_forage/Corridor-v0', num_envs=4096)" + _STEP,
+    'make with physics="batch", a step': "import gymnasium as gym, khepera_forage; "
+    "env = gym.make('khepera_forage/Corridor-v0', physics='batch')" + _STEP,
+    "run_teacher, 128 recalls": "from khepera_forage.envs.batch.episodes import run_teacher; "
+    "run_teacher('corridor', 128)",
+    "train_learners, 128 learners": "from khepera_forage.envs.batch.pairs import train_learners; "
+    "train_learners(128)",
 }
-AGAIN = {
-    "make_vec": Measure(SECTION, "make_vec, kernels on disk", "s"),
-    "make": Measure(SECTION, 'make with physics="batch", kernels on disk', "s"),
-}
-_SCRIPT = """
-from time import perf_counter
-start = perf_counter()
-import gymnasium as gym, khepera_forage
-env = gym.{}
-info = env.reset(seed=0)[1]
-env.step(info["correct_behaviour"])
-print(perf_counter() - start)
-"""
-_MADE = {
-    "make_vec": 'make_vec("khepera_forage/Corridor-v0", num_envs=4096)',
-    "make": 'make("khepera_forage/Corridor-v0", physics="batch")',
-}
+FIRST = {call: Measure(SECTION, f"{call}, nothing on disk", "s", "", 30.0) for call in CALLS}
+AGAIN = {call: Measure(SECTION, f"{call}, kernels on disk", "s") for call in CALLS}
+_SCRIPT = "from time import perf_counter; start = perf_counter(); {}; print(perf_counter() - start)"
 
 
 def job() -> Values:
     """Everything, once: a compilation takes long enough to be measured."""
     values: Values = {}
-    with TemporaryDirectory() as folder:
-        environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
-        for way in _MADE:
+    for call, code in CALLS.items():
+        with TemporaryDirectory() as folder:
+            environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
             for measures in (FIRST, AGAIN):
-                command = [sys.executable, "-c", _SCRIPT.format(_MADE[way])]
+                command = [sys.executable, "-c", _SCRIPT.format(code)]
                 done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-                values[measures[way]] = float(done.stdout)
+                values[measures[call]] = float(done.stdout)
     return values
