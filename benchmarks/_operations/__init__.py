@@ -1,0 +1,1 @@
+"""What `benchmarks/operations.py` counts and measures."""
