@@ -33,6 +33,7 @@ def write_report(
     cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
     vote_rows: Sequence[VoteRow] = (),
+    physics: str = "pymunk",
 ) -> list[Path]:
     """Write tables, then figures, and the page that holds them together.
 
@@ -46,6 +47,7 @@ def write_report(
         cells: The design that was run.
         resamples: How many an interval.
         vote_rows: What votes next to food, under the laboratory's noise; may be empty.
+        physics: What simulated the rows.
 
     Returns:
         The files written.
@@ -71,7 +73,7 @@ def write_report(
         vote_table(vote_rows, for_votes),
         thesis_tables.slip_table(),
     ]
-    written = [_write(folder / PAGE, _page(tables, evidence))]
+    written = [_write(folder / PAGE, _page(tables, evidence, physics))]
     written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
     for stem, figure in _figures(results, recalls, noise):
         written.append(folder / f"{stem}.png")
@@ -91,7 +93,7 @@ def _figures(
         yield "noise", figures.noise_figure(noise)
 
 
-def _page(tables: Sequence[Table], evidence: Evidence) -> str:
+def _page(tables: Sequence[Table], evidence: Evidence, physics: str) -> str:
     """The page: figures stand behind the table they belong to."""
     pictures = {
         "cells": ("figure_5_2", "figure_5_3", "figure_5_5", "figure_5_6"),
@@ -103,7 +105,7 @@ def _page(tables: Sequence[Table], evidence: Evidence) -> str:
     parts = [
         "# The thesis' experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}. A replication is the whole design, its training files included; an interval "
+        f"noise: {noise}, physics: {physics}. A replication is the whole design, its training files included; an interval "
         f"resamples replications, and there is none for fewer than {FEWEST}. Every episode stands "
         "as a row in the CSV files beside this page, and every table as `table_*.csv`.\n"
     ]

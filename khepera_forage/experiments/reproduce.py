@@ -67,10 +67,10 @@ def reproduce(
             trainings.write(*outcome.trainings)
             votes.write(*outcome.votes)
             outcomes.append(outcome)
-    return report(out, outcomes, seed)
+    return report(out, outcomes, seed, physics)
 
 
-def report(out: Path, outcomes: Sequence[Outcome], seed: int) -> Path:
+def report(out: Path, outcomes: Sequence[Outcome], seed: int, physics: str = PYMUNK) -> Path:
     """Tables and figures of finished work."""
     rows = [row for outcome in outcomes for row in outcome.recalls]
     write_report(
@@ -81,6 +81,7 @@ def report(out: Path, outcomes: Sequence[Outcome], seed: int) -> Path:
         noise_rows=[r for r in rows if r.episodes == 10],
         vote_rows=[row for outcome in outcomes for row in outcome.votes],
         rng=np.random.default_rng(seed),
+        physics=physics,
     )
     return out / PAGE
 

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_RAISED, FINGER_TIP, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors
+from khepera_forage.robots.khepera import (
+    ARM_RAISED,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    RADIUS,
+    Motors,
+    half_gap,
+)
 from khepera_forage.robots.proximity import cast
 from khepera_forage.vision.retracking import Detection, Tracks
 from khepera_forage.vision.shapes import Plate, under_plate
@@ -113,6 +122,21 @@ def test_picking_up_carrying_and_releasing_as_in_pymunk() -> None:
     assert 0 in held
     assert held[-1] == -1
     assert math.dist(batch.food_places()[0, 0, :2], food) > 60
+
+
+@pytest.mark.parametrize(
+    ("off", "stays"), [(-0.7, True), (0.0, True), (0.7, True), (0.9, False), (-0.9, False)]
+)
+def test_food_before_a_fingertip_stays_within_the_cone_of_friction(off: float, stays: bool) -> None:
+    """At 0.04 a tip carries food along that is up to 0.78 mm off its middle; further off, it slips aside."""
+    aside, ahead = half_gap(JAW_OPEN) + FINGER_THICKNESS / 2 + off, FINGER_TIP + FOOD_RADIUS
+    batch = BatchWorld(HALL, 1, 1, Noise.none())
+    batch.reset(0, HALL.start, [(HALL.start.x + ahead + 3.0, HALL.start.y + aside)])
+    for motors in [Motors(0, 0, 255, 200)] * 11 + [Motors(8, 8, 255, 200)] * 30:
+        batch.advance(motors)
+    x, y = batch.food_places()[0, 0, :2] - batch.poses()[0, :2]
+    assert (abs(x - ahead) < 0.1) == stays
+    assert (abs(y - aside) < 0.1) == stays
 
 
 def test_an_arm_does_not_come_down_on_food() -> None:

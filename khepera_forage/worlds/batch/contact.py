@@ -4,6 +4,7 @@ Positions are corrected rather than forces integrated. What overlaps is moved ap
 yields to the robot, and whatever moves to a wall. A wheel holds a robot against 0.6 of its weight and turning it
 against the same force at the wheel, so a wall that meets a point further than half a wheel base aside of the middle
 turns the robot, and a nearer one shifts it. A robot that cannot go on, because food before it cannot, stays.
+A finger drags food along by friction, which keeps food before a closed jaw while the robot turns a little.
 Pushed food stops with the robot: at friction 0.3 it would slide on by 1 mm from the fastest push.
 """
 
@@ -75,9 +76,10 @@ def touch(
             _put(s, i, x + forward * c, y + forward * d, heading + turn)
             moved = 1.0
             for _ in range(_REPEATS):
-                moved = _off_walls(s, i, near, corners) + push_food(s, f, foods, i, near)
+                moved = _off_walls(s, i, near, corners) + push_food(s, f, foods, i, near, forward, turn)
                 if moved < _SETTLED:
                     break
+                forward = turn = 0.0
             held_back = moved >= _SETTLED and _overlap(s, f, foods, i, near) > allowed
             if held_back:
                 _put(s, i, x, y, heading)

@@ -12,12 +12,34 @@ from khepera_forage.worlds.batch.gripper import push_out, seen_from
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.walls import from_wall, squared_from_wall
 
+_FRICTION = 0.04
+"""Of a finger along food: pymunk's, the product of 0.2 for each."""
+
 
 @inline
 def push_food(
-    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, walls: NDArray[np.float64]
+    s: NDArray[np.float64],
+    f: NDArray[np.float64],
+    foods: int,
+    i: int,
+    walls: NDArray[np.float64],
+    forward: float,
+    turn: float,
 ) -> float:
-    """Move food out of the robot's way, out of walls and off other food; returns how far in all, mm."""
+    """Move food out of the robot's way, out of walls and off other food.
+
+    Args:
+        s: The robots' rows.
+        f: The food's rows.
+        foods: Number of food objects in a world.
+        i: The lane.
+        walls: Those that are near.
+        forward: How far the robot has just gone, mm: its fingers carry along what they touch.
+        turn: How far it has turned, radians.
+
+    Returns:
+        How far food was moved in all, mm.
+    """
     moved = 0.0
     held = s[at.HELD * LANES + i]
     low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
@@ -35,7 +57,11 @@ def push_food(
                 u, v = _apart(u, v, s[at.GRIP_X * LANES + i], s[at.GRIP_Y * LANES + i], 2 * FOOD_RADIUS)
             depth, along, aside = push_out(u, v, s[at.JAW * LANES + i], FOOD_RADIUS)
             if depth > 0.0:
-                u, v = u + depth * along, v + depth * aside
+                # Food slides on the floor the way it is pushed: within the cone of friction it stays where it
+                # touches the finger, beyond that it slips along it.
+                slip = along * turn * u - aside * (forward - turn * v)
+                drag = min(_FRICTION * depth, max(-_FRICTION * depth, slip))
+                u, v = u + depth * along - drag * aside, v + depth * aside + drag * along
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
         x, y = s[at.X * LANES + i] + u * c - v * d, s[at.Y * LANES + i] + u * d + v * c
         f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES] = x, y
