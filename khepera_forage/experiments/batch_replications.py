@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.batch.episodes import TEACHER as TEACHES
 from khepera_forage.envs.batch.episodes import UNIFORM, run_recalls
-from khepera_forage.envs.batch.pairs import Trained, train_learners
+from khepera_forage.envs.batch.pair_results import Trained
+from khepera_forage.envs.batch.pairs import train_learners
 from khepera_forage.envs.batch.polls import confidence_levels
 from khepera_forage.envs.checks import the_arena
 from khepera_forage.envs.forager import site_of

@@ -105,8 +105,8 @@ def _page(tables: Sequence[Table], evidence: Evidence, physics: str) -> str:
     parts = [
         "# The thesis' experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}, physics: {physics}. A replication is the whole design, its training files included; an interval "
-        f"resamples replications, and there is none for fewer than {FEWEST}. Every episode stands "
+        f"noise: {noise}, physics: {physics}. A replication is the whole design, its training files included; an "
+        f"interval resamples replications, and there is none for fewer than {FEWEST}. Every episode stands "
         "as a row in the CSV files beside this page, and every table as `table_*.csv`.\n"
     ]
     for table in tables:

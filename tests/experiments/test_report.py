@@ -272,7 +272,7 @@ def test_the_whole_report(
         assert f"({picture})" in page
         with Image.open(folder / picture) as image:
             assert min(image.size) > 400
-    assert "6 replications, 636 recall episodes of the imitator, noise: laboratory." in page
+    assert "6 replications, 636 recall episodes of the imitator, noise: laboratory, physics: pymunk." in page
     assert "nan" not in page
     with open(folder / "table_claims.csv", encoding="utf-8", newline="") as file:
         claims = list(csv.DictReader(file))
