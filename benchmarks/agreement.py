@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
         slow += comparing.compare(condition, samples.SLOW, single, slower)
         surely.append(comparing.power(condition, batch, slower, episodes, repeats, rng))
     tables = (page.compared(same, episodes, many), page.planted(slow), page.surely(surely, repeats))
-    text = "\n".join(table.markdown() for table in tables)
+    text = "# Do the batch and pymunk agree?\n\n" + "\n".join(table.markdown() for table in tables)
     out: Path = arguments.out
     out.mkdir(parents=True, exist_ok=True)
     (out / f"{STEM}.md").write_text(f"{text}\n![{STEM}]({STEM}.png)\n", encoding="utf-8")
