@@ -19,6 +19,7 @@ from _throughput import (
     batch_imitator,
     batch_pairs,
     compiling,
+    design,
     foraging,
     imitating,
     page,
@@ -109,6 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
     lines = measure(jobs(steps, arguments.seed), repeats)
     if arguments.batch:
         lines += measure(batch_jobs(quick, arguments.seed), repeats)
+        replications = design.QUICK_REPLICATIONS if quick else design.REPLICATIONS
+        lines += lines_of([[design.job(replications, arguments.seed)]])
         lines += lines_of([[compiling.job()]])
     if arguments.memory:
         lines += lines_of([[processes.memory_job(arguments.seed)()]])
