@@ -1,6 +1,6 @@
 """The batch of worlds as stable-baselines3 takes it: a `VecEnv` and nothing between (extras `baselines` and `fast`)."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from time import perf_counter
 from typing import Any
 
@@ -12,6 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.batch import TaskBatch
+from khepera_forage.envs.batch.vector_envs import EVERY, motors_of, raw_data_of
 from khepera_forage.envs.checks import FoodOdds, whole_number
 from khepera_forage.foraging.scoring import score
 from khepera_forage.foraging.states import Behaviour, StateVector
@@ -22,14 +23,10 @@ from khepera_forage.policies.features import (
     state_vector_features,
     wheels_features,
 )
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED
 from khepera_forage.worlds.arena import Arena
-from khepera_forage.worlds.batch import rows as body
 
 Floats = NDArray[np.float32]
 Indices = int | Iterable[int] | None
-Row = Callable[[int], NDArray[np.float64]]
-EVERY = slice(None)
 
 
 class BatchVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where stable-baselines3 is not installed
@@ -134,7 +131,7 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where
                 f"actions are {actions!r}; allowed: {whole} from {low} to {high}, of shape {form}"
             )
         commands = given.astype(np.float64)
-        self._commands = _motors(commands) if self._wheels else commands
+        self._commands = motors_of(commands) if self._wheels else commands
 
     def step_wait(self) -> tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]:
         """What came of them in all worlds."""
@@ -181,27 +178,13 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where
             )
 
     def _features(self, worlds: NDArray[np.int64] | slice = EVERY) -> Floats:
-        task: Row = lambda row: self.batch.task(row)[worlds]  # noqa: E731
-        robot: Row = lambda row: self.batch.body(row)[worlds]  # noqa: E731
         if not self._wheels:
-            vectors = np.stack([task(at.VECTOR + n) for n in range(len(StateVector._fields))], axis=1)
+            vectors = np.stack(
+                [self.batch.task(at.VECTOR + n)[worlds] for n in range(len(StateVector._fields))], axis=1
+            )
             vectors[:, 1::3] = np.minimum(vectors[:, 1::3], self.batch.diagonal)
             return state_vector_features(vectors)
-        return wheels_features(
-            {
-                "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1),
-                "arm": robot(body.ARM_READ),
-                "jaw": robot(body.JAW_READ),
-                "object_presence": robot(body.PRESENT) != 0,
-                "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
-                "tracked": robot(body.OWN_FOUND),
-                "food_seen": task(at.FOOD_SEEN),
-                "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
-                "food_type": task(at.FOOD_TYPE),
-                "home": self.batch.home,
-                "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
-            }
-        )
+        return wheels_features(raw_data_of(self.batch, worlds))
 
     def close(self) -> None:
         """Nothing is open."""
@@ -240,12 +223,3 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where
 
     def _chosen(self, indices: Indices) -> list[int]:
         return list(self._get_indices(indices))
-
-
-def _motors(actions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Numbers in -1..1 as `Motors`, one row a world; see `WheelsEnv`."""
-    motors = np.empty_like(actions)
-    motors[:, :2] = actions[:, :2] * MAX_SPEED
-    motors[:, 2] = np.rint((ARM_DOWN + ARM_RAISED) / 2 - actions[:, 2] * (ARM_DOWN - ARM_RAISED) / 2)
-    motors[:, 3] = np.where(actions[:, 3] > 0, JAW_CLOSED, JAW_OPEN)
-    return motors

@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.envs.batch import rows as at
+from khepera_forage.envs.batch.batch import TaskBatch
 from khepera_forage.envs.batch.vector_env import Observation, RecallVectorEnv
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
+
+EVERY = slice(None)
 
 
 class BehavioursVectorEnv(RecallVectorEnv):
@@ -57,26 +60,41 @@ class WheelsVectorEnv(RecallVectorEnv):
             raise ValueError(
                 f"actions are {actions!r}; allowed: numbers in -1..1, {self.num_envs} rows of left, right, arm, jaw"
             )
-        motors = np.empty((self.num_envs, 4))
-        motors[:, :2] = given[:, :2] * MAX_SPEED
-        motors[:, 2] = np.rint((ARM_DOWN + ARM_RAISED) / 2 - given[:, 2] * (ARM_DOWN - ARM_RAISED) / 2)
-        motors[:, 3] = np.where(given[:, 3] > 0, JAW_CLOSED, JAW_OPEN)
-        return motors
+        return motors_of(given)
 
     def _observation(self) -> Observation:
-        task, robot = self.batch.task, self.batch.body
-        seen = task(at.FOOD_SEEN)
-        home = np.tile(self.batch.home, (self.num_envs, 1))
-        return {
-            "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1).astype(np.int64),
-            "arm": robot(body.ARM_READ).astype(np.int64)[:, None],
-            "jaw": robot(body.JAW_READ).astype(np.int64)[:, None],
-            "object_presence": (robot(body.PRESENT) != 0).astype(np.int64),
-            "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
-            "tracked": robot(body.OWN_FOUND).astype(np.int64),
-            "food_seen": seen.astype(np.int64),
-            "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
-            "food_type": task(at.FOOD_TYPE).astype(np.int64),
-            "home": home,
-            "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
-        }
+        return raw_data_of(self.batch)
+
+
+def motors_of(actions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Numbers in -1..1 as `Motors`, one row a world; see `WheelsEnv`."""
+    motors = np.empty_like(actions)
+    motors[:, :2] = actions[:, :2] * MAX_SPEED
+    motors[:, 2] = np.rint((ARM_DOWN + ARM_RAISED) / 2 - actions[:, 2] * (ARM_DOWN - ARM_RAISED) / 2)
+    motors[:, 3] = np.where(actions[:, 3] > 0, JAW_CLOSED, JAW_OPEN)
+    return motors
+
+
+def raw_data_of(batch: TaskBatch, worlds: NDArray[np.int64] | slice = EVERY) -> Observation:
+    """What `WheelsEnv` shows, of some worlds of a batch."""
+
+    def task(row: int) -> NDArray[np.float64]:
+        return batch.task(row)[worlds]
+
+    def robot(row: int) -> NDArray[np.float64]:
+        return batch.body(row)[worlds]
+
+    seen = task(at.FOOD_SEEN)
+    return {
+        "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1).astype(np.int64),
+        "arm": robot(body.ARM_READ).astype(np.int64)[:, None],
+        "jaw": robot(body.JAW_READ).astype(np.int64)[:, None],
+        "object_presence": (robot(body.PRESENT) != 0).astype(np.int64),
+        "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
+        "tracked": robot(body.OWN_FOUND).astype(np.int64),
+        "food_seen": seen.astype(np.int64),
+        "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
+        "food_type": task(at.FOOD_TYPE).astype(np.int64),
+        "home": np.tile(batch.home, (len(seen), 1)),
+        "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
+    }
