@@ -92,7 +92,7 @@ def whole_task(arena: str, worlds: int, seed: int, at_least: float) -> Timed:
     seconds, steps, episodes = 0.0, 0, EPISODES_A_WORLD * worlds
     while seconds < at_least:
         begun = perf_counter()
-        foraged = run_teacher(arena, episodes, seed, foods=foods, limit=limit, num_worlds=worlds)
+        foraged = run_teacher(arena, episodes, seed, foods=foods, limit=limit)
         seconds += perf_counter() - begun
         steps += int(foraged.steps.sum())
     return Timed(worlds, steps, seconds, first_call)

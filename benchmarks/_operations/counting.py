@@ -19,7 +19,7 @@ from _operations.counters import ACCOUNT, CountingMath, CountingNumpy, Rows
 from khepera_forage.envs.batch import compiled_task, playing, register, task
 from khepera_forage.envs.batch.deciding import TEACHER
 from khepera_forage.envs.batch.rules import rules_of
-from khepera_forage.envs.batch.worlds import empty_worlds
+from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
 from khepera_forage.foraging import angles
 from khepera_forage.policies.ballot_box import NO_MEMORIES
 from khepera_forage.robots.khepera import applicable
@@ -117,11 +117,12 @@ def count(episodes: int, seed: int) -> Counts:
     outcomes = playing.empty_outcomes(episodes, 1)
     let_everything_count()
     bodies, tasks, registers = empty_worlds(1, 1)
-    bodies = type(bodies)(*(Rows(array) for array in bodies))  # type: ignore[arg-type]
+    counted = type(bodies)(*(Rows(array) for array in bodies))  # type: ignore[arg-type]
+    worlds = Worlds(counted, Rows(tasks), Rows(registers))  # type: ignore[arg-type]
     # What all worlds have in common stays in registers through a loop over worlds: its loads do not count.
-    plan = playing.Plan(keys, np.full(episodes, TEACHER))
+    plan = playing.Plan(keys, np.full(episodes, TEACHER), np.zeros(1, np.int64))
     with np.errstate(over="ignore"):  # random bits are meant to run over
-        playing.play_out(bodies, Rows(tasks), Rows(registers), setting, rules, NO_MEMORIES, plan, outcomes)
+        playing.play_out(0, 1, worlds, setting, rules, NO_MEMORIES, plan, outcomes)
     return Counts(int(outcomes.sums[:, playing.STEPS].sum()), dict(ACCOUNT.counts))
 
 

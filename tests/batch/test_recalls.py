@@ -157,7 +157,7 @@ def _row(kernel: Episodes, i: int) -> RecallRow:
 
 
 def test_an_episode_does_not_depend_on_what_is_beside_it(experience: Any) -> None:
-    """Batch size, worlds in memory, threads, and who else is there and in which order their memories stand."""
+    """How many there are, on how many threads, and who else is there and in which order their memories stand."""
     which = np.arange(300) % 5 - 2
     whole = run_recalls("rectangle", memories_of(experience), which, 3, **RECTANGLE)
     threads = numba.get_num_threads()
@@ -165,10 +165,7 @@ def test_an_episode_does_not_depend_on_what_is_beside_it(experience: Any) -> Non
     others = [run_recalls("rectangle", memories_of(experience), which, 3, **RECTANGLE)]
     numba.set_num_threads(threads)
     turned = np.where(which >= 0, 2 - which, which)
-    others.append(
-        run_recalls("rectangle", memories_of(experience[::-1]), turned[:170], 3, num_worlds=128, **RECTANGLE)
-    )
-    others.append(run_recalls("rectangle", memories_of(experience), which, 3, num_worlds=10_000, **RECTANGLE))
+    others.append(run_recalls("rectangle", memories_of(experience[::-1]), turned[:170], 3, **RECTANGLE))
     for other in others:
         for a, b in zip(whole, other, strict=True):
             assert (a[: len(b)] == b).all()
@@ -212,5 +209,3 @@ def test_bad_memories_are_quoted(which: Any, message: str) -> None:
     memories = memories_of([([(0, 50, 0, 215, 40)], [0])])
     with pytest.raises(ValueError, match=message):
         run_recalls("corridor", memories, which)
-    with pytest.raises(ValueError, match="num_worlds is 0"):
-        run_recalls("corridor", memories, [0], num_worlds=0)

@@ -16,6 +16,7 @@ from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.threads import share_out
 from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
@@ -139,7 +140,8 @@ class TaskBatch:
     def _play(
         self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
-        play_all(*worlds, self._setting, self._rules, actions, fresh, pose, places)
+        blocks = worlds.tasks.shape[0]
+        share_out(play_all, blocks, worlds, self._setting, self._rules, actions, fresh, pose, places)
 
 
 def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:

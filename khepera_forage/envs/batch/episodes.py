@@ -21,6 +21,7 @@ from khepera_forage.policies.ballot_box import NO_MEMORIES
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch.numbers import keys_of, keys_of_each
 from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.threads import share_out
 
 __all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
 
@@ -74,7 +75,6 @@ def run_recalls(
     limit: int = 500,
     noise: Noise | None = None,
     food_types: FoodOdds = None,
-    num_worlds: int | None = None,
     wheel_speed: float = 1.0,
 ) -> Episodes:
     """Recalls, start to end, from random places: those of `Corridor-v0` and `Rectangle-v0` (4.6, 5.4).
@@ -89,8 +89,6 @@ def run_recalls(
         limit: Steps after which an episode ends.
         noise: The laboratory's troubles.
         food_types: One type, or odds by type.
-        num_worlds: How many worlds to keep in memory at a time; by default as few as keep all threads busy, which
-            leaves the fewest idle while the last episodes end.
         wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
 
     Raises:
@@ -100,13 +98,11 @@ def run_recalls(
     memories = NO_MEMORIES if memories is None else memories
     policies = _policies(memory_of_episode, len(memories.planes) - 1)
     episodes = len(policies)
-    most = (
-        numba.get_num_threads() * LANES if num_worlds is None else whole_number("num_worlds", num_worlds, 1)
-    )
     outcomes = empty_outcomes(episodes, foods)
-    worlds = empty_worlds(-(-min(most, episodes) // LANES), foods)
-    keys = _keys(seed, episodes)
-    play_out(*worlds, setting, rules, memories, Plan(keys, policies), outcomes)
+    # As few worlds at a time as keep all threads busy: the fewest are idle while the last episodes end.
+    blocks = min(numba.get_num_threads(), -(-episodes // LANES))
+    plan = Plan(_keys(seed, episodes), policies, np.zeros(1, np.int64))
+    share_out(play_out, blocks, empty_worlds(blocks, foods), setting, rules, memories, plan, outcomes)
     if np.isnan(outcomes.places).any():
         raise ValueError(
             f"{arena}: no room for a robot and {foods} food objects outside home; make it larger"
@@ -144,7 +140,6 @@ def run_teacher(
     limit: int = 500,
     noise: Noise | None = None,
     food_types: FoodOdds = None,
-    num_worlds: int | None = None,
     wheel_speed: float = 1.0,
 ) -> Episodes:
     """Recalls under the teacher; see `run_recalls`.
@@ -157,7 +152,6 @@ def run_teacher(
         limit: Steps after which an episode ends.
         noise: The laboratory's troubles.
         food_types: One type, or odds by type.
-        num_worlds: As for `run_recalls`.
         wheel_speed: Share of the commanded speed that wheels reach.
 
     Raises:
@@ -172,7 +166,6 @@ def run_teacher(
         limit=limit,
         noise=noise,
         food_types=food_types,
-        num_worlds=num_worlds,
         wheel_speed=wheel_speed,
     )
 

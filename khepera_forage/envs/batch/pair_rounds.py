@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch import pair_rows as pair
@@ -25,6 +24,7 @@ from khepera_forage.worlds.batch.numbers import word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
+from khepera_forage.worlds.batch.threads import take
 
 _ONE, _TYPES = np.uint64(1), np.uint64(1 << 20)
 
@@ -84,7 +84,7 @@ def _begin(
     free = True
     for side in range(pair.SIDES):
         own = word(key, np.uint64(side))
-        worlds, types = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, side), word(key, _TYPES)
+        worlds, types = worlds_of(pairs, side), word(key, _TYPES)
         placed = place_side(worlds, i, side, own, _setting_of(setting, side), rules.odds, types, marks)
         free = free and placed
     return free
@@ -99,16 +99,15 @@ def _train(
     marks: Marks,
     terms: Terms,
     episode_keys: NDArray[np.uint64],
-    first: int,
-    stride: int,
+    begun: NDArray[np.int64],
     records: Records,
 ) -> None:
-    """Train the episodes `first`, `first + stride`, `first + 2 * stride` ... in one block of pairs."""
+    """Train episodes in one block of pairs, until there are none left that no thread has taken."""
     episodes = episode_keys.shape[0]
-    teachers = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, pair.TEACHER)
-    learners = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, pair.LEARNER)
+    teachers = worlds_of(pairs, pair.TEACHER)
+    learners = worlds_of(pairs, pair.LEARNER)
     place, learners_place = rules.place[pair.TEACHER], rules.place[pair.LEARNER]
-    coming, training = first, 0
+    training = 0
     for i in range(LANES):
         # A lane with nothing to do stays as it was made: at rest, far from anything.
         c[pair.OVER * LANES + i] = 1.0
@@ -125,9 +124,9 @@ def _train(
                 if episode >= 0:
                     _write_down(c, i, episode, attempt, records)
                 if c[pair.COMPLETE * LANES + i] != 0.0 or attempt == terms.attempts:
+                    coming = take(begun)
                     training += (1 if coming < episodes else 0) - (1 if episode >= 0 else 0)
                     episode, attempt = coming if coming < episodes else -1, 0
-                    coming += stride
                 c[pair.EPISODE * LANES + i], c[pair.ATTEMPT * LANES + i] = episode, attempt
                 c[pair.OVER * LANES + i] = 0.0
                 if episode >= 0:
@@ -137,7 +136,7 @@ def _train(
         speak(teachers, learners, c)
         record(learners.tasks, c, int(learners_place[4]), records.vectors)
         for side in range(pair.SIDES):
-            worlds = worlds_of(pairs.bodies, pairs.tasks, pairs.registers, side)
+            worlds = worlds_of(pairs, side)
             drive_pair(worlds.bodies.robots, worlds.tasks, c, rules.place[side], side == pair.LEARNER)
             if side == pair.LEARNER:
                 share_types(teachers.registers, learners.registers, setting.foods)
@@ -161,25 +160,13 @@ def _write_down(c: NDArray[np.float64], i: int, episode: int, attempt: int, reco
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
-    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
+    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
     def train_all(  # type: ignore[no-untyped-def]
-        bodies, tasks, registers, company, setting, rules, marks, terms, episode_keys, records
+        first, last, pairs, company, setting, rules, marks, terms, episode_keys, begun, records
     ):
-        blocks = tasks.shape[0] if sources else 0
-        for block in prange(blocks):
-            pairs = worlds_of(bodies, tasks, registers, block)
-            _train(
-                pairs,
-                company[block],
-                setting,
-                rules,
-                marks,
-                terms,
-                episode_keys,
-                np.int64(block),  # type: ignore[arg-type]
-                blocks,
-                records,
-            )
+        for block in range(first, last if sources else 0):
+            worlds = worlds_of(pairs, block)
+            _train(worlds, company[block], setting, rules, marks, terms, episode_keys, begun, records)
 
     return train_all
 

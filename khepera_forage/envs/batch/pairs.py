@@ -28,13 +28,13 @@ from khepera_forage.worlds.batch.bodies import Bodies
 from khepera_forage.worlds.batch.numbers import keys_of, word
 from khepera_forage.worlds.batch.rows import LANES, MOST_FOODS
 from khepera_forage.worlds.batch.setting import Setting, edges_of, noise_of, walls_of
+from khepera_forage.worlds.batch.threads import share_out
 from khepera_forage.worlds.standing import cable_anchor, check_layout, check_seen
 from khepera_forage.worlds.world import Layout
 
 MAX_ATTEMPTS = 200
 """Attempts after which a training episode counts as hopeless, as in `experiments.training`."""
 
-_BLOCKS_A_THREAD = 4
 _ROOM = 1 << 28
 """Bytes of records that are kept open at a time, at most."""
 
@@ -98,9 +98,9 @@ def train_learners(
     vectors, accounts, tried = [], [], []
     for first in range(0, keys.size, at_once):
         some = keys[first : first + at_once]
-        blocks = min(-(-some.size // LANES), _BLOCKS_A_THREAD * numba.get_num_threads())
+        blocks, begun = min(-(-some.size // LANES), numba.get_num_threads()), np.zeros(1, np.int64)
         worlds, company = _empty_pairs(blocks, setting.foods)
-        train_all(*worlds, company, setting, rules, marks, terms, some, records)
+        share_out(train_all, blocks, worlds, company, setting, rules, marks, terms, some, begun, records)
         if not records.free[: some.size].all():
             raise ValueError(
                 f"{arenas[0].name}: start or food too near a wall for a placement error of "

@@ -1,13 +1,12 @@
 """Whole episodes inside the kernel, whoever decides: no Python runs in between.
 
-A block of worlds takes the next of its episodes whenever one of its lanes has ended one.
+A lane takes the next of all episodes whenever it has ended one: no thread waits for another before there are none left.
 """
 
 from typing import NamedTuple
 
 import numba
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch import rows as at
@@ -27,10 +26,11 @@ from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.policies.ballot import Memories
 from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
+from khepera_forage.worlds.batch.threads import take
 
 _POISONOUS = float(FoodType.POISONOUS)
 # Columns of `Outcomes.sums`; the last is the first of those of the account, but for who decides.
@@ -44,10 +44,12 @@ class Plan(NamedTuple):
     Attributes:
         keys: Of the world that each is.
         policies: Who decides: `TEACHER`, `UNIFORM`, or the number of a memory.
+        begun: A single number: how many were taken by all threads.
     """
 
     keys: NDArray[np.uint64]
     policies: NDArray[np.int64]
+    begun: NDArray[np.int64]
 
 
 class Outcomes(NamedTuple):
@@ -73,26 +75,22 @@ def empty_outcomes(episodes: int, foods: int) -> Outcomes:
     )
 
 
-@kernel
+@sequence
 def _play(
     worlds: Worlds,
     setting: Setting,
     rules: Rules,
     memories: Memories,
     plan: Plan,
-    first: int,
-    stride: int,
     outcomes: Outcomes,
 ) -> None:
-    """Play the episodes `first`, `first + stride`, `first + 2 * stride` ... in one block."""
+    """Play episodes in one block, until there are none left that no thread has taken."""
     s, t = worlds.bodies.robots, worlds.tasks
     accounts, ballots = np.zeros(ACCOUNT_ROWS * LANES), np.zeros((LANES, BALLOT_COLUMNS), np.int64)
     diagonal = int(rules.place[4])
-    coming = first
     playing = 0
     for i in range(LANES):
-        playing += _next(worlds, i, setting, rules, plan, coming, accounts, ballots, outcomes)
-        coming += stride
+        playing += _next(worlds, i, setting, rules, plan, accounts, ballots, outcomes)
     while playing > 0:
         choose(worlds, diagonal, memories, accounts, ballots)
         account(worlds, accounts)
@@ -106,24 +104,23 @@ def _play(
             if episode >= 0:
                 _note(worlds, i, setting.foods, accounts, episode, outcomes)
                 playing -= 1
-            playing += _next(worlds, i, setting, rules, plan, coming, accounts, ballots, outcomes)
-            coming += stride
+            playing += _next(worlds, i, setting, rules, plan, accounts, ballots, outcomes)
 
 
-@inline
+@kernel
 def _next(
     worlds: Worlds,
     i: int,
     setting: Setting,
     rules: Rules,
     plan: Plan,
-    episode: int,
     accounts: NDArray[np.float64],
     ballots: NDArray[np.int64],
     outcomes: Outcomes,
 ) -> int:
     """Begin an episode in a lane, one that does not count when none is left; returns how many begin that count."""
     s, f, last = worlds.bodies.robots, worlds.bodies.food, plan.keys.shape[0] - 1
+    episode = take(plan.begun)
     counts = episode <= last
     worlds.tasks[at.EPISODE * LANES + i] = episode if counts else -1
     worlds.bodies.keys[body.KEY * LANES + i] = plan.keys[min(episode, last)]
@@ -162,12 +159,10 @@ def _note(
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
-    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def play_out(bodies, tasks, registers, setting, rules, memories, plan, outcomes):  # type: ignore[no-untyped-def]
-        blocks = tasks.shape[0] if sources else 0
-        for block in prange(blocks):
-            worlds = worlds_of(bodies, tasks, registers, block)
-            _play(worlds, setting, rules, memories, plan, np.int64(block), blocks, outcomes)  # type: ignore[arg-type]
+    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
+    def play_out(first, last, worlds, setting, rules, memories, plan, outcomes):  # type: ignore[no-untyped-def]
+        for block in range(first, last if sources else 0):
+            _play(worlds_of(worlds, block), setting, rules, memories, plan, outcomes)
 
     return play_out
 

@@ -2,7 +2,6 @@
 
 import numba
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch import rows as at
@@ -138,13 +137,11 @@ def play_block(
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
-    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def play_all(bodies, tasks, registers, setting, rules, actions, waiting, pose, places):  # type: ignore[no-untyped-def]
-        blocks = tasks.shape[0] if sources else 0
-        for block in prange(blocks):
+    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
+    def play_all(first, last, worlds, setting, rules, actions, waiting, pose, places):  # type: ignore[no-untyped-def]
+        for block in range(first, last if sources else 0):
             lanes = slice(block * LANES, (block + 1) * LANES)
-            worlds = worlds_of(bodies, tasks, registers, block)
-            play_block(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
+            play_block(worlds_of(worlds, block), setting, rules, actions[lanes], waiting[lanes], pose, places)
 
     return play_all
 

@@ -59,23 +59,23 @@ def tie(
     """Tie new tracks to objects, follow them, and see which lie at home: the register's rule, oldest track first."""
     held = int(t[at.HELD * LANES + i])
     last = -1.0
-    for _ in range(2 * foods):
-        slot = -1
-        for other in range(2 * foods):
-            label = f[_slot(foods, other)[0] + i]
-            if label > last and (slot < 0 or label < f[_slot(foods, slot)[0] + i]):
-                slot = other
-        if slot < 0:
+    # Lost tracks, ghosts among them, tell nothing of where an object is.
+    for _ in range(foods):
+        there, oldest = -1, np.inf
+        for slot in range(foods):
+            base = slot * body.FOOD_ROWS * LANES + i
+            label = f[base + body.TRACK * LANES]
+            if last < label and label < oldest and f[base + body.TRACK_FOUND * LANES] != 0.0:
+                there, oldest = base, label
+        if there < 0:
             break
-        label_row, x_row, y_row, note_row = _slot(foods, slot)
-        last = f[label_row + i]
-        x, y = f[x_row + i], f[y_row + i]
-        found = slot < foods and f[slot * body.FOOD_ROWS * LANES + body.TRACK_FOUND * LANES + i] != 0.0
-        if not found or not _within(x, y, place):
+        last = oldest
+        x, y = f[there + body.TRACK_X * LANES], f[there + body.TRACK_Y * LANES]
+        if not _within(x, y, place):
             continue
-        if f[note_row + i] < 0.0:
-            f[note_row + i] = _nearest_untied(f, q, foods, i, x, y)
-        k = int(f[note_row + i])
+        if f[there + body.NOTE * LANES] < 0.0:
+            f[there + body.NOTE * LANES] = _nearest_untied(f, q, foods, i, x, y)
+        k = int(f[there + body.NOTE * LANES])
         if k < 0 or k == held:
             continue
         mine = k * at.TASK_FOOD_ROWS * LANES + i

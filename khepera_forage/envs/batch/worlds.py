@@ -28,11 +28,9 @@ class Worlds(NamedTuple):
 
 
 @inline
-def worlds_of(
-    bodies: Bodies, tasks: NDArray[np.float64], registers: NDArray[np.float64], block: int
-) -> Worlds:
+def worlds_of(worlds: Worlds, block: int) -> Worlds:
     """Those of one block."""
-    return Worlds(bodies_of(bodies, block), tasks[block], registers[block])
+    return Worlds(bodies_of(worlds.bodies, block), worlds.tasks[block], worlds.registers[block])
 
 
 def arrays_of(worlds: Worlds) -> tuple[NDArray[np.float64] | NDArray[np.uint64], ...]:

@@ -2,7 +2,6 @@
 
 import numba
 import numpy as np
-from numba import prange
 
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.worlds.batch import rows as at
@@ -95,10 +94,9 @@ def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, setting: S
 def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernels that Python calls; see `sources` for why they are made here."""
 
-    @numba.njit(parallel=True, error_model="numpy", boundscheck=False, cache=True)
-    def advance_all(bodies, setting):  # type: ignore[no-untyped-def]
-        blocks = bodies.robots.shape[0] if sources else 0
-        for block in prange(blocks):
+    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
+    def advance_all(first, last, bodies, setting):  # type: ignore[no-untyped-def]
+        for block in range(first, last if sources else 0):
             _advance(bodies_of(bodies, block), setting)
 
     @numba.njit(error_model="numpy", boundscheck=False, cache=True)

@@ -38,16 +38,8 @@ def track(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, noise: NDA
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
-            x, y = f[base + at.SEEN_X * LANES + i], f[base + at.SEEN_Y * LANES + i]
-            dx, dy = x - f[base + at.TRACK_X * LANES + i], y - f[base + at.TRACK_Y * LANES + i]
-            off_x = x - f[base + at.FOOD_X * LANES + i] / MM_PER_PIXEL
-            off_y = y - f[base + at.FOOD_Y * LANES + i] / MM_PER_PIXEL
-            plain = (
-                f[base + at.TRACK_FOUND * LANES + i] != 0.0
-                and dx * dx + dy * dy <= _NEAR * _NEAR
-                and off_x * off_x + off_y * off_y <= _STRAY * _STRAY
-            )
-            odd = f[base + at.LOST * LANES + i] != 0.0 or (f[base + at.SEEN * LANES + i] != 0.0 and not plain)
+            seen = f[base + at.SEEN * LANES + i] != 0.0
+            odd = f[base + at.LOST * LANES + i] != 0.0 or (seen and not _plain(f, base + i))
             s[_SLOW * LANES + i] = 1.0 if odd else s[_SLOW * LANES + i]
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
@@ -64,17 +56,44 @@ def track(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, noise: NDA
             f[base + at.NOTE * LANES + i] = -1.0 if empty else f[base + at.NOTE * LANES + i]
     for i in range(LANES):
         if s[_SLOW * LANES + i] != 0.0:
-            _assign(s, f, foods, i, clear)
+            _assign(s, f, foods, i, clear, unsteady == 0.0)
 
 
 @inline
-def _assign(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, clear: float) -> None:
+def _plain(f: NDArray[np.float64], there: int) -> bool:
+    """Whether an object's own track, found in the last frame, is so near that it shows no other, nor another it."""
+    x, y = f[there + at.SEEN_X * LANES], f[there + at.SEEN_Y * LANES]
+    dx, dy = x - f[there + at.TRACK_X * LANES], y - f[there + at.TRACK_Y * LANES]
+    off_x = x - f[there + at.FOOD_X * LANES] / MM_PER_PIXEL
+    off_y = y - f[there + at.FOOD_Y * LANES] / MM_PER_PIXEL
+    return bool(
+        f[there + at.TRACK_FOUND * LANES] != 0.0
+        and dx * dx + dy * dy <= _NEAR * _NEAR
+        and off_x * off_x + off_y * off_y <= _STRAY * _STRAY
+    )
+
+
+@inline
+def _assign(
+    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, clear: float, steady: bool
+) -> None:
     """The rule in full: the best pair of track and detection first, then the next best."""
     gate = GATE * GATE
     taken = 0  # bit by bit: tracks of the foods, then ghosts
     shown = 0
     owner = np.empty(at.MOST_FOODS, np.int64)
-    for _ in range(foods):
+    left = 0
+    for food in range(foods):
+        there = food * at.FOOD_ROWS * LANES + i
+        if f[there + at.SEEN * LANES] == 0.0:
+            continue
+        if steady and _plain(f, there):
+            taken |= 1 << food
+            shown |= 1 << food
+            owner[food] = food
+        else:
+            left += 1
+    for _ in range(left):
         best, rank, chosen, which = np.inf, 2, -1, -1
         for slot in range(2 * foods):
             label, x, y, found = _track(f, foods, slot, i)
