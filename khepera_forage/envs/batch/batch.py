@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.batch.rounds import play_all
 from khepera_forage.envs.batch.rules import rules_of
-from khepera_forage.envs.batch.worlds import Worlds, arrays_of, empty_worlds
+from khepera_forage.envs.batch.storage import Stored, empty_stored, robots_row, tasks_row, worlds_from
+from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
 from khepera_forage.envs.checks import FoodOdds, the_arena, whole_number
 from khepera_forage.envs.placement import given_layout
 from khepera_forage.noise import Noise
@@ -16,7 +17,7 @@ from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.threads import share_out
+from khepera_forage.worlds.batch.threads import ROUNDS, share_out, threads_for
 from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
@@ -51,12 +52,17 @@ class TaskBatch:
         self._setting, self._rules = rules_of(self.arena, foods, limit, noise, food_types)
         self.foods, self.limit = self._setting.foods, self._rules.limit
         self._blocks = -(-self.num_worlds // LANES)
-        self._worlds = empty_worlds(self._blocks, self.foods)
+        self._stored = empty_stored(self._blocks, self.foods)
+        self._rooms = empty_worlds(1, self.foods)
 
     @property
     def bytes_per_world(self) -> float:
-        """Memory that a world takes."""
-        return float(sum(rows.nbytes for rows in arrays_of(self._worlds)) / self._blocks / LANES)
+        """Memory that a world takes; each thread has a block more to work in."""
+        return float(sum(rows.nbytes for rows in self._stored) / self._blocks / LANES)
+
+    def worlds(self) -> Worlds:
+        """A copy of all that is kept of the worlds between rounds; rows that are not kept read as in a new one."""
+        return worlds_from(self._stored, self.foods)
 
     @property
     def diagonal(self) -> int:
@@ -95,16 +101,16 @@ class TaskBatch:
         pose, places = asked_for(self.arena, self.foods, options or {})
         # New episodes begin in blocks of their own, which are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        room = empty_worlds(blocks, self.foods)
+        room = empty_stored(blocks, self.foods)
         new = np.arange(len(worlds))
         there, here = (new // LANES, slice(None), new % LANES), (worlds // LANES, slice(None), worlds % LANES)
-        _by_row(room.bodies.keys)[there] = _by_row(self._worlds.bodies.keys)[here]
+        _by_row(room.keys)[there] = _by_row(self._stored.keys)[here]
         lanes = blocks * LANES
         self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
-        if np.isnan(_by_row(room.bodies.robots)[:, body.X]).any():
+        if np.isnan(robots_row(room, body.X)).any():
             raise no_room(self.arena, self.foods)
-        for rows, fresh in zip(arrays_of(self._worlds), arrays_of(room), strict=True):
-            _by_row(rows)[here] = _by_row(fresh)[there]
+        for part in range(len(room)):
+            _by_row(self._stored[part])[here] = _by_row(room[part])[there]
 
     def step(self, actions: Floats, waiting: NDArray[np.bool_]) -> None:
         """One round of 0.1 s in every world.
@@ -119,29 +125,30 @@ class TaskBatch:
         fresh = np.zeros(lanes, np.bool_)
         fresh[: self.num_worlds] = waiting
         nowhere, nothing = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
-        self._play(self._worlds, padded.reshape(lanes, -1), fresh, nowhere, nothing)
+        self._play(self._stored, padded.reshape(lanes, -1), fresh, nowhere, nothing)
 
     def task(self, row: int) -> Floats:
         """A row of `envs.batch.rows`, one number a world."""
-        return self._row(self._worlds.tasks, row)
+        return tasks_row(self._stored, row)[: self.num_worlds]
 
     def body(self, row: int) -> Floats:
         """A row of `worlds.batch.rows`, one number a world."""
-        return self._row(self._worlds.bodies.robots, row)
-
-    def _row(self, rows: Floats, row: int) -> Floats:
-        return rows[:, row * LANES : (row + 1) * LANES].reshape(-1)[: self.num_worlds]
+        return robots_row(self._stored, row)[: self.num_worlds]
 
     def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
-        rows, lanes = self._worlds.bodies.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
+        rows, lanes = self._stored.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
         rows[worlds // LANES, body.KEY, lanes] = keys
         rows[worlds // LANES, body.ROUND, lanes] = 0
 
     def _play(
-        self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
+        self, stored: Stored, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
-        blocks = worlds.tasks.shape[0]
-        share_out(play_all, blocks, worlds, self._setting, self._rules, actions, fresh, pose, places)
+        blocks, taken = stored.keys.shape[0], np.zeros(1, np.int64)
+        threads = threads_for(blocks, ROUNDS)
+        if threads > self._rooms.tasks.shape[0]:
+            self._rooms = empty_worlds(threads, self.foods)
+        given = (self._setting, self._rules, actions, fresh, pose, places)
+        share_out(play_all, blocks, stored, self._rooms, taken, *given, least=ROUNDS)
 
 
 def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:

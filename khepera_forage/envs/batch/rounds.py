@@ -8,6 +8,7 @@ from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.placing import place_all
 from khepera_forage.envs.batch.register import update
 from khepera_forage.envs.batch.rules import Rules
+from khepera_forage.envs.batch.storage import fetch, store, stored_of
 from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
 from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.foraging.identification import drawn_type
@@ -19,6 +20,7 @@ from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.stepping import advance_block, stand
+from khepera_forage.worlds.batch.threads import take
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
 _PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
@@ -138,10 +140,16 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def play_all(first, last, worlds, setting, rules, actions, waiting, pose, places):  # type: ignore[no-untyped-def]
+    def play_all(  # type: ignore[no-untyped-def]
+        first, last, stored, rooms, taken, setting, rules, actions, waiting, pose, places
+    ):
+        # Blocks are worked out one after the other in rows that stay in this core's cache.
+        worlds = worlds_of(rooms, take(taken))
         for block in range(first, last if sources else 0):
-            lanes = slice(block * LANES, (block + 1) * LANES)
-            play_block(worlds_of(worlds, block), setting, rules, actions[lanes], waiting[lanes], pose, places)
+            lanes, kept = slice(block * LANES, (block + 1) * LANES), stored_of(stored, block)
+            fetch(kept, worlds, setting.foods)
+            play_block(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
+            store(worlds, kept, setting.foods)
 
     return play_all
 

@@ -33,11 +33,6 @@ def worlds_of(worlds: Worlds, block: int) -> Worlds:
     return Worlds(bodies_of(worlds.bodies, block), worlds.tasks[block], worlds.registers[block])
 
 
-def arrays_of(worlds: Worlds) -> tuple[NDArray[np.float64] | NDArray[np.uint64], ...]:
-    """Every array of them, each with one row a block."""
-    return (*worlds.bodies, worlds.tasks, worlds.registers)
-
-
 def empty_worlds(blocks: int, foods: int) -> Worlds:
     """Room for some blocks, in which lanes that no world uses can be advanced: at rest, far from anything."""
     bodies = empty_bodies(blocks, foods)

@@ -20,16 +20,25 @@ from numpy.typing import NDArray
 
 from khepera_forage.worlds.batch.compiling import stand_in
 
+ROUNDS = 4
+"""Blocks whose next round is worth a thread: to hand work to one takes about as long as two such rounds."""
 
-def share_out(kernel: Callable[..., Any], blocks: int, *arguments: Any) -> None:
-    """Have blocks worked on, as many at a time as `numba.get_num_threads()` says; returns when all are done.
+
+def threads_for(blocks: int, least: int = 1) -> int:
+    """How many threads blocks are shared out among: at most `numba.get_num_threads()`, each with `least` or more."""
+    return max(1, min(numba.get_num_threads(), blocks // least))
+
+
+def share_out(kernel: Callable[..., Any], blocks: int, *arguments: Any, least: int = 1) -> None:
+    """Have blocks worked on in as many threads as `threads_for` says; returns when all are done.
 
     Args:
         kernel: Takes the first block, the one after the last, and `arguments`; compiled with `nogil`.
         blocks: How many.
         *arguments: What all calls have in common.
+        least: Blocks that a thread is worth.
     """
-    threads = min(numba.get_num_threads(), blocks)
+    threads = threads_for(blocks, least)
     own, *shares = pairwise(blocks * n // threads for n in range(threads + 1))
     others = [_pool(os.getpid()).submit(kernel, *share, *arguments) for share in shares]
     try:
