@@ -19,14 +19,16 @@ from _learners.lessons import Compared
 from _learners.page import amounts_table, main_table, page
 from _learners.pictures import figure
 from _learners.rows import Batch, Size, steps_up_to
-from _learners.tuning import FIRST_SEED, candidates, tuning_table
+from _learners.tuning import FIRST_SEED, candidates, differences, reading, tuning_page, tuning_table
 from _learners.units import Unit, everyone, left_out, plan, told
 from arguments import add_count, count_of, parser_for
 from tqdm import tqdm
 
 from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import RowWriter
+from khepera_forage.experiments.row_files import RowWriter, read_rows
 
+TUNING = "tuning"
+"""The folder in `--out` that `--tune` writes to."""
 SEEDS, QUICK_SEEDS = 10, 2
 RECALLS, QUICK_RECALLS = 10, 1
 STEPS, QUICK_STEPS = 1_000_000, 1_000
@@ -91,7 +93,7 @@ def compare(size: Size, seeds: int, arguments: argparse.Namespace) -> None:
         f"python benchmarks/learners.py --seeds {seeds} --recalls {size.recalls} --steps {size.steps[-1]} "
         f"--seed {arguments.seed}{' --quick' * arguments.quick}"
     )
-    (out / "learners.md").write_text(page(found, known, missing, command), encoding="utf-8")
+    (out / "learners.md").write_text(page(found, known, missing, tuned(arguments), command), encoding="utf-8")
     save(figure(found, known), out / "learners.png")
 
 
@@ -102,9 +104,26 @@ def tune(size: Size, seeds: int, arguments: argparse.Namespace) -> None:
     size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:])
     rows = rows_of(asked, tried, range(FIRST_SEED, FIRST_SEED + seeds), size, arguments)
     if rows:
-        table = tuning_table(curves(rows, np.random.default_rng(arguments.seed)), tried)
-        (arguments.out / "tuning.md").write_text(table.markdown(), encoding="utf-8")
+        gains = differences(rows, np.random.default_rng(arguments.seed))
+        table = tuning_table(curves(rows, np.random.default_rng(arguments.seed)), gains, tried)
+        only = "".join(f" --only {name}" for name in arguments.only or ())
+        command = (
+            f"python benchmarks/learners.py --tune{only} --seeds {seeds} --recalls {size.recalls} "
+            f"--seed {arguments.seed}{' --quick' * arguments.quick}"
+        )
+        text = tuning_page(table, reading(gains, tried), command)
+        (arguments.out / "tuning.md").write_text(text, encoding="utf-8")
         (arguments.out / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
+
+
+def tuned(arguments: argparse.Namespace) -> str:
+    """What came of an earlier run with `--tune` in the same folder; empty if there was none."""
+    folder = arguments.out / TUNING
+    if not (folder / "tuning.md").exists():
+        return ""
+    tried = candidates()
+    rows = in_order([row for row in read_rows(folder / ROWS, Batch) if row.learner in tried], list(tried))
+    return reading(differences(rows, np.random.default_rng(arguments.seed)), tried)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -118,7 +137,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     seeds = count_of(arguments.seeds, SEEDS, quick, QUICK_SEEDS)
     if arguments.tune:
-        arguments.out /= "tuning"
+        arguments.out /= TUNING
     (tune if arguments.tune else compare)(size, seeds, arguments)
     print(f"Everything is in {arguments.out}")
     return 0

@@ -57,6 +57,8 @@ class Curve:
         points: In increasing order of the amount.
         enough: Steps after which a replication first delivered `ENOUGH` of the food; the median of them, infinite if
             more than half never did.
+        enough_asked: The amount of learning asked for by then, the median again. Amounts are reached to within what an
+            algorithm takes at a time, so that this, and not the steps, says who was first.
         gain: Percentage points of the food that it delivers more after all of the learning than after the first amount.
     """
 
@@ -64,6 +66,7 @@ class Curve:
     arena: str
     points: tuple[Point, ...]
     enough: Estimate
+    enough_asked: float
     gain: Estimate
 
     @property
@@ -88,9 +91,22 @@ def curves(rows: Sequence[Batch], rng: np.random.Generator) -> list[Curve]:
     for row in rows:
         groups.setdefault((row.learner, row.arena), []).append(row)
     return [
-        Curve(learner, arena, _points(own, rng), _enough(own, rng), _gain(own, rng))
+        Curve(learner, arena, _points(own, rng), _enough(own, rng), _enough_asked(own), _gain(own, rng))
         for (learner, arena), own in groups.items()
     ]
+
+
+def difference(rows: Sequence[Batch], others: Sequence[Batch], rng: np.random.Generator) -> Estimate:
+    """How many percentage points of the food are delivered more in these rows than in others of the same replications.
+
+    Args:
+        rows: Of one arena.
+        others: Of the same arena.
+        rng: Draws the resamples.
+    """
+    numbers = replications(rows, others)
+    sums = [tally(own, numbers, _percent, lambda row: row.foods) for own in (rows, others)]
+    return bootstrap(np.hstack(sums), contrast(1, -1), rng)
 
 
 def _points(rows: Sequence[Batch], rng: np.random.Generator) -> tuple[Point, ...]:
@@ -123,23 +139,30 @@ def _points(rows: Sequence[Batch], rng: np.random.Generator) -> tuple[Point, ...
 
 
 def _enough(rows: Sequence[Batch], rng: np.random.Generator) -> Estimate:
+    firsts = _firsts(rows, lambda row: row.steps)
+    return bootstrap_quantile([_First(*item) for item in firsts.items()], lambda row: row.steps, 0.5, rng)
+
+
+def _enough_asked(rows: Sequence[Batch]) -> float:
+    amounts = sorted(_firsts(rows, lambda row: row.amount).values())
+    return amounts[(len(amounts) - 1) // 2]
+
+
+def _firsts(rows: Sequence[Batch], measure: Callable[[Batch], float]) -> dict[int, float]:
+    """What a measure was in each replication when it first delivered enough; infinite where it never did."""
     firsts = {row.replication: math.inf for row in rows}
     for row in rows:
         if row.delivered >= ENOUGH * row.foods:
-            firsts[row.replication] = min(firsts[row.replication], row.steps)
-    return bootstrap_quantile([_First(*item) for item in firsts.items()], lambda row: row.steps, 0.5, rng)
+            firsts[row.replication] = min(firsts[row.replication], measure(row))
+    return firsts
 
 
 def _gain(rows: Sequence[Batch], rng: np.random.Generator) -> Estimate:
     amounts = sorted({row.amount for row in rows})
     if len(amounts) < 2:
         return UNKNOWN
-    numbers = replications(rows)
-    sums = [
-        tally([row for row in rows if row.amount == amount], numbers, _percent, lambda row: row.foods)
-        for amount in (amounts[-1], amounts[0])
-    ]
-    return bootstrap(np.hstack(sums), contrast(1, -1), rng)
+    last, first = ([row for row in rows if row.amount == amount] for amount in (amounts[-1], amounts[0]))
+    return difference(last, first, rng)
 
 
 def _percent(row: Batch) -> float:

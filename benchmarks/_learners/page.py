@@ -8,7 +8,7 @@ from _learners.lessons import REFERENCES, Compared
 from _learners.rows import ARENAS
 from _learners.units import told
 from khepera_forage.experiments.tables import Column, Table, Value, interval
-from khepera_forage.policies.learners import Needs
+from khepera_forage.policies.learners import FromSteps, Needs
 
 ENOUGH_NAME = f"steps to {100 * ENOUGH:.0f} % of the food"
 HOW = """Everyone learns in the corridor and nowhere else, and then forages alone in the corridor and in the rectangle:
@@ -100,9 +100,22 @@ def amounts_table(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> 
 
 
 def page(
-    curves: Sequence[Curve], learners: Mapping[str, Compared], missing: Mapping[str, str], command: str
+    curves: Sequence[Curve],
+    learners: Mapping[str, Compared],
+    missing: Mapping[str, str],
+    tuned: str,
+    command: str,
 ) -> str:
-    """All of it, in Markdown."""
+    """All of it, in Markdown.
+
+    Args:
+        curves: One a learner and arena.
+        learners: All there are, by name.
+        missing: Why some are left out.
+        tuned: What came of the comparison of settings, which then has a page in the folder `tuning`; empty if none is
+            there.
+        command: That made it.
+    """
     names = list(dict.fromkeys(curve.learner for curve in curves))
     settings = "\n".join(
         f"| `{name}` | {learners[name].title} | `{told(learners[name])}` |"
@@ -112,6 +125,7 @@ def page(
     absent = "".join(
         f"\n`{name}` was left out: {reason}.\n" for name, reason in missing.items() if name not in names
     )
+    outcome = f"What came of it ([all settings](tuning/tuning.md)): {tuned}\n\n" if tuned else ""
     return (
         "# Every learner side by side\n\n"
         "**How much experience does it take to forage, and who gets by with little?**\n\n"
@@ -121,7 +135,7 @@ def page(
         f"## How\n\n{HOW}\n\n"
         f"{main_table(curves, learners).markdown()}\n"
         "The same after every amount of learning is in `table_amounts.csv`, every batch of recalls in `rows.csv`.\n\n"
-        f"## Settings\n\n{TUNING}\n\n| name | learner | settings |\n|---|---|---|\n{settings}\n\n"
+        f"## Settings\n\n{TUNING}\n\n{outcome}| name | learner | settings |\n|---|---|---|\n{settings}\n\n"
         f"## Command\n\n    {command}\n\n"
         "A run that is killed goes on with the same command. `--backend ray` and `--backend dask` do the same work on "
         "a cluster, with `--address` on one that is there already.\n"
@@ -149,20 +163,21 @@ def _line(curve: Curve, learner: Compared) -> tuple[Value, ...]:
 def _reading(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> str:
     """For each arena and kind of learner: who delivers most in the end, and who is first to deliver enough."""
     lines = [
-        "The best of a kind is the one with the highest mean: where intervals overlap, others may be as good. An "
-        "interval below 0 among the gains is a learner that forages worse for having learned more.\n"
+        "The best of a kind is the one with the highest mean: where intervals overlap, others may be as good. First is "
+        "who needs the smallest amount of learning asked for; those with the same amount are level, even if one takes "
+        "some more steps at a time. An interval below 0 among the gains is a learner that forages worse for having "
+        "learned more.\n"
     ]
     for arena in ARENAS:
         for needs in Needs:
             own = [c for c in curves if c.arena == arena and learners[c.learner].needs is needs]
             if not own:
                 continue
-            best = max(own, key=lambda curve: curve.end.delivered.value)
-            first = min(own, key=lambda curve: curve.enough.value)
             lines.append(
-                f"- **{arena.capitalize()}, {needs.value}.** Most food in the end: {_share(best, learners)} after "
-                f"{best.end.steps.value:,.0f} steps. {_earliest(first, learners, len(own))}"
+                f"- **{arena.capitalize()}, {needs.value}.** Most food in the end: {_best(own, learners)}. "
+                f"{_earliest(own, learners)}"
             )
+    lines += _on_wheels(curves, learners)
     lines += [
         f"- **{curve.arena.capitalize()}, {_share(curve, learners)}** of the food, with nothing to learn."
         for curve in curves
@@ -175,8 +190,39 @@ def _share(curve: Curve, learners: Mapping[str, Compared]) -> str:
     return f"{learners[curve.learner].title}, {interval(curve.end.delivered)} %"
 
 
-def _earliest(curve: Curve, learners: Mapping[str, Compared], count: int) -> str:
-    if not math.isfinite(curve.enough.value):
-        return f"None of the {count} delivers {100 * ENOUGH:.0f} % in half of its replications."
-    steps = f"{curve.enough.value:,.0f} steps"
-    return f"First to deliver {100 * ENOUGH:.0f} %: {learners[curve.learner].title}, after {steps}."
+def _best(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> str:
+    most = max(curve.end.delivered.value for curve in curves)
+    return "; ".join(
+        f"{_share(curve, learners)} after {curve.end.steps.value:,.0f} steps"
+        for curve in curves
+        if curve.end.delivered.value == most
+    )
+
+
+def _earliest(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> str:
+    asked = min(curve.enough_asked for curve in curves)
+    if not math.isfinite(asked):
+        return f"None of the {len(curves)} delivers {100 * ENOUGH:.0f} % in half of its replications."
+    first = [curve for curve in curves if curve.enough_asked == asked]
+    named = "; ".join(f"{learners[c.learner].title}, after {c.enough.value:,.0f} steps" for c in first)
+    return f"First to deliver {100 * ENOUGH:.0f} %{', level' if len(first) > 1 else ''}: {named}."
+
+
+def _on_wheels(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> list[str]:
+    """Whether trial and error with motors in place of behaviours has learned to forage where it learns."""
+    own = [(curve, learners[curve.learner]) for curve in curves if curve.arena == ARENAS[0]]
+    wheels = [curve for curve, learner in own if isinstance(learner, FromSteps) and learner.wheels]
+    if not wheels:
+        return []
+    learned = sum(math.isfinite(curve.enough.value) for curve in wheels)
+    steps = f"{max(curve.end.amount for curve in wheels):,} steps"
+    verdict = (
+        f"{learned} of {len(wheels)} learn to forage within {steps}"
+        if learned
+        else f"Within {steps} none learns to forage"
+    )
+    ends = "; ".join(_share(curve, learners) for curve in wheels)
+    return [
+        f"- **{ARENAS[0].capitalize()}, trial and error on wheels.** {verdict} ({100 * ENOUGH:.0f} % of the food in "
+        f"half of the replications). Food delivered in the end: {ends}."
+    ]

@@ -7,15 +7,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from _learners.curves import Curve
+import numpy as np
+
+from _learners.curves import Curve, difference
 from _learners.lessons import Compared
-from _learners.rows import ARENAS
+from _learners.rows import ARENAS, Batch
 from _learners.units import told
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.experiments.tables import Column, Table, interval
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
 
 FIRST_SEED = 1_000
 """Replications from this number on are for tuning, those before it for the comparison."""
+NOTHING = 1e-9
+"""Points of the food; less than that is rounding."""
 CANDIDATES: dict[str, tuple[Mapping[str, Any], ...]] = {
     "k_nearest": ({"k": 3}, {"k": 9}, {"k": 15}),
     "distance_weighted": ({"k": 3}, {"k": 9}, {"k": 15}),
@@ -42,22 +47,65 @@ def candidates() -> dict[str, Compared]:
     return found
 
 
-def tuning_table(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> Table:
+def differences(rows: Sequence[Batch], rng: np.random.Generator) -> dict[str, Estimate]:
+    """How many points of the food each other setting delivers more than the registry's, over the same replications.
+
+    Args:
+        rows: Of candidates, in the order of `folder.in_order`.
+        rng: Draws the resamples.
+    """
+    own: dict[str, list[Batch]] = {}
+    for row in rows:
+        if row.arena == ARENAS[0]:
+            own.setdefault(row.learner, []).append(row)
+    return {
+        name: difference(theirs, own[_base(name)], rng) for name, theirs in own.items() if name != _base(name)
+    }
+
+
+def reading(gains: Mapping[str, Estimate], learners: Mapping[str, Compared]) -> str:
+    """Which other settings are clearly better or worse than the registry's: the interval of the difference says it."""
+    better = [name for name, gain in gains.items() if gain.low > NOTHING]
+    worse = [name for name, gain in gains.items() if gain.high < -NOTHING]
+    named = "; ".join(
+        f"{learners[name].title} with `{told(learners[name])}`, {interval(gains[name])} points more"
+        for name in better
+    )
+    return (
+        f"{len(gains)} other settings were tried. Clearly more food than with the registry's, as the 95 % interval of "
+        f"the difference lies above 0: {len(better)}{f' ({named})' if named else ''}. Clearly less: {len(worse)}. "
+        "Where nothing differs, about one in forty is clearly more by chance; the registry's settings stay as they are."
+    )
+
+
+def tuning_page(table: Table, outcome: str, command: str) -> str:
+    """Table and what came out, in Markdown."""
+    return (
+        f"# Settings of the learners\n\n## What came out\n\n{outcome}\n\n"
+        f"{table.markdown()}\n## Command\n\n    {command}\n"
+    )
+
+
+def tuning_table(
+    curves: Sequence[Curve], gains: Mapping[str, Estimate], learners: Mapping[str, Compared]
+) -> Table:
     """All candidates in the corridor, the best of each learner marked."""
     own = [curve for curve in curves if curve.arena == ARENAS[0]]
     best: dict[str, Curve] = {}
     for curve in own:
-        if _success(curve) > _success(best.setdefault(_base(curve), curve)):
-            best[_base(curve)] = curve
+        if _success(curve) > _success(best.setdefault(_base(curve.learner), curve)):
+            best[_base(curve.learner)] = curve
     return Table(
         "table_tuning",
         "Settings compared",
         "In the corridor, after the largest amount of learning; means with 95 % intervals over replications that the "
-        "comparison does not use. The first of each learner is that of the registry. Best: most food, then score.",
+        "comparison does not use. The first of each learner is that of the registry; more: points "
+        "of the food delivered more than with that, over the same replications. Best: most food, then score.",
         (
             Column("learner"),
             Column("settings"),
             Column("food delivered (%)", estimate=True),
+            Column("more (points)", estimate=True),
             Column("score (%)", estimate=True),
             Column("best"),
         ),
@@ -66,8 +114,9 @@ def tuning_table(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> T
                 learners[curve.learner].title,
                 told(learners[curve.learner]),
                 curve.end.delivered,
+                gains.get(curve.learner, UNKNOWN),
                 curve.end.score,
-                "best" if best[_base(curve)] is curve else "",
+                "best" if best[_base(curve.learner)] is curve else "",
             )
             for curve in own
         ],
@@ -81,8 +130,8 @@ def _surest(learner: Learner) -> Learner:
     return replace(learner, sample=False)
 
 
-def _base(curve: Curve) -> str:
-    return curve.learner.split(".")[0]
+def _base(name: str) -> str:
+    return name.split(".")[0]
 
 
 def _success(curve: Curve) -> tuple[float, float]:

@@ -1,5 +1,6 @@
 """Learning by trial and error: stable-baselines3 on the recall environments (extra `baselines`)."""
 
+import copy
 import logging
 import pickle
 import random
@@ -102,7 +103,8 @@ def reinforce(
     from stable_baselines3.common.callbacks import BaseCallback
 
     env = vec_env(learner, make_env, envs, arena)
-    settings = dict(learner.settings)
+    # All of it a copy: stable-baselines3 writes into the `policy_kwargs` that it is given.
+    settings = copy.deepcopy(dict(learner.settings))
     if "n_steps" in settings:
         # A rollout smaller than a batch is one batch.
         settings["batch_size"] = min(settings["batch_size"], settings["n_steps"] * env.num_envs)

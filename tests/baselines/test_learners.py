@@ -1,5 +1,6 @@
 """stable-baselines3 as policies: short trainings, the contract of policies, the same outcome for the same seed."""
 
+import copy
 import pickle
 import random
 import re
@@ -157,6 +158,13 @@ def test_global_chance_is_left_as_it_was() -> None:
     before = str(np.random.get_state(legacy=False)), random.getstate()  # noqa: NPY002
     short("dqn", (200,))
     assert (str(np.random.get_state(legacy=False)), random.getstate()) == before  # noqa: NPY002
+
+
+@pytest.mark.parametrize("name", TRIAL)
+def test_settings_are_left_as_they_were(name: str) -> None:
+    before = copy.deepcopy(dict(TRIAL[name].settings))
+    short(name, (200,))
+    assert dict(TRIAL[name].settings) == before
 
 
 def test_what_an_episode_showed_last_is_told() -> None:

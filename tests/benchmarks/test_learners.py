@@ -2,14 +2,17 @@
 
 import importlib
 import json
+import math
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from sklearn.ensemble import RandomForestClassifier
 
@@ -31,7 +34,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def rooms(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    names = ("rows", "lessons", "units", "folder", "tuning", "backends")
+    names = ("rows", "lessons", "units", "folder", "tuning", "backends", "curves", "page")
     return SimpleNamespace(**{name: importlib.import_module(f"_learners.{name}") for name in names})
 
 
@@ -107,6 +110,53 @@ def test_page_has_picture_settings_and_command(out: Path) -> None:
     assert "| `dagger_tree` | DAgger, tree | `tree(); queries_a_round=100` |" in page
     assert "--seeds 2 --recalls 1 --steps 1000 --seed 1 --quick" in page
     assert is_picture(out / "learners.png")
+
+
+def reading(rooms: SimpleNamespace, rows: list[Any]) -> str:
+    """What came out, as the page says it of these rows."""
+    found = rooms.curves.curves(rows, np.random.default_rng(0))
+    text: str = rooms.page.page(found, rooms.units.everyone(), {}, "", "")
+    return text.split("## What came out")[1].split("## How")[0]
+
+
+def batch(rooms: SimpleNamespace, learner: str, amount: int, steps: int, delivered: int) -> Any:
+    return rooms.rows.Batch(learner, 0, amount, "corridor", steps, 0, 10, 50.0, delivered, 10, 900, 1.0)
+
+
+def test_who_needs_the_same_amount_is_level(rooms: SimpleNamespace) -> None:
+    rows = [batch(rooms, "ppo", 10_000, 10_240, 9), batch(rooms, "dqn", 10_000, 10_000, 9)]
+    rows += [batch(rooms, name, 1_000, 1_000, 7) for name in ("ppo", "dqn")]
+    level = "80 %, level: PPO on behaviours, after 10,240 steps; DQN on behaviours, after 10,000 steps.\n"
+    text = reading(rooms, rows)
+    assert f"First to deliver {level}" in text
+    assert "PPO on behaviours, 90.0 % after 10,240 steps; DQN on behaviours, 90.0 % after 10,000" in text
+    rows[-1] = batch(rooms, "dqn", 1_000, 1_000, 8)
+    assert "First to deliver 80 %: DQN on behaviours, after 1,000 steps.\n" in reading(rooms, rows)
+
+
+def test_the_median_replication_says_who_is_first(rooms: SimpleNamespace) -> None:
+    rows = [
+        replace(batch(rooms, "tree", amount, 90 * amount, 9 if amount >= enough else 0), replication=number)
+        for number, enough in enumerate((1, 2, 3, 4))
+        for amount in (1, 2, 3)
+    ]
+    (curve,) = rooms.curves.curves(rows, np.random.default_rng(0))
+    assert (curve.enough_asked, curve.enough.value) == (2, 180)
+    (curve,) = rooms.curves.curves(rows[3:], np.random.default_rng(0))
+    assert (curve.enough_asked, curve.enough.value) == (3, 270)
+    (curve,) = rooms.curves.curves(rows[9:], np.random.default_rng(0))
+    assert curve.enough_asked == curve.enough.value == math.inf
+
+
+def test_whether_wheels_are_learned_comes_of_the_rows(rooms: SimpleNamespace) -> None:
+    rows = [batch(rooms, "ppo", 10_000, 10_240, 9)]
+    assert "on wheels" not in reading(rooms, rows)
+    rows += [batch(rooms, "ppo_wheels", 10_000, 10_240, 2), batch(rooms, "sac_wheels", 10_000, 10_000, 1)]
+    text = reading(rooms, rows)
+    assert "trial and error on wheels.** Within 10,000 steps none learns to forage (80 %" in text
+    assert "Food delivered in the end: PPO on wheels, 20.0 %; SAC on wheels, 10.0 %.\n" in text
+    rows[-1] = batch(rooms, "sac_wheels", 10_000, 10_000, 8)
+    assert "on wheels.** 1 of 2 learn to forage within 10,000 steps (80 %" in reading(rooms, rows)
 
 
 def test_same_rows_on_any_number_of_processes(out: Path, tmp_path: Path) -> None:
@@ -233,8 +283,49 @@ def test_tuning_compares_settings_over_other_seeds(rooms: SimpleNamespace, tmp_p
     best = [line for line in table if line["best"]]
     assert len(best) == 1
     assert float(best[0]["food delivered (%)"]) == max(float(line["food delivered (%)"]) for line in table)
+    for line in table[1:]:
+        more = float(line["food delivered (%)"]) - float(table[0]["food delivered (%)"])
+        assert float(line["more (points)"]) == pytest.approx(more)
+    assert table[0]["more (points)"] == ""
     seeds = {row["replication"] for row in read(tmp_path / "tuning/rows.csv")}
     assert seeds == {"1000"}
+    page = (tmp_path / "tuning/tuning.md").read_text(encoding="utf-8")
+    assert page.startswith("# Settings of the learners\n\n## What came out\n\n4 other settings were tried. ")
+    assert (
+        "    python benchmarks/learners.py --tune --only dagger_tree --seeds 1 --recalls 1 --seed 1 --quick\n"
+        in page
+    )
+
+
+def test_the_page_leads_to_that_of_the_settings_if_there_is_one(out: Path, tmp_path: Path) -> None:
+    assert "tuning/tuning.md" not in (out / "learners.md").read_text(encoding="utf-8")
+    arguments = ["--only", "dagger_tree", "--seeds", "1", "--jobs", "1"]
+    quick("learners.py", tmp_path, "--tune", *arguments)
+    quick("learners.py", tmp_path, *arguments)
+    page = (tmp_path / "learners.md").read_text(encoding="utf-8")
+    assert "What came of it ([all settings](tuning/tuning.md)): 4 other settings were tried. " in page
+
+
+def test_a_setting_that_is_clearly_better_is_named(rooms: SimpleNamespace) -> None:
+    tried = rooms.tuning.candidates()
+
+    def rows(name: str, more: int) -> list[Any]:
+        # The replications differ by more than the settings do.
+        return [
+            replace(batch(rooms, name, 10, 900, delivered + more), replication=1_000 + number)
+            for number, delivered in enumerate((1, 8, 3, 5, 1, 8))
+        ]
+
+    found = [*rows("tree", 0), *rows("tree.1", 1), *rows("tree.2", -1), *rows("tree.3", 0)]
+    gains = rooms.tuning.differences(found, np.random.default_rng(0))
+    for name, more in (("tree.1", 10), ("tree.2", -10), ("tree.3", 0)):
+        assert tuple(gains[name]) == pytest.approx((more, more, more))
+    text = rooms.tuning.reading(gains, tried)
+    assert (
+        "above 0: 1 (decision tree with `tree(min_samples_leaf=3)`, 10.0 [10.0, 10.0] points more)." in text
+    )
+    assert text.startswith("3 other settings were tried.")
+    assert "Clearly less: 1." in text
 
 
 def test_tuned_learners_have_as_many_settings_each(rooms: SimpleNamespace) -> None:
