@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from khepera_forage.worlds.batch.compiling import stand_in
 
 ROUNDS = 4
-"""Blocks whose next round is worth a thread: to hand work to one takes about as long as two such rounds."""
+"""Blocks whose next round is worth a thread: to hand work to one takes about as long as four such rounds."""
 
 
 def threads_for(blocks: int, least: int = 1) -> int:
