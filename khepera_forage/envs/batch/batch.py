@@ -1,7 +1,7 @@
 """`TaskBatch`: bodies and task of many worlds, one robot each, advanced together: what the vector environments wrap."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,11 @@ from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.threads import ROUNDS, share_out, threads_for
+from khepera_forage.worlds.batch.threads import share_out, threads_for
 from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
+_N = TypeVar("_N", bound=np.generic)
 
 
 class TaskBatch:
@@ -107,7 +108,7 @@ class TaskBatch:
         _by_row(room.keys)[there] = _by_row(self._stored.keys)[here]
         lanes = blocks * LANES
         self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
-        if np.isnan(robots_row(room, body.X)).any():
+        if np.isnan(robots_row(room, body.X, np.float64)).any():
             raise no_room(self.arena, self.foods)
         for part in range(len(room)):
             _by_row(self._stored[part])[here] = _by_row(room[part])[there]
@@ -127,13 +128,13 @@ class TaskBatch:
         nowhere, nothing = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
         self._play(self._stored, padded.reshape(lanes, -1), fresh, nowhere, nothing)
 
-    def task(self, row: int) -> Floats:
-        """A row of `envs.batch.rows`, one number a world."""
-        return tasks_row(self._stored, row)[: self.num_worlds]
+    def task(self, row: int, kind: type[_N] = np.float64) -> NDArray[_N]:  # type: ignore[assignment]
+        """A row of `envs.batch.rows`, one number a world, as a fresh array of some type."""
+        return tasks_row(self._stored, row, kind)[: self.num_worlds]
 
-    def body(self, row: int) -> Floats:
-        """A row of `worlds.batch.rows`, one number a world."""
-        return robots_row(self._stored, row)[: self.num_worlds]
+    def body(self, row: int, kind: type[_N] = np.float64) -> NDArray[_N]:  # type: ignore[assignment]
+        """A row of `worlds.batch.rows`, one number a world, as a fresh array of some type."""
+        return robots_row(self._stored, row, kind)[: self.num_worlds]
 
     def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
         rows, lanes = self._stored.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
@@ -143,12 +144,11 @@ class TaskBatch:
     def _play(
         self, stored: Stored, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
-        blocks, taken = stored.keys.shape[0], np.zeros(1, np.int64)
-        threads = threads_for(blocks, ROUNDS)
+        threads, begun = threads_for(stored.keys.shape[0]), np.zeros(1, np.int64)
         if threads > self._rooms.tasks.shape[0]:
             self._rooms = empty_worlds(threads, self.foods)
         given = (self._setting, self._rules, actions, fresh, pose, places)
-        share_out(play_all, blocks, stored, self._rooms, taken, *given, least=ROUNDS)
+        share_out(play_all, threads, stored, self._rooms, begun, *given)
 
 
 def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:

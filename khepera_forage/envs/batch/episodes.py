@@ -5,7 +5,6 @@ Every episode is a world of its own: what happens in episode i of a seed depends
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -21,7 +20,7 @@ from khepera_forage.policies.ballot_box import NO_MEMORIES
 from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch.numbers import keys_of, keys_of_each
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.threads import share_out
+from khepera_forage.worlds.batch.threads import share_out, threads_for
 
 __all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
 
@@ -100,9 +99,9 @@ def run_recalls(
     episodes = len(policies)
     outcomes = empty_outcomes(episodes, foods)
     # As few worlds at a time as keep all threads busy: the fewest are idle while the last episodes end.
-    blocks = min(numba.get_num_threads(), -(-episodes // LANES))
+    threads = threads_for(-(-episodes // LANES))
     plan = Plan(_keys(seed, episodes), policies, np.zeros(1, np.int64))
-    share_out(play_out, blocks, empty_worlds(blocks, foods), setting, rules, memories, plan, outcomes)
+    share_out(play_out, threads, empty_worlds(threads, foods), setting, rules, memories, plan, outcomes)
     if np.isnan(outcomes.places).any():
         raise ValueError(
             f"{arena}: no room for a robot and {foods} food objects outside home; make it larger"

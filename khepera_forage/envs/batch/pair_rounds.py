@@ -20,11 +20,11 @@ from khepera_forage.envs.batch.rounds import carry_out
 from khepera_forage.envs.batch.rules import Rules
 from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.numbers import word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
-from khepera_forage.worlds.batch.threads import take
 
 _ONE, _TYPES = np.uint64(1), np.uint64(1 << 20)
 
@@ -162,11 +162,11 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
 
     @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
     def train_all(  # type: ignore[no-untyped-def]
-        first, last, pairs, company, setting, rules, marks, terms, episode_keys, begun, records
+        thread, pairs, company, setting, rules, marks, terms, episode_keys, begun, records
     ):
-        for block in range(first, last if sources else 0):
-            worlds = worlds_of(pairs, block)
-            _train(worlds, company[block], setting, rules, marks, terms, episode_keys, begun, records)
+        if sources:
+            worlds = worlds_of(pairs, thread)
+            _train(worlds, company[thread], setting, rules, marks, terms, episode_keys, begun, records)
 
     return train_all
 

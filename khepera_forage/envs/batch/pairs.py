@@ -9,7 +9,6 @@ but what the learner hears, where the teacher is, and the types of corresponding
 from collections.abc import Mapping
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,7 +27,7 @@ from khepera_forage.worlds.batch.bodies import Bodies
 from khepera_forage.worlds.batch.numbers import keys_of, word
 from khepera_forage.worlds.batch.rows import LANES, MOST_FOODS
 from khepera_forage.worlds.batch.setting import Setting, edges_of, noise_of, walls_of
-from khepera_forage.worlds.batch.threads import share_out
+from khepera_forage.worlds.batch.threads import share_out, threads_for
 from khepera_forage.worlds.standing import cable_anchor, check_layout, check_seen
 from khepera_forage.worlds.world import Layout
 
@@ -98,9 +97,9 @@ def train_learners(
     vectors, accounts, tried = [], [], []
     for first in range(0, keys.size, at_once):
         some = keys[first : first + at_once]
-        blocks, begun = min(-(-some.size // LANES), numba.get_num_threads()), np.zeros(1, np.int64)
-        worlds, company = _empty_pairs(blocks, setting.foods)
-        share_out(train_all, blocks, worlds, company, setting, rules, marks, terms, some, begun, records)
+        threads, begun = threads_for(-(-some.size // LANES)), np.zeros(1, np.int64)
+        worlds, company = _empty_pairs(threads, setting.foods)
+        share_out(train_all, threads, worlds, company, setting, rules, marks, terms, some, begun, records)
         if not records.free[: some.size].all():
             raise ValueError(
                 f"{arenas[0].name}: start or food too near a wall for a placement error of "

@@ -27,10 +27,10 @@ from khepera_forage.foraging.states import FoodType
 from khepera_forage.policies.ballot import Memories
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
-from khepera_forage.worlds.batch.threads import take
 
 _POISONOUS = float(FoodType.POISONOUS)
 # Columns of `Outcomes.sums`; the last is the first of those of the account, but for who decides.
@@ -160,9 +160,9 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernel that Python calls; see `sources` for why it is made here."""
 
     @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def play_out(first, last, worlds, setting, rules, memories, plan, outcomes):  # type: ignore[no-untyped-def]
-        for block in range(first, last if sources else 0):
-            _play(worlds_of(worlds, block), setting, rules, memories, plan, outcomes)
+    def play_out(thread, worlds, setting, rules, memories, plan, outcomes):  # type: ignore[no-untyped-def]
+        if sources:
+            _play(worlds_of(worlds, thread), setting, rules, memories, plan, outcomes)
 
     return play_out
 

@@ -20,10 +20,11 @@ from khepera_forage.foraging.states import FoodType
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
-_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED = (at.SCRATCH + n for n in range(5))
+_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED, _LANE = (at.SCRATCH + n for n in range(6))
 _UNKNOWN, _POISONOUS = float(FoodType.UNKNOWN), float(FoodType.POISONOUS)
 
 
@@ -76,13 +77,12 @@ def update(
             comes = home and q[mine + at.HOME * LANES + i] == 0.0
             q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if comes else known
             q[mine + at.HOME * LANES + i] = 1.0 if home else q[mine + at.HOME * LANES + i]
-    for i in range(LANES):
-        if t[_ODD * LANES + i] != 0.0:
-            tie(f, t, q, foods, i, place)
+    odd_ones = pack(t, _ODD, _LANE, 0)
+    for n in range(odd_ones):
+        tie(f, t, q, foods, packed(t, _LANE, n), place)
     _count_and_pick(s, f, t, q, foods)
-    for i in range(LANES):
-        if t[_ODD * LANES + i] != 0.0:
-            pick_among_all(s, f, t, q, foods, i, place)
+    for n in range(odd_ones):
+        pick_among_all(s, f, t, q, foods, packed(t, _LANE, n), place)
 
 
 @inline

@@ -15,12 +15,12 @@ from khepera_forage.foraging.identification import drawn_type
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.numbers import upper, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
 from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.stepping import advance_block, stand
-from khepera_forage.worlds.batch.threads import take
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
 _PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
@@ -141,15 +141,17 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
 
     @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
     def play_all(  # type: ignore[no-untyped-def]
-        first, last, stored, rooms, taken, setting, rules, actions, waiting, pose, places
+        thread, stored, rooms, begun, setting, rules, actions, waiting, pose, places
     ):
         # Blocks are worked out one after the other in rows that stay in this core's cache.
-        worlds = worlds_of(rooms, take(taken))
-        for block in range(first, last if sources else 0):
+        worlds, blocks = worlds_of(rooms, thread), stored.keys.shape[0] if sources else 0
+        block = take(begun)
+        while block < blocks:
             lanes, kept = slice(block * LANES, (block + 1) * LANES), stored_of(stored, block)
             fetch(kept, worlds, setting.foods)
             play_block(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
             store(worlds, kept, setting.foods)
+            block = take(begun)
 
     return play_all
 

@@ -5,7 +5,7 @@ memory and go back, and with enough of them that is what a step costs.
 """
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,22 @@ _FOOD = np.array((body.FOOD_X, body.FOOD_Y, body.TRACK_X, body.TRACK_Y, body.GHO
 _FOOD_SHORT = np.array((body.LOST, body.TRACK, body.TRACK_FOUND, body.NOTE, body.GHOST, body.GHOST_NOTE))
 _REGISTER = np.array((at.PLACE_X, at.PLACE_Y))
 _REGISTER_SHORT = np.array((at.TYPE, at.KNOWN, at.HOME, at.CARRIED, at.SETTLED))
+
+
+def _places(
+    long: NDArray[np.int64], long_at: int, short: NDArray[np.int64], short_at: int
+) -> dict[int, tuple[int, int]]:
+    """In which part of `Stored`, and there as which row, each row stands."""
+    return {
+        row: (part, first + k)
+        for part, (rows, first) in enumerate(((long, long_at), (short, short_at)))
+        for k, row in enumerate(rows.tolist())
+    }
+
+
+_ROBOTS_AT = _places(_ROBOT, 0, _ROBOT_SHORT, 0)
+_TASKS_AT = _places(_TASK, _ROBOT.size, _TASK_SHORT, _ROBOT_SHORT.size)
+_N = TypeVar("_N", bound=np.generic)
 
 
 class Stored(NamedTuple):
@@ -166,32 +182,29 @@ def _write(
     return first + int(kept.shape[0])
 
 
-def robots_row(stored: Stored, row: int) -> NDArray[np.float64]:
-    """A row of the robots, one number a lane.
+def robots_row(stored: Stored, row: int, kind: type[_N]) -> NDArray[_N]:
+    """A row of the robots, one number a lane, as a fresh array of some type.
 
     Raises:
         KeyError: It is not stored.
     """
-    return _row(stored, row, _ROBOT, _ROBOT_SHORT, 0, 0)
+    return _row(stored, _ROBOTS_AT, row, kind)
 
 
-def tasks_row(stored: Stored, row: int) -> NDArray[np.float64]:
-    """A row of the task, one number a lane.
+def tasks_row(stored: Stored, row: int, kind: type[_N]) -> NDArray[_N]:
+    """A row of the task, one number a lane, as a fresh array of some type.
 
     Raises:
         KeyError: It is not stored.
     """
-    return _row(stored, row, _TASK, _TASK_SHORT, _ROBOT.size, _ROBOT_SHORT.size)
+    return _row(stored, _TASKS_AT, row, kind)
 
 
-def _row(
-    stored: Stored, row: int, long: NDArray[np.int64], short: NDArray[np.int64], long_at: int, short_at: int
-) -> NDArray[np.float64]:
-    for array, kept, first in ((stored.long, long, long_at), (stored.short, short, short_at)):
-        if row in kept:
-            there = first + int(np.flatnonzero(kept == row)[0])
-            return array[:, there * LANES : (there + 1) * LANES].reshape(-1).astype(np.float64)
-    raise KeyError(f"row {row} is not stored between rounds")
+def _row(stored: Stored, places: dict[int, tuple[int, int]], row: int, kind: type[_N]) -> NDArray[_N]:
+    if row not in places:
+        raise KeyError(f"row {row} is not stored between rounds")
+    part, there = places[row]
+    return stored[part][:, there * LANES : (there + 1) * LANES].astype(kind).reshape(-1)
 
 
 def worlds_from(stored: Stored, foods: int) -> Worlds:

@@ -123,8 +123,9 @@ class RecallVectorEnv(VectorEnv):
                 "reset(options={'reset_mask': terminations | truncations})"
             )
         self.batch.step(self._commands(actions), self._over)
-        rewards = self.batch.task(at.REWARD).copy()
-        terminated, truncated = self.batch.task(at.TERMINATED) != 0, self.batch.task(at.TRUNCATED) != 0
+        task = self.batch.task
+        rewards = task(at.REWARD, np.float64)
+        terminated, truncated = task(at.TERMINATED, np.bool_), task(at.TRUNCATED, np.bool_)
         self._over = terminated | truncated
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
             return (
@@ -173,24 +174,24 @@ class RecallVectorEnv(VectorEnv):
     def _infos(self, mask: NDArray[np.bool_]) -> Infos:
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
         task = self.batch.task
-        steps, correct = task(at.STEPS), task(at.CORRECT)
-        delivered, deliverable = task(at.DELIVERED), task(at.DELIVERABLE)
+        rows = (at.STATE, at.CORRECT, at.STEPS, at.DELIVERED, at.POISON_HOME, at.DELIVERABLE)
+        state, correct, steps, delivered, poison_home, deliverable = (task(row, np.int64) for row in rows)
         # `foraging.scoring` for many at a time.
         some = np.where(delivered > 0, PENALTY_SOME_LEFT, PENALTY_NONE_DELIVERED)
         penalty = np.where(delivered >= deliverable, 0.0, some)
-        score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1.0) - penalty, 0.0)
-        state = task(at.STATE).astype(np.int64)
-        pose = np.stack([self.batch.body(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1)
+        score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1) - penalty, 0.0)
+        rows = (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)
+        pose = np.stack([self.batch.body(row, np.float64) for row in rows], axis=1)
         infos: Infos = {
             "state": state,
             "correct_behaviour": state.copy(),
             "pose": pose,
             "score": score,
             "penalty": penalty,
-            "correct": correct.astype(np.int64),
-            "steps": steps.astype(np.int64),
-            "delivered": delivered.astype(np.int64),
-            "poison_home": task(at.POISON_HOME).astype(np.int64),
+            "correct": correct,
+            "steps": steps,
+            "delivered": delivered,
+            "poison_home": poison_home,
         }
         if not mask.all():
             for values in infos.values():

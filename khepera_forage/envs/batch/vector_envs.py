@@ -38,13 +38,14 @@ class BehavioursVectorEnv(RecallVectorEnv):
         return given.astype(np.float64)
 
     def _observation(self) -> Observation:
-        task, diagonal = self.batch.task, int(self.batch.diagonal)
+        rows = (at.PRESENCE, at.HOME_DISTANCE, at.VECTOR_TYPE, at.VECTOR_ARM, at.FOOD_DISTANCE)
+        presence, home, food_type, arm, food = (self.batch.task(row, np.int64) for row in rows)
         return {
-            "object_presence": task(at.PRESENCE).astype(np.int64),
-            "robot_home_distance": np.minimum(task(at.HOME_DISTANCE), diagonal).astype(np.int64)[:, None],
-            "food_type": task(at.VECTOR_TYPE).astype(np.int64),
-            "arms_height": task(at.VECTOR_ARM).astype(np.int64)[:, None],
-            "robot_food_distance": np.minimum(task(at.FOOD_DISTANCE), diagonal).astype(np.int64)[:, None],
+            "object_presence": presence,
+            "robot_home_distance": np.minimum(home, self.batch.diagonal)[:, None],
+            "food_type": food_type,
+            "arms_height": arm[:, None],
+            "robot_food_distance": np.minimum(food, self.batch.diagonal)[:, None],
         }
 
 
@@ -79,22 +80,23 @@ def raw_data_of(batch: TaskBatch, worlds: NDArray[np.int64] | slice = EVERY) -> 
     """What `WheelsEnv` shows, of some worlds of a batch."""
 
     def task(row: int) -> NDArray[np.float64]:
-        return batch.task(row)[worlds]
+        return batch.task(row, np.float64)[worlds]
 
-    def robot(row: int) -> NDArray[np.float64]:
-        return batch.body(row)[worlds]
+    def robot(row: int) -> NDArray[np.int64]:
+        return batch.body(row, np.int64)[worlds]
 
-    seen = task(at.FOOD_SEEN)
+    pose = (batch.body(row, np.float64)[worlds] for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES))
+    seen, food_type = (batch.task(row, np.int64)[worlds] for row in (at.FOOD_SEEN, at.FOOD_TYPE))
     return {
-        "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1).astype(np.int64),
-        "arm": robot(body.ARM_READ).astype(np.int64)[:, None],
-        "jaw": robot(body.JAW_READ).astype(np.int64)[:, None],
+        "proximity": np.stack([robot(body.PROXIMITY + n) for n in range(6)], axis=1),
+        "arm": robot(body.ARM_READ)[:, None],
+        "jaw": robot(body.JAW_READ)[:, None],
         "object_presence": (robot(body.PRESENT) != 0).astype(np.int64),
-        "pose": np.stack([robot(row) for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)], axis=1),
-        "tracked": robot(body.OWN_FOUND).astype(np.int64),
-        "food_seen": seen.astype(np.int64),
+        "pose": np.stack(list(pose), axis=1),
+        "tracked": robot(body.OWN_FOUND),
+        "food_seen": seen,
         "food": np.stack((task(at.FOOD_X), task(at.FOOD_Y)), axis=1),
-        "food_type": task(at.FOOD_TYPE).astype(np.int64),
+        "food_type": food_type,
         "home": np.tile(batch.home, (len(seen), 1)),
         "wall": np.stack((task(at.WALL_DISTANCE), task(at.WALL_BEARING)), axis=1),
     }

@@ -29,6 +29,7 @@ from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import push_out, seen_from
 from khepera_forage.worlds.batch.jaw import move_jaw
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.pushing import push_food
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
@@ -56,9 +57,8 @@ def touch(
     corners: NDArray[np.float64],
 ) -> None:
     """Carry out the round of every world of a block that touches something."""
-    for i in range(LANES):
-        if s[at.TOUCHES * LANES + i] == 0.0:
-            continue
+    for n in range(pack(s, at.TOUCHES, at.MARK, 0)):
+        i = packed(s, at.MARK, n)
         # Away from walls there is none to look at.
         near = walls[: walls.shape[0] if s[at.NEAR_WALL * LANES + i] != 0.0 else 0]
         late = s[at.LAG * LANES + i] * STEPS

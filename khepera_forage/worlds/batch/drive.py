@@ -20,6 +20,7 @@ from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import room_below
 from khepera_forage.worlds.batch.numbers import normal, word
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 from khepera_forage.worlds.pymunk_khepera import FINE_TRAVEL, SUBSTEPS
@@ -52,8 +53,9 @@ def begin_round(
         moved = towards(target, arm, _ARM_STEP)
         s[at.SCRATCH * LANES + i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
         s[at.ARM * LANES + i] = moved
-    for i in range(LANES):
-        if s[at.SCRATCH * LANES + i] != 0.0 and not room_below(s, f, foods, i):
+    for n in range(pack(s, at.SCRATCH, at.MARK, 0)):
+        i = packed(s, at.MARK, n)
+        if not room_below(s, f, foods, i):
             s[at.ARM * LANES + i] = ARM_ON_FLOOR - 1.0
     for i in range(LANES):
         key = keys[at.KEY * LANES + i]

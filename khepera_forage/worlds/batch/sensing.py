@@ -16,6 +16,7 @@ from khepera_forage.worlds.batch.bodies import filled
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import in_barrier
 from khepera_forage.worlds.batch.numbers import lower, upper, word
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 
 _DRAWS = np.uint64(at.DRAWS)
@@ -66,7 +67,7 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
         )
         for i in range(LANES):
             off = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset)
-            s[_NEAR * LANES + i] = 1.0 if off < REACH else 0.0
+            _mark(s, i, off < REACH)
         sees, count = _pack(s)
         _cast_wall(s, walls, wall, sees, count)
     for food in range(foods):
@@ -76,9 +77,17 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
             dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
             lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
             near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted
-            s[_NEAR * LANES + i] = 1.0 if near else 0.0
+            _mark(s, i, near)
         sees, count = _pack(s)
         _cast_food(s, f, base, sees, count)
+
+
+@inline
+def _mark(s: NDArray[np.float64], i: int, near: bool) -> None:
+    """Note whether something is in reach: in one row or the other, as the arm hides the front sensors or not."""
+    hidden = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
+    s[_NEAR * LANES + i] = 1.0 if near and not hidden else 0.0
+    s[_HIDDEN * LANES + i] = 1.0 if near and hidden else 0.0
 
 
 @inline
@@ -88,20 +97,8 @@ def _pack(s: NDArray[np.float64]) -> tuple[int, int]:
     Returns:
         How many these are, and how many there are in all.
     """
-    for i in range(LANES):
-        hidden = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-        s[_HIDDEN * LANES + i] = s[_NEAR * LANES + i] if hidden else 0.0
-        s[_NEAR * LANES + i] = 0.0 if hidden else s[_NEAR * LANES + i]
-    count = 0
-    for i in range(LANES):
-        s[_LANE * LANES + count] = i
-        count += int(s[_NEAR * LANES + i])
-    sees = count
-    for i in range(LANES):
-        # Once every lane is in, this writes to the marks of the first, which are done with.
-        s[_LANE * LANES + count] = i
-        count += int(s[_HIDDEN * LANES + i])
-    return sees, count
+    sees = pack(s, _NEAR, _LANE, 0)
+    return sees, pack(s, _HIDDEN, _LANE, sees)
 
 
 @inline
@@ -110,7 +107,7 @@ def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, se
     x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
     share = walls[wall, setting.SHARE]
     for n in range(count):
-        i = int(s[_LANE * LANES + n])
+        i = packed(s, _LANE, n)
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
         dx, dy = x1 - s[at.X * LANES + i], y1 - s[at.Y * LANES + i]
         s[_AHEAD * LANES + n] = dx * c + dy * d
@@ -133,7 +130,7 @@ def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, se
 def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, sees: int, count: int) -> None:
     """One food object as some sensors of the packed lanes see it."""
     for n in range(count):
-        i = int(s[_LANE * LANES + n])
+        i = packed(s, _LANE, n)
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
         dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
         dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
@@ -168,7 +165,7 @@ def _keep(s: NDArray[np.float64], sensor: int, count: int) -> None:
     """Keep the largest reading of one sensor."""
     row = (at.PROXIMITY + sensor) * LANES
     for n in range(count):
-        i = int(s[_LANE * LANES + n])
+        i = packed(s, _LANE, n)
         s[row + i] = max(s[row + i], s[_SQUARE * LANES + n])
 
 

@@ -9,6 +9,7 @@ from khepera_forage.worlds.batch.bodies import Bodies, bodies_of
 from khepera_forage.worlds.batch.camera import expose
 from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
 from khepera_forage.worlds.batch.contact import touch
+from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.drive import aim, begin_round, glide
 from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
@@ -95,9 +96,12 @@ def _compile(sources: int):  # type: ignore[no-untyped-def]
     """The kernels that Python calls; see `sources` for why they are made here."""
 
     @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def advance_all(first, last, bodies, setting):  # type: ignore[no-untyped-def]
-        for block in range(first, last if sources else 0):
+    def advance_all(thread, bodies, setting, begun):  # type: ignore[no-untyped-def]
+        blocks = bodies.robots.shape[0] if sources else 0
+        block = take(begun)
+        while block < blocks:
             _advance(bodies_of(bodies, block), setting)
+            block = take(begun)
 
     @numba.njit(error_model="numpy", boundscheck=False, cache=True)
     def stand_all(bodies, setting, poses, places):  # type: ignore[no-untyped-def]

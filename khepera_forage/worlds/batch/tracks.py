@@ -15,6 +15,7 @@ from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.camera import covered
 from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 
 _SURE = 5.0
@@ -54,9 +55,8 @@ def track(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, noise: NDA
             f[base + at.TRACK_FOUND * LANES + i] = (1.0 if seen else 0.0) if usual else found
             f[base + at.TRACK * LANES + i] = -1.0 if empty else f[base + at.TRACK * LANES + i]
             f[base + at.NOTE * LANES + i] = -1.0 if empty else f[base + at.NOTE * LANES + i]
-    for i in range(LANES):
-        if s[_SLOW * LANES + i] != 0.0:
-            _assign(s, f, foods, i, clear, unsteady == 0.0)
+    for n in range(pack(s, _SLOW, at.MARK, 0)):
+        _assign(s, f, foods, packed(s, at.MARK, n), clear, unsteady == 0.0)
 
 
 @inline

@@ -20,6 +20,7 @@ from khepera_forage.worlds.batch import setting
 from khepera_forage.worlds.batch.bodies import filled
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import finger_overlap, palm_overlap
+from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.wall_watch import _GRIPPER_AHEAD as GRIPPER_AHEAD
 from khepera_forage.worlds.wall_watch import _GRIPPER_RADIUS as GRIPPER_RADIUS
@@ -85,12 +86,9 @@ def look_around(
 @kernel
 def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
     """Mark the worlds whose robot would touch a wall at the free end of the round: some of those that are near one."""
-    count = 0
-    for i in range(LANES):
-        s[_LANE * LANES + count] = i
-        count += int(s[at.NEAR_WALL * LANES + i])
+    count = pack(s, at.NEAR_WALL, _LANE, 0)
     for n in range(count):
-        i = int(s[_LANE * LANES + n])
+        i = packed(s, _LANE, n)
         for row in range(len(_LOOKED_AT)):
             s[(_FIRST + row) * LANES + n] = s[_LOOKED_AT[row] * LANES + i]
         s[_TOUCHES * LANES + n] = 0.0
@@ -127,7 +125,7 @@ def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDA
             if body or (beside and (tip or root or grip)):
                 s[_TOUCHES * LANES + n] = 1.0
     for n in range(count):
-        i = int(s[_LANE * LANES + n])
+        i = packed(s, _LANE, n)
         s[at.TOUCHES * LANES + i] = max(s[at.TOUCHES * LANES + i], s[_TOUCHES * LANES + n])
     for corner in range(corners.shape[0]):
         cx, cy = corners[corner, 0], corners[corner, 1]
