@@ -72,13 +72,14 @@ def drive(s: NDArray[np.float64], t: NDArray[np.float64], place: NDArray[np.floa
     """What the behaviour decided on commands, for the coming round."""
     site = site_of(place)
     for i in range(LANES):
-        motors = applicable(command(int(t[at.BEHAVIOUR * LANES + i]), raw_of(s, t, i, site)))
-        # Before its first frame a robot stands as it was put down.
-        new = s[body.NEW * LANES + i] != 0.0
-        s[body.LEFT * LANES + i] = 0.0 if new else motors.left
-        s[body.RIGHT * LANES + i] = 0.0 if new else motors.right
-        s[body.ARM_TO * LANES + i] = ARM_RAISED if new else motors.arm
-        s[body.JAW_TO * LANES + i] = JAW_OPEN if new else motors.jaw
+        motors = command(int(t[at.BEHAVIOUR * LANES + i]), raw_of(s, t, i, site))
+        s[body.LEFT * LANES + i], s[body.RIGHT * LANES + i] = motors.left, motors.right
+        s[body.ARM_TO * LANES + i], s[body.JAW_TO * LANES + i] = motors.arm, motors.jaw
+    # Apart from what differs from lane to lane: this is done for several at once.
+    for i in range(LANES):
+        left, right = s[body.LEFT * LANES + i], s[body.RIGHT * LANES + i]
+        motors = applicable(Motors(left, right, s[body.ARM_TO * LANES + i], s[body.JAW_TO * LANES + i]))
+        _tell(s, i, motors)
 
 
 @kernel
@@ -100,11 +101,17 @@ def command_motors(
             and given.jaw == right.jaw
         )
         t[at.BEHAVIOUR * LANES + i] = t[at.STATE * LANES + i] if same else _WAIT
-        new = s[body.NEW * LANES + i] != 0.0
-        s[body.LEFT * LANES + i] = 0.0 if new else given.left
-        s[body.RIGHT * LANES + i] = 0.0 if new else given.right
-        s[body.ARM_TO * LANES + i] = ARM_RAISED if new else given.arm
-        s[body.JAW_TO * LANES + i] = JAW_OPEN if new else given.jaw
+        _tell(s, i, given)
+
+
+@inline
+def _tell(s: NDArray[np.float64], i: int, motors: Motors) -> None:
+    """Give a robot its motors; before its first frame it stands as it was put down."""
+    new = s[body.NEW * LANES + i] != 0.0
+    s[body.LEFT * LANES + i] = 0.0 if new else motors.left
+    s[body.RIGHT * LANES + i] = 0.0 if new else motors.right
+    s[body.ARM_TO * LANES + i] = ARM_RAISED if new else motors.arm
+    s[body.JAW_TO * LANES + i] = JAW_OPEN if new else motors.jaw
 
 
 @kernel
