@@ -122,7 +122,7 @@ def count(episodes: int, seed: int) -> Counts:
     # What all worlds have in common stays in registers through a loop over worlds: its loads do not count.
     plan = playing.Plan(keys, np.full(episodes, TEACHER), np.zeros(1, np.int64))
     with np.errstate(over="ignore"):  # random bits are meant to run over
-        playing.play_out(0, 1, worlds, setting, rules, NO_MEMORIES, plan, outcomes)
+        playing.play_out(0, worlds, setting, rules, NO_MEMORIES, plan, outcomes)
     return Counts(int(outcomes.sums[:, playing.STEPS].sum()), dict(ACCOUNT.counts))
 
 

@@ -85,7 +85,7 @@ def test_a_learner_that_stands_elsewhere_is_led_and_waited_for_alike(
 def _two_sides(rng: np.random.Generator) -> "list[_Side]":
     """The worlds of both sides of a block of pairs, with senses of any kind."""
     worlds = empty_worlds(pair.SIDES, 1)
-    return [_Side(worlds_of(worlds, side), arena, rng) for side, arena in enumerate(ARENAS)]
+    return [_Side(worlds_of(worlds, side, 0), arena, rng) for side, arena in enumerate(ARENAS)]
 
 
 class _Side:

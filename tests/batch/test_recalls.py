@@ -68,7 +68,7 @@ def test_an_episode_is_that_of_the_imitator_playing_step_by_step(experience: Any
     rounds, wrong = np.zeros((2, worlds, 10), np.int64)
     ghosts, ties, conflicts = np.zeros((3, worlds), np.int64)
     while not over.all():
-        keys = batch.worlds().bodies.keys.reshape(body.KEY_ROWS, -1)
+        keys = batch.worlds.bodies.keys.reshape(body.KEY_ROWS, -1)
         numbers = keys[body.ROUND] * np.uint64(body.DRAWS) + np.uint64(body.DRAW_POLICY)
         bits: Any = word(keys[body.KEY], numbers)
         chances = np.array(upper(bits))
@@ -103,9 +103,9 @@ def test_starts_and_foods_are_those_of_the_worlds() -> None:
     env = BehavioursVectorEnv(12, "rectangle", 2)
     env.reset(seed=9)
     kernel = run_recalls("rectangle", None, np.full(12, TEACHER), 9, foods=2, limit=1)
-    food = env.batch.worlds().bodies.food.reshape(2, body.FOOD_ROWS, -1)[:, :2, :12]
+    food = env.batch.worlds.bodies.food.reshape(2, body.FOOD_ROWS, -1)[:, :2, :12]
     assert (food.transpose(2, 0, 1) == kernel.foods).all()
-    robots = env.batch.worlds().bodies.robots.reshape(body.ROBOT_ROWS, -1)[:, :12]
+    robots = env.batch.worlds.bodies.robots.reshape(body.ROBOT_ROWS, -1)[:, :12]
     # One round at rest has passed, in which nothing moves.
     for column, row in enumerate((body.X, body.Y, body.HEADING)):
         assert robots[row] == pytest.approx(kernel.start[:, column], abs=1e-9)

@@ -1,14 +1,13 @@
 """`TaskBatch`: bodies and task of many worlds, one robot each, advanced together: what the vector environments wrap."""
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch.rounds import play_all
 from khepera_forage.envs.batch.rules import rules_of
-from khepera_forage.envs.batch.storage import Stored, empty_stored, robots_row, tasks_row, worlds_from
 from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
 from khepera_forage.envs.checks import FoodOdds, the_arena, whole_number
 from khepera_forage.envs.placement import given_layout
@@ -21,7 +20,6 @@ from khepera_forage.worlds.batch.threads import share_out, threads_for
 from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
-_N = TypeVar("_N", bound=np.generic)
 
 
 class TaskBatch:
@@ -53,17 +51,12 @@ class TaskBatch:
         self._setting, self._rules = rules_of(self.arena, foods, limit, noise, food_types)
         self.foods, self.limit = self._setting.foods, self._rules.limit
         self._blocks = -(-self.num_worlds // LANES)
-        self._stored = empty_stored(self._blocks, self.foods)
-        self._rooms = empty_worlds(1, self.foods)
+        self.worlds = empty_worlds(self._blocks, self.foods)
 
     @property
     def bytes_per_world(self) -> float:
-        """Memory that a world takes; each thread has a block more to work in."""
-        return float(sum(rows.nbytes for rows in self._stored) / self._blocks / LANES)
-
-    def worlds(self) -> Worlds:
-        """A copy of all that is kept of the worlds between rounds; rows that are not kept read as in a new one."""
-        return worlds_from(self._stored, self.foods)
+        """Memory that a world takes; what threads work in comes to it."""
+        return float(sum(rows.nbytes for rows in _kept(self.worlds)) / self._blocks / LANES)
 
     @property
     def diagonal(self) -> int:
@@ -102,16 +95,16 @@ class TaskBatch:
         pose, places = asked_for(self.arena, self.foods, options or {})
         # New episodes begin in blocks of their own, which are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        room = empty_stored(blocks, self.foods)
+        room = empty_worlds(blocks, self.foods)
         new = np.arange(len(worlds))
         there, here = (new // LANES, slice(None), new % LANES), (worlds // LANES, slice(None), worlds % LANES)
-        _by_row(room.keys)[there] = _by_row(self._stored.keys)[here]
+        _by_row(room.bodies.keys)[there] = _by_row(self.worlds.bodies.keys)[here]
         lanes = blocks * LANES
         self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
-        if np.isnan(robots_row(room, body.X, np.float64)).any():
+        if np.isnan(_by_row(room.bodies.robots)[:, body.X]).any():
             raise no_room(self.arena, self.foods)
-        for part in range(len(room)):
-            _by_row(self._stored[part])[here] = _by_row(room[part])[there]
+        for rows, begun in zip(_kept(self.worlds), _kept(room), strict=True):
+            _by_row(rows)[here] = _by_row(begun)[there]
 
     def step(self, actions: Floats, waiting: NDArray[np.bool_]) -> None:
         """One round of 0.1 s in every world.
@@ -126,29 +119,29 @@ class TaskBatch:
         fresh = np.zeros(lanes, np.bool_)
         fresh[: self.num_worlds] = waiting
         nowhere, nothing = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
-        self._play(self._stored, padded.reshape(lanes, -1), fresh, nowhere, nothing)
+        self._play(self.worlds, padded.reshape(lanes, -1), fresh, nowhere, nothing)
 
-    def task(self, row: int, kind: type[_N] = np.float64) -> NDArray[_N]:  # type: ignore[assignment]
+    def task(self, row: int, kind: type[np.generic] = np.float64) -> NDArray[Any]:
         """A row of `envs.batch.rows`, one number a world, as a fresh array of some type."""
-        return tasks_row(self._stored, row, kind)[: self.num_worlds]
+        return self._row(self.worlds.tasks, row, kind)
 
-    def body(self, row: int, kind: type[_N] = np.float64) -> NDArray[_N]:  # type: ignore[assignment]
+    def body(self, row: int, kind: type[np.generic] = np.float64) -> NDArray[Any]:
         """A row of `worlds.batch.rows`, one number a world, as a fresh array of some type."""
-        return robots_row(self._stored, row, kind)[: self.num_worlds]
+        return self._row(self.worlds.bodies.robots, row, kind)
+
+    def _row(self, rows: Floats, row: int, kind: type[np.generic]) -> NDArray[Any]:
+        return _by_row(rows)[:, row].astype(kind).reshape(-1)[: self.num_worlds]
 
     def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
-        rows, lanes = self._stored.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
+        rows, lanes = self.worlds.bodies.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
         rows[worlds // LANES, body.KEY, lanes] = keys
         rows[worlds // LANES, body.ROUND, lanes] = 0
 
     def _play(
-        self, stored: Stored, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
+        self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
-        threads, begun = threads_for(stored.keys.shape[0]), np.zeros(1, np.int64)
-        if threads > self._rooms.tasks.shape[0]:
-            self._rooms = empty_worlds(threads, self.foods)
-        given = (self._setting, self._rules, actions, fresh, pose, places)
-        share_out(play_all, threads, stored, self._rooms, begun, *given)
+        begun, given = np.zeros(1, np.int64), (self._setting, self._rules, actions, fresh, pose, places)
+        share_out(play_all, threads_for(len(worlds.tasks)), worlds, begun, *given)
 
 
 def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:
@@ -178,6 +171,11 @@ def no_room(arena: Arena, foods: int) -> ValueError:
     return ValueError(
         f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
     )
+
+
+def _kept(worlds: Worlds) -> tuple[NDArray[Any], ...]:
+    """All arrays that hold something between rounds."""
+    return *worlds.bodies[:3], worlds.tasks, worlds.registers
 
 
 def _by_row(rows: NDArray[Any]) -> NDArray[Any]:

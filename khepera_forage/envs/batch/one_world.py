@@ -6,7 +6,6 @@ a microsecond, and a step of the kernel takes less than one.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,9 +15,8 @@ from khepera_forage.envs.batch.rules import Rules
 from khepera_forage.envs.batch.worlds import Worlds
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.bodies import Bodies
-from khepera_forage.worlds.batch.compiling import inline
+from khepera_forage.worlds.batch.compiling import entrance, inline
 from khepera_forage.worlds.batch.setting import Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.widths import at_width
 
 Floats = NDArray[np.float64]
@@ -56,12 +54,13 @@ def parts_of(memory: Floats) -> tuple[Worlds, Setting, Rules, Given]:
     d = c + foods * body.FOOD_ROWS
     e = d + at.TASK_ROWS
     f = e + foods * at.TASK_FOOD_ROWS
-    worlds = Worlds(Bodies(memory[b:c], memory[c:d], keys), memory[d:e], memory[e:f])
-    g = f + walls * _WALL
+    w = f + body.WORK_ROWS
+    worlds = Worlds(Bodies(memory[b:c], memory[c:d], keys, memory[f:w]), memory[d:e], memory[e:f])
+    g = w + walls * _WALL
     h = g + corners * _CORNER
     i = h + _NOISE
     setting = Setting(
-        foods, memory[f:g].reshape(walls, _WALL), memory[g:h].reshape(corners, _CORNER), memory[h:i]
+        foods, memory[w:g].reshape(walls, _WALL), memory[g:h].reshape(corners, _CORNER), memory[h:i]
     )
     j = i + _PLACE
     k = j + walls * _SITE_WALL
@@ -81,6 +80,7 @@ def _memory_of(setting: Setting, rules: Rules, numbers: int) -> Floats:
     """An array with everything that never changes in its place, and zeros elsewhere."""
     foods, walls, corners = setting.foods, setting.walls.shape[0], setting.corners.shape[0]
     state = body.KEY_ROWS + body.ROBOT_ROWS + at.TASK_ROWS + foods * (body.FOOD_ROWS + at.TASK_FOOD_ROWS)
+    state += body.WORK_ROWS
     return np.concatenate(
         (
             (foods, walls, corners, rules.limit, numbers),
@@ -120,17 +120,8 @@ class OneWorld:
 _play_alone = at_width(play_block, 1)
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, cache=True)
-    def play(memory):  # type: ignore[no-untyped-def]
-        worlds, setting, rules, given = parts_of(memory)
-        if sources:
-            _play_alone(worlds, setting, rules, given.action, given.fresh, given.pose, given.places)
-
-    return play
-
-
-play = _compile(SOURCES)
-"""One round of a `OneWorld`, given its memory."""
+@entrance
+def play(memory: Floats) -> None:
+    """One round of a `OneWorld`, given its memory."""
+    worlds, setting, rules, given = parts_of(memory)
+    _play_alone(worlds, setting, rules, given.action, given.fresh, given.pose, given.places)

@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,12 +18,11 @@ from khepera_forage.envs.batch.pair_placing import Marks, forget, place_side
 from khepera_forage.envs.batch.rounds import carry_out
 from khepera_forage.envs.batch.rules import Rules
 from khepera_forage.envs.batch.worlds import Worlds, worlds_of
-from khepera_forage.worlds.batch.compiling import inline, kernel
+from khepera_forage.worlds.batch.compiling import entrance, inline, kernel
 from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.numbers import word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 
 _ONE, _TYPES = np.uint64(1), np.uint64(1 << 20)
 
@@ -84,7 +82,7 @@ def _begin(
     free = True
     for side in range(pair.SIDES):
         own = word(key, np.uint64(side))
-        worlds, types = worlds_of(pairs, side), word(key, _TYPES)
+        worlds, types = worlds_of(pairs, side, 0), word(key, _TYPES)
         placed = place_side(worlds, i, side, own, _setting_of(setting, side), rules.odds, types, marks)
         free = free and placed
     return free
@@ -104,8 +102,8 @@ def _train(
 ) -> None:
     """Train episodes in one block of pairs, until there are none left that no thread has taken."""
     episodes = episode_keys.shape[0]
-    teachers = worlds_of(pairs, pair.TEACHER)
-    learners = worlds_of(pairs, pair.LEARNER)
+    teachers = worlds_of(pairs, pair.TEACHER, 0)
+    learners = worlds_of(pairs, pair.LEARNER, 0)
     place, learners_place = rules.place[pair.TEACHER], rules.place[pair.LEARNER]
     training = 0
     for i in range(LANES):
@@ -136,7 +134,7 @@ def _train(
         speak(teachers, learners, c)
         record(learners.tasks, c, int(learners_place[4]), records.vectors)
         for side in range(pair.SIDES):
-            worlds = worlds_of(pairs, side)
+            worlds = worlds_of(pairs, side, 0)
             drive_pair(worlds.bodies.robots, worlds.tasks, c, rules.place[side], side == pair.LEARNER)
             if side == pair.LEARNER:
                 share_types(teachers.registers, learners.registers, setting.foods)
@@ -157,18 +155,19 @@ def _write_down(c: NDArray[np.float64], i: int, episode: int, attempt: int, reco
     records.tried[episode] = attempt
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def train_all(  # type: ignore[no-untyped-def]
-        thread, pairs, company, setting, rules, marks, terms, episode_keys, begun, records
-    ):
-        if sources:
-            worlds = worlds_of(pairs, thread)
-            _train(worlds, company[thread], setting, rules, marks, terms, episode_keys, begun, records)
-
-    return train_all
-
-
-train_all = _compile(SOURCES)
+@entrance
+def train_all(
+    thread: int,
+    pairs: Worlds,
+    company: NDArray[np.float64],
+    setting: Setting,
+    rules: Rules,
+    marks: Marks,
+    terms: Terms,
+    episode_keys: NDArray[np.uint64],
+    begun: NDArray[np.int64],
+    records: Records,
+) -> None:
+    """Train episodes in the block of one thread, until all are taken."""
+    worlds = worlds_of(pairs, thread, thread)
+    _train(worlds, company[thread], setting, rules, marks, terms, episode_keys, begun, records)

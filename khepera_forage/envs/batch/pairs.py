@@ -23,6 +23,7 @@ from khepera_forage.envs.placement import marked
 from khepera_forage.envs.training import PATIENCE
 from khepera_forage.noise import Noise
 from khepera_forage.worlds.arena import Arena, copies
+from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.bodies import Bodies
 from khepera_forage.worlds.batch.numbers import keys_of, word
 from khepera_forage.worlds.batch.rows import LANES, MOST_FOODS
@@ -173,7 +174,8 @@ def _empty_pairs(blocks: int, foods: int) -> tuple[Worlds, NDArray[np.float64]]:
     def paired(rows: NDArray[Any]) -> NDArray[Any]:
         return rows.reshape(blocks, pair.SIDES, -1)
 
-    bodies = Bodies(*map(paired, worlds.bodies))
+    robots, food, keys = map(paired, worlds.bodies[:3])
+    bodies = Bodies(robots, food, keys, np.zeros((blocks, 1, body.WORK_ROWS * LANES)))
     return Worlds(bodies, paired(worlds.tasks), paired(worlds.registers)), np.zeros(
         (blocks, pair.COMPANY_ROWS * LANES)
     )

@@ -5,7 +5,6 @@ A lane takes the next of all episodes whenever it has ended one: no thread waits
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,11 +25,10 @@ from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.foraging.states import FoodType
 from khepera_forage.policies.ballot import Memories
 from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.compiling import entrance, inline, kernel, sequence
 from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 
 _POISONOUS = float(FoodType.POISONOUS)
 # Columns of `Outcomes.sums`; the last is the first of those of the account, but for who decides.
@@ -156,15 +154,15 @@ def _note(
         outcomes.brought[episode, food] = q[mine + at.HOME * LANES] != 0.0 and not poison
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def play_out(thread, worlds, setting, rules, memories, plan, outcomes):  # type: ignore[no-untyped-def]
-        if sources:
-            _play(worlds_of(worlds, thread), setting, rules, memories, plan, outcomes)
-
-    return play_out
-
-
-play_out = _compile(SOURCES)
+@entrance
+def play_out(
+    thread: int,
+    worlds: Worlds,
+    setting: Setting,
+    rules: Rules,
+    memories: Memories,
+    plan: Plan,
+    outcomes: Outcomes,
+) -> None:
+    """Play episodes in the block of one thread, until all are taken."""
+    _play(worlds_of(worlds, thread, thread), setting, rules, memories, plan, outcomes)

@@ -1,29 +1,19 @@
 """What many imitators say to the same questions, without foraging."""
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.batch import deciding  # noqa: F401 (makes the vote known to the compiler)
 from khepera_forage.policies.ballot import BEHAVIOURS, Memories, vote
-from khepera_forage.worlds.batch.sources import SOURCES
+from khepera_forage.worlds.batch.compiling import entrance
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, cache=True)
-    def poll(memories, vectors, diagonal, counts):  # type: ignore[no-untyped-def]
-        for memory in range(counts.shape[0] if sources else 0):
-            for k in range(vectors.shape[0]):
-                v = vectors[k]
-                vector = (v[0], v[1], v[2], v[3], v[4])
-                vote(memories, memory, vector, diagonal, counts[memory, k])
-
-    return poll
-
-
-_poll = _compile(SOURCES)
+@entrance
+def _poll(memories: Memories, vectors: NDArray[np.int64], diagonal: int, counts: NDArray[np.int64]) -> None:
+    for memory in range(counts.shape[0]):
+        for k in range(vectors.shape[0]):
+            v = vectors[k]
+            vote(memories, memory, (v[0], v[1], v[2], v[3], v[4]), diagonal, counts[memory, k])
 
 
 def confidence_levels(memories: Memories, vectors: NDArray[np.int64], diagonal: int) -> NDArray[np.float64]:

@@ -24,13 +24,14 @@ from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
-_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED, _LANE = (at.SCRATCH + n for n in range(6))
+_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED, _LANE = (body.SCRATCH + n for n in range(6))
 _UNKNOWN, _POISONOUS = float(FoodType.UNKNOWN), float(FoodType.POISONOUS)
 
 
 @kernel
 def update(
     s: NDArray[np.float64],
+    w: NDArray[np.float64],
     f: NDArray[np.float64],
     t: NDArray[np.float64],
     q: NDArray[np.float64],
@@ -41,17 +42,18 @@ def update(
 
     Args:
         s: The robots' rows.
+        w: The work rows.
         f: The food's rows.
         t: The task's rows.
         q: The register's rows of the food.
         foods: Number of food objects in a world.
         place: What a robot knows of its arena.
     """
-    _grip(s, t, q, foods)
+    _grip(s, w, t, q, foods)
     x1, y1, x2, y2 = place[5] - _OUTSIDE, place[6] - _OUTSIDE, place[7] + _OUTSIDE, place[8] + _OUTSIDE
     home_x, home_y, home_radius = place[0], place[1], place[2]
     for i in range(LANES):
-        t[_ODD * LANES + i] = s[body.GHOSTS * LANES + i]
+        w[_ODD * LANES + i] = s[body.GHOSTS * LANES + i]
     for food in range(foods):
         base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
         for i in range(LANES):
@@ -59,13 +61,13 @@ def update(
             inside = x1 <= x and x <= x2 and y1 <= y and y <= y2
             note = f[base + body.NOTE * LANES + i]
             odd = f[base + body.TRACK * LANES + i] >= 0.0 and (note != food or not inside)
-            t[_ODD * LANES + i] = 1.0 if odd else t[_ODD * LANES + i]
+            w[_ODD * LANES + i] = 1.0 if odd else w[_ODD * LANES + i]
     for food in range(foods):
         base, mine = food * body.FOOD_ROWS * LANES, food * at.TASK_FOOD_ROWS * LANES
         for i in range(LANES):
             x, y = f[base + body.TRACK_X * LANES + i], f[base + body.TRACK_Y * LANES + i]
             lies = (
-                t[_ODD * LANES + i] == 0.0
+                w[_ODD * LANES + i] == 0.0
                 and f[base + body.TRACK_FOUND * LANES + i] != 0.0
                 and t[at.HELD * LANES + i] != food
             )
@@ -77,21 +79,23 @@ def update(
             comes = home and q[mine + at.HOME * LANES + i] == 0.0
             q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if comes else known
             q[mine + at.HOME * LANES + i] = 1.0 if home else q[mine + at.HOME * LANES + i]
-    odd_ones = pack(t, _ODD, _LANE, 0)
+    odd_ones = pack(w, _ODD, _LANE, 0)
     for n in range(odd_ones):
-        tie(f, t, q, foods, packed(t, _LANE, n), place)
-    _count_and_pick(s, f, t, q, foods)
+        tie(f, t, q, foods, packed(w, _LANE, n), place)
+    _count_and_pick(s, w, f, t, q, foods)
     for n in range(odd_ones):
-        pick_among_all(s, f, t, q, foods, packed(t, _LANE, n), place)
+        pick_among_all(s, f, t, q, foods, packed(w, _LANE, n), place)
 
 
 @inline
-def _grip(s: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int) -> None:
+def _grip(
+    s: NDArray[np.float64], w: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int
+) -> None:
     """Which object is in the gripper, and whether it has been explored."""
     for i in range(LANES):
         c, d = cosine_sine(s[body.OWN_DEGREES * LANES + i] * (math.pi / 180.0))
-        t[_GRIP_X * LANES + i] = s[body.OWN_X * LANES + i] + _GRIPPER * c
-        t[_GRIP_Y * LANES + i] = s[body.OWN_Y * LANES + i] + _GRIPPER * d
+        w[_GRIP_X * LANES + i] = s[body.OWN_X * LANES + i] + _GRIPPER * c
+        w[_GRIP_Y * LANES + i] = s[body.OWN_Y * LANES + i] + _GRIPPER * d
         before = _senses(
             t[at.BEFORE_PRESENT * LANES + i], t[at.BEFORE_ARM * LANES + i], t[at.BEFORE_JAW * LANES + i]
         )
@@ -99,32 +103,32 @@ def _grip(s: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64]
             s[body.PRESENT * LANES + i], s[body.ARM_READ * LANES + i], s[body.JAW_READ * LANES + i]
         )
         applied = Motors(s[body.LEFT * LANES + i], s[body.RIGHT * LANES + i], 0, 0)
-        t[_EXPLORED * LANES + i] = 1.0 if explored(before, after, applied) else 0.0
+        w[_EXPLORED * LANES + i] = 1.0 if explored(before, after, applied) else 0.0
         # Picked below: the nearest of all objects when something is newly in the barrier.
-        t[_NEAREST * LANES + i] = np.inf
+        w[_NEAREST * LANES + i] = np.inf
         new = s[body.PRESENT * LANES + i] == 0.0 or t[at.HELD * LANES + i] < 0.0
         t[at.HELD * LANES + i] = -1.0 if new else t[at.HELD * LANES + i]
-        t[_ODD * LANES + i] = 1.0 if new and s[body.PRESENT * LANES + i] != 0.0 else 0.0
+        w[_ODD * LANES + i] = 1.0 if new and s[body.PRESENT * LANES + i] != 0.0 else 0.0
     for food in range(foods):
         mine = food * at.TASK_FOOD_ROWS * LANES
         for i in range(LANES):
-            dx = q[mine + at.PLACE_X * LANES + i] - t[_GRIP_X * LANES + i]
-            dy = q[mine + at.PLACE_Y * LANES + i] - t[_GRIP_Y * LANES + i]
+            dx = q[mine + at.PLACE_X * LANES + i] - w[_GRIP_X * LANES + i]
+            dy = q[mine + at.PLACE_Y * LANES + i] - w[_GRIP_Y * LANES + i]
             squared = dx * dx + dy * dy
-            nearer = t[_ODD * LANES + i] != 0.0 and squared < t[_NEAREST * LANES + i]
-            t[_NEAREST * LANES + i] = squared if nearer else t[_NEAREST * LANES + i]
+            nearer = w[_ODD * LANES + i] != 0.0 and squared < w[_NEAREST * LANES + i]
+            w[_NEAREST * LANES + i] = squared if nearer else w[_NEAREST * LANES + i]
             t[at.HELD * LANES + i] = food if nearer else t[at.HELD * LANES + i]
     for food in range(foods):
         mine = food * at.TASK_FOOD_ROWS * LANES
         for i in range(LANES):
             held = t[at.HELD * LANES + i] == food
             known = q[mine + at.KNOWN * LANES + i]
-            told = held and known == _UNKNOWN and t[_EXPLORED * LANES + i] != 0.0
+            told = held and known == _UNKNOWN and w[_EXPLORED * LANES + i] != 0.0
             q[mine + at.PLACE_X * LANES + i] = (
-                t[_GRIP_X * LANES + i] if held else q[mine + at.PLACE_X * LANES + i]
+                w[_GRIP_X * LANES + i] if held else q[mine + at.PLACE_X * LANES + i]
             )
             q[mine + at.PLACE_Y * LANES + i] = (
-                t[_GRIP_Y * LANES + i] if held else q[mine + at.PLACE_Y * LANES + i]
+                w[_GRIP_Y * LANES + i] if held else q[mine + at.PLACE_Y * LANES + i]
             )
             q[mine + at.CARRIED * LANES + i] = 1.0 if held else q[mine + at.CARRIED * LANES + i]
             q[mine + at.KNOWN * LANES + i] = q[mine + at.TYPE * LANES + i] if told else known
@@ -137,7 +141,12 @@ def _senses(present: float, arm: float, jaw: float) -> Senses:
 
 @inline
 def _count_and_pick(
-    s: NDArray[np.float64], f: NDArray[np.float64], t: NDArray[np.float64], q: NDArray[np.float64], foods: int
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    t: NDArray[np.float64],
+    q: NDArray[np.float64],
+    foods: int,
 ) -> None:
     """How much is delivered, which type is in the gripper, and the nearest candidate.
 
@@ -148,7 +157,7 @@ def _count_and_pick(
         t[at.POISON_HOME * LANES + i] = 0.0
         t[at.DELIVERABLE * LANES + i] = foods
         t[at.FOOD_TYPE * LANES + i] = _UNKNOWN
-        t[_NEAREST * LANES + i] = np.inf
+        w[_NEAREST * LANES + i] = np.inf
         t[at.FOOD_SEEN * LANES + i] = 0.0
         t[at.FOOD_X * LANES + i] = 0.0
         t[at.FOOD_Y * LANES + i] = 0.0
@@ -168,8 +177,8 @@ def _count_and_pick(
             dx, dy = x - s[body.OWN_X * LANES + i], y - s[body.OWN_Y * LANES + i]
             squared = dx * dx + dy * dy
             candidate = f[base + body.TRACK * LANES + i] >= 0.0 and not settled
-            nearer = candidate and squared < t[_NEAREST * LANES + i]
-            t[_NEAREST * LANES + i] = squared if nearer else t[_NEAREST * LANES + i]
+            nearer = candidate and squared < w[_NEAREST * LANES + i]
+            w[_NEAREST * LANES + i] = squared if nearer else w[_NEAREST * LANES + i]
             t[at.FOOD_SEEN * LANES + i] = 1.0 if nearer else t[at.FOOD_SEEN * LANES + i]
             t[at.FOOD_X * LANES + i] = x if nearer else t[at.FOOD_X * LANES + i]
             t[at.FOOD_Y * LANES + i] = y if nearer else t[at.FOOD_Y * LANES + i]

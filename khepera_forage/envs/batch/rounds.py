@@ -1,6 +1,5 @@
 """Rounds and beginnings of episodes in blocks of worlds: the kernels of `TaskBatch` and of `episodes`."""
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,18 +7,16 @@ from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.placing import place_all
 from khepera_forage.envs.batch.register import update
 from khepera_forage.envs.batch.rules import Rules
-from khepera_forage.envs.batch.storage import fetch, store, stored_of
 from khepera_forage.envs.batch.task import command_motors, drive, perceive, remember
 from khepera_forage.envs.batch.worlds import Worlds, worlds_of
 from khepera_forage.foraging.identification import drawn_type
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.batch import rows as body
-from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.compiling import entrance, inline, kernel, sequence
 from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.numbers import upper, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.stepping import advance_block, stand
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 
@@ -67,14 +64,15 @@ def decide(t: NDArray[np.float64], s: NDArray[np.float64]) -> None:
 @sequence
 def carry_out(worlds: Worlds, setting: Setting, rules: Rules) -> None:
     """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth."""
-    s, f, t, q = worlds.bodies.robots, worlds.bodies.food, worlds.tasks, worlds.registers
+    s, w, f = worlds.bodies.robots, worlds.bodies.work, worlds.bodies.food
+    t, q = worlds.tasks, worlds.registers
     remember(s, t)
     for i in range(LANES):
         t[at.REWARD * LANES + i] = t[at.POISON_HOME * LANES + i] - t[at.DELIVERED * LANES + i]
         t[at.FRESH * LANES + i] = s[body.NEW * LANES + i]
     advance_block(worlds.bodies, setting)
-    update(s, f, t, q, setting.foods, rules.place)
-    perceive(s, t, rules.place, rules.walls)
+    update(s, w, f, t, q, setting.foods, rules.place)
+    perceive(s, w, t, rules.place, rules.walls)
     limit = rules.limit
     for i in range(LANES):
         fresh = t[at.FRESH * LANES + i] != 0.0
@@ -136,24 +134,21 @@ def play_block(
     carry_out(worlds, setting, rules)
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernel that Python calls; see `sources` for why it is made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def play_all(  # type: ignore[no-untyped-def]
-        thread, stored, rooms, begun, setting, rules, actions, waiting, pose, places
-    ):
-        # Blocks are worked out one after the other in rows that stay in this core's cache.
-        worlds, blocks = worlds_of(rooms, thread), stored.keys.shape[0] if sources else 0
+@entrance
+def play_all(
+    thread: int,
+    worlds: Worlds,
+    begun: NDArray[np.int64],
+    setting: Setting,
+    rules: Rules,
+    actions: NDArray[np.float64],
+    waiting: NDArray[np.bool_],
+    pose: NDArray[np.float64],
+    places: NDArray[np.float64],
+) -> None:
+    """One round in every block that no other thread has taken; see `play_block`."""
+    block = take(begun)
+    while block < worlds.tasks.shape[0]:
+        lanes, some = slice(block * LANES, (block + 1) * LANES), worlds_of(worlds, block, thread)
+        play_block(some, setting, rules, actions[lanes], waiting[lanes], pose, places)
         block = take(begun)
-        while block < blocks:
-            lanes, kept = slice(block * LANES, (block + 1) * LANES), stored_of(stored, block)
-            fetch(kept, worlds, setting.foods)
-            play_block(worlds, setting, rules, actions[lanes], waiting[lanes], pose, places)
-            store(worlds, kept, setting.foods)
-            block = take(begun)
-
-    return play_all
-
-
-play_all = _compile(SOURCES)

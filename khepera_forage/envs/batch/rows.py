@@ -21,9 +21,7 @@ FRESH = 26
 """Whether the last frame was the first of its episode."""
 HOME_WAY, HOME_BEARING, FOOD_WAY, FOOD_BEARING = 27, 28, 29, 30
 """Distances and bearings of the raw data, not rounded."""
-SCRATCH = 31
-"""The first of six, free for use within a pass."""
-TASK_ROWS = 37
+TASK_ROWS = 31
 
 # A food object, as the register knows it: where it is (pixels), its type as drawn, its type as far as it is known,
 # whether it has been brought home, and whether it was in the gripper since it was last seen.

@@ -14,7 +14,7 @@ from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.rows import LANES
 
 _WAIT = float(Behaviour.WAIT)
-_WALL_X, _WALL_Y, _NEAREST = (at.SCRATCH + n for n in range(3))
+_WALL_X, _WALL_Y, _NEAREST = (body.SCRATCH + n for n in range(3))
 
 
 @inline
@@ -126,6 +126,7 @@ def remember(s: NDArray[np.float64], t: NDArray[np.float64]) -> None:
 @kernel
 def perceive(
     s: NDArray[np.float64],
+    w: NDArray[np.float64],
     t: NDArray[np.float64],
     place: NDArray[np.float64],
     walls: NDArray[np.float64],
@@ -134,13 +135,14 @@ def perceive(
 
     Args:
         s: The robots' rows.
+        w: The work rows.
         t: The task's rows.
         place: What a robot knows of its arena.
         walls: Its walls as `Site.walls` keeps them, one a row, in pixels.
     """
     site = site_of(place)
     for i in range(LANES):
-        t[_NEAREST * LANES + i] = np.inf
+        w[_NEAREST * LANES + i] = np.inf
     for wall in range(walls.shape[0]):
         x1, y1, ex, ey, squared = (
             walls[wall, 0],
@@ -154,10 +156,10 @@ def perceive(
                 s[body.OWN_X * LANES + i], s[body.OWN_Y * LANES + i], x1, y1, ex, ey, squared
             )
             far = dx * dx + dy * dy
-            nearer = far < t[_NEAREST * LANES + i]
-            t[_NEAREST * LANES + i] = far if nearer else t[_NEAREST * LANES + i]
-            t[_WALL_X * LANES + i] = dx if nearer else t[_WALL_X * LANES + i]
-            t[_WALL_Y * LANES + i] = dy if nearer else t[_WALL_Y * LANES + i]
+            nearer = far < w[_NEAREST * LANES + i]
+            w[_NEAREST * LANES + i] = far if nearer else w[_NEAREST * LANES + i]
+            w[_WALL_X * LANES + i] = dx if nearer else w[_WALL_X * LANES + i]
+            w[_WALL_Y * LANES + i] = dy if nearer else w[_WALL_Y * LANES + i]
     for i in range(LANES):
         senses = Senses(
             (0, 0, 0, 0, 0, 0, 0, 0),
@@ -177,8 +179,8 @@ def perceive(
             t[at.FOOD_X * LANES + i],
             t[at.FOOD_Y * LANES + i],
             int(t[at.FOOD_TYPE * LANES + i]),
-            t[_WALL_X * LANES + i],
-            t[_WALL_Y * LANES + i],
+            w[_WALL_X * LANES + i],
+            w[_WALL_Y * LANES + i],
             site,
         )
         t[at.FOOD_TYPE * LANES + i] = raw.food_type

@@ -7,13 +7,9 @@ from khepera_forage.envs.batch import compiled_task  # noqa: F401 (the first is 
 from khepera_forage.envs.batch import rows as at
 from khepera_forage.foraging.identification import at_home
 from khepera_forage.foraging.perception import _OUTSIDE
-from khepera_forage.foraging.states import FoodType
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline
 from khepera_forage.worlds.batch.rows import LANES
-
-_GRIP_X, _GRIP_Y, _ODD, _NEAREST, _EXPLORED = (at.SCRATCH + n for n in range(5))
-_UNKNOWN, _POISONOUS = float(FoodType.UNKNOWN), float(FoodType.POISONOUS)
 
 
 @inline

@@ -180,8 +180,8 @@ class RecallVectorEnv(VectorEnv):
         some = np.where(delivered > 0, PENALTY_SOME_LEFT, PENALTY_NONE_DELIVERED)
         penalty = np.where(delivered >= deliverable, 0.0, some)
         score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1) - penalty, 0.0)
-        rows = (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)
-        pose = np.stack([self.batch.body(row, np.float64) for row in rows], axis=1)
+        own = (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)
+        pose = np.stack([self.batch.body(row, np.float64) for row in own], axis=1)
         infos: Infos = {
             "state": state,
             "correct_behaviour": state.copy(),

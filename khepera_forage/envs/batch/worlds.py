@@ -28,9 +28,9 @@ class Worlds(NamedTuple):
 
 
 @inline
-def worlds_of(worlds: Worlds, block: int) -> Worlds:
-    """Those of one block."""
-    return Worlds(bodies_of(worlds.bodies, block), worlds.tasks[block], worlds.registers[block])
+def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
+    """Those of one block, as one thread works on them."""
+    return Worlds(bodies_of(worlds.bodies, block, thread), worlds.tasks[block], worlds.registers[block])
 
 
 def empty_worlds(blocks: int, foods: int) -> Worlds:

@@ -8,38 +8,42 @@ from numpy.typing import NDArray
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.compiling import inline
 from khepera_forage.worlds.batch.rows import LANES
+from khepera_forage.worlds.batch.threads import most_threads_for
 
 _STRIDE = 8
 """Worlds to an instruction."""
 
 
 class Bodies(NamedTuple):
-    """Robots, food and random numbers: one array a block each, or the arrays of one block (see `rows`).
+    """Robots, food and random numbers: one row of an array a block, or the arrays of one block (see `rows`).
 
     Attributes:
         robots: `ROBOT_ROWS` rows.
         food: `FOOD_ROWS` rows a food object.
         keys: `KEY_ROWS` rows.
+        work: `WORK_ROWS` rows, which hold nothing between rounds: one row of the array a thread.
     """
 
     robots: NDArray[np.float64]
     food: NDArray[np.float64]
     keys: NDArray[np.uint64]
+    work: NDArray[np.float64]
 
 
 def empty_bodies(blocks: int, foods: int) -> Bodies:
-    """Room for some blocks."""
+    """Room for some blocks, and for all threads that may work on them."""
     return Bodies(
         np.zeros((blocks, at.ROBOT_ROWS * LANES)),
         np.zeros((blocks, foods * at.FOOD_ROWS * LANES)),
         np.zeros((blocks, at.KEY_ROWS * LANES), np.uint64),
+        np.zeros((most_threads_for(blocks), at.WORK_ROWS * LANES)),
     )
 
 
 @inline
-def bodies_of(bodies: Bodies, block: int) -> Bodies:
-    """Those of one block."""
-    return Bodies(bodies.robots[block], bodies.food[block], bodies.keys[block])
+def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
+    """Those of one block, as one thread works on them."""
+    return Bodies(bodies.robots[block], bodies.food[block], bodies.keys[block], bodies.work[thread])
 
 
 @inline

@@ -6,6 +6,8 @@ from typing import Any, TypeVar
 import numba
 from numba.extending import overload, register_jitable
 
+from khepera_forage.worlds.batch.sources import SOURCES
+
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 # The Python error model checks every division, which keeps loops from being vectorised.
@@ -17,6 +19,18 @@ _OPTIONS: dict[str, Any] = {
 }
 # What compiled code alone calls needs no entrances from Python and C, which take a tenth of the time to compile.
 _INLINE: Any = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+def entrance(function: _F) -> _F:
+    """A kernel that Python calls, without its lock; what is compiled is kept on disk.
+
+    Numba looks at the date of the one file that a kernel is written in. These are made of functions from many files, so
+    the name under which one is kept changes with all of them: none that is out of date is used, or even read.
+    """
+    function.__qualname__ = f"{function.__qualname__}_{SOURCES:08x}"
+    options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": True}
+    compiled: _F = numba.njit(**options)(function)
+    return compiled
 
 
 def kernel(function: _F) -> _F:

@@ -51,24 +51,25 @@ half_gap = inline(half_gap)
 @kernel
 def touch(
     s: NDArray[np.float64],
+    w: NDArray[np.float64],
     f: NDArray[np.float64],
     foods: int,
     walls: NDArray[np.float64],
     corners: NDArray[np.float64],
 ) -> None:
     """Carry out the round of every world of a block that touches something."""
-    for n in range(pack(s, at.TOUCHES, at.MARK, 0)):
-        i = packed(s, at.MARK, n)
+    for n in range(pack(w, at.TOUCHES, at.MARK, 0)):
+        i = packed(w, at.MARK, n)
         # Away from walls there is none to look at.
-        near = walls[: walls.shape[0] if s[at.NEAR_WALL * LANES + i] != 0.0 else 0]
-        late = s[at.LAG * LANES + i] * STEPS
+        near = walls[: walls.shape[0] if w[at.NEAR_WALL * LANES + i] != 0.0 else 0]
+        late = w[at.LAG * LANES + i] * STEPS
         allowed = max(_TOLERATED, _overlap(s, f, foods, i, near))
         for step in range(STEPS):
             share = late if step == 0 else 0.0
-            goes = s[at.FORWARD * LANES + i] + share * (
-                s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i]
+            goes = w[at.FORWARD * LANES + i] + share * (
+                s[at.LAST_FORWARD * LANES + i] - w[at.FORWARD * LANES + i]
             )
-            turns = s[at.TURN * LANES + i] + share * (s[at.LAST_TURN * LANES + i] - s[at.TURN * LANES + i])
+            turns = w[at.TURN * LANES + i] + share * (s[at.LAST_TURN * LANES + i] - w[at.TURN * LANES + i])
             x, y, heading = s[at.X * LANES + i], s[at.Y * LANES + i], s[at.HEADING * LANES + i]
             move_jaw(s, f, foods, i, near)
             turn, forward = turns * _DT, goes * _DT
@@ -84,8 +85,8 @@ def touch(
             if held_back:
                 _put(s, i, x, y, heading)
             if step == STEPS - 1:
-                s[at.LAST_FORWARD * LANES + i] = 0.0 if held_back else s[at.FORWARD * LANES + i]
-                s[at.LAST_TURN * LANES + i] = 0.0 if held_back else s[at.TURN * LANES + i]
+                s[at.LAST_FORWARD * LANES + i] = 0.0 if held_back else w[at.FORWARD * LANES + i]
+                s[at.LAST_TURN * LANES + i] = 0.0 if held_back else w[at.TURN * LANES + i]
 
 
 @inline

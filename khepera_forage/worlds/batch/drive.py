@@ -41,6 +41,7 @@ def towards(target: float, value: float, step: float) -> float:
 @kernel
 def begin_round(
     s: NDArray[np.float64],
+    w: NDArray[np.float64],
     f: NDArray[np.float64],
     keys: NDArray[np.uint64],
     foods: int,
@@ -51,10 +52,10 @@ def begin_round(
     for i in range(LANES):
         arm, target = s[at.ARM * LANES + i], s[at.ARM_TO * LANES + i]
         moved = towards(target, arm, _ARM_STEP)
-        s[at.SCRATCH * LANES + i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
+        w[at.SCRATCH * LANES + i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
         s[at.ARM * LANES + i] = moved
-    for n in range(pack(s, at.SCRATCH, at.MARK, 0)):
-        i = packed(s, at.MARK, n)
+    for n in range(pack(w, at.SCRATCH, at.MARK, 0)):
+        i = packed(w, at.MARK, n)
         if not room_below(s, f, foods, i):
             s[at.ARM * LANES + i] = ARM_ON_FLOOR - 1.0
     for i in range(LANES):
@@ -71,68 +72,68 @@ def begin_round(
         # A jaw that holds food closes no further; one that opens from it is followed step by step.
         held = s[at.HELD * LANES + i] >= 0.0
         jaw, jaw_to = s[at.JAW * LANES + i], s[at.JAW_TO * LANES + i]
-        s[at.FREE_JAW * LANES + i] = jaw if held else towards(jaw_to, jaw, _JAW_STEP)
+        w[at.FREE_JAW * LANES + i] = jaw if held else towards(jaw_to, jaw, _JAW_STEP)
         travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
-        s[at.SCRATCH * LANES + i] = travel
-        s[at.TOUCHES * LANES + i] = 1.0 if held and jaw_to > jaw else 0.0
-        s[at.FORWARD * LANES + i] = forward
-        s[at.TURN * LANES + i] = turn
-        s[at.NEAR_WALL * LANES + i] = 0.0
-        s[at.NEAR_FOOD * LANES + i] = 0.0
+        w[at.TRAVEL * LANES + i] = travel
+        w[at.TOUCHES * LANES + i] = 1.0 if held and jaw_to > jaw else 0.0
+        w[at.FORWARD * LANES + i] = forward
+        w[at.TURN * LANES + i] = turn
+        w[at.NEAR_WALL * LANES + i] = 0.0
+        w[at.NEAR_FOOD * LANES + i] = 0.0
 
 
 @kernel
-def aim(s: NDArray[np.float64]) -> None:
+def aim(s: NDArray[np.float64], w: NDArray[np.float64]) -> None:
     """Where the round ends if nothing resists."""
     for i in range(LANES):
-        travel = s[at.SCRATCH * LANES + i]
-        still = travel == 0.0 and s[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
-        wall, food = s[at.NEAR_WALL * LANES + i] != 0.0, s[at.NEAR_FOOD * LANES + i] != 0.0
+        travel = w[at.TRAVEL * LANES + i]
+        still = travel == 0.0 and w[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
+        wall, food = w[at.NEAR_WALL * LANES + i] != 0.0, w[at.NEAR_FOOD * LANES + i] != 0.0
         steps = max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if wall else float(SUBSTEPS)
         lag = 1.0 / steps if (wall or food) and not still else 0.0
-        s[at.LAG * LANES + i] = lag
-        forward = s[at.FORWARD * LANES + i] + lag * (
-            s[at.LAST_FORWARD * LANES + i] - s[at.FORWARD * LANES + i]
+        w[at.LAG * LANES + i] = lag
+        forward = w[at.FORWARD * LANES + i] + lag * (
+            s[at.LAST_FORWARD * LANES + i] - w[at.FORWARD * LANES + i]
         )
-        turn = s[at.TURN * LANES + i] + lag * (s[at.LAST_TURN * LANES + i] - s[at.TURN * LANES + i])
+        turn = w[at.TURN * LANES + i] + lag * (s[at.LAST_TURN * LANES + i] - w[at.TURN * LANES + i])
         heading = s[at.HEADING * LANES + i]
         # The direction in the middle of the round does for all of it: the chord ends where the arc does.
         c, d = cosine_sine(heading + turn * CONTROL_PERIOD / 2)
         end = heading + turn * CONTROL_PERIOD
         end_c, end_s = cosine_sine(end)
-        s[at.FREE_X * LANES + i] = s[at.X * LANES + i] + forward * c * CONTROL_PERIOD
-        s[at.FREE_Y * LANES + i] = s[at.Y * LANES + i] + forward * d * CONTROL_PERIOD
-        s[at.FREE_HEADING * LANES + i] = end
-        s[at.FREE_COS * LANES + i] = end_c
-        s[at.FREE_SIN * LANES + i] = end_s
+        w[at.FREE_X * LANES + i] = s[at.X * LANES + i] + forward * c * CONTROL_PERIOD
+        w[at.FREE_Y * LANES + i] = s[at.Y * LANES + i] + forward * d * CONTROL_PERIOD
+        w[at.FREE_HEADING * LANES + i] = end
+        w[at.FREE_COS * LANES + i] = end_c
+        w[at.FREE_SIN * LANES + i] = end_s
 
 
 @kernel
-def glide(s: NDArray[np.float64]) -> None:
+def glide(s: NDArray[np.float64], w: NDArray[np.float64]) -> None:
     """Take the free end of the round where nothing is touched, or where nothing moves."""
     for i in range(LANES):
         still = (
-            s[at.SCRATCH * LANES + i] == 0.0
+            w[at.TRAVEL * LANES + i] == 0.0
             and s[at.LAST_FORWARD * LANES + i] == 0.0
             and s[at.LAST_TURN * LANES + i] == 0.0
-            and s[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
+            and w[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
         )
         opens = s[at.HELD * LANES + i] >= 0.0 and s[at.JAW_TO * LANES + i] > s[at.JAW * LANES + i]
-        touches = s[at.TOUCHES * LANES + i] != 0.0 and (opens or not still)
-        s[at.TOUCHES * LANES + i] = 1.0 if touches else 0.0
+        touches = w[at.TOUCHES * LANES + i] != 0.0 and (opens or not still)
+        w[at.TOUCHES * LANES + i] = 1.0 if touches else 0.0
         s[at.PULSES_LEFT * LANES + i] += s[at.LEFT * LANES + i] * _PULSES
         s[at.PULSES_RIGHT * LANES + i] += s[at.RIGHT * LANES + i] * _PULSES
-        _take(s, i, at.X, at.FREE_X, touches)
-        _take(s, i, at.Y, at.FREE_Y, touches)
-        _take(s, i, at.HEADING, at.FREE_HEADING, touches)
-        _take(s, i, at.COS, at.FREE_COS, touches)
-        _take(s, i, at.SIN, at.FREE_SIN, touches)
-        _take(s, i, at.JAW, at.FREE_JAW, touches)
-        _take(s, i, at.LAST_FORWARD, at.FORWARD, touches)
-        _take(s, i, at.LAST_TURN, at.TURN, touches)
+        _take(s, w, i, at.X, at.FREE_X, touches)
+        _take(s, w, i, at.Y, at.FREE_Y, touches)
+        _take(s, w, i, at.HEADING, at.FREE_HEADING, touches)
+        _take(s, w, i, at.COS, at.FREE_COS, touches)
+        _take(s, w, i, at.SIN, at.FREE_SIN, touches)
+        _take(s, w, i, at.JAW, at.FREE_JAW, touches)
+        _take(s, w, i, at.LAST_FORWARD, at.FORWARD, touches)
+        _take(s, w, i, at.LAST_TURN, at.TURN, touches)
 
 
 @inline
-def _take(s: NDArray[np.float64], i: int, row: int, end: int, touches: bool) -> None:
+def _take(s: NDArray[np.float64], w: NDArray[np.float64], i: int, row: int, end: int, touches: bool) -> None:
     """Replace a number where nothing is touched."""
-    s[row * LANES + i] = s[row * LANES + i] if touches else s[end * LANES + i]
+    s[row * LANES + i] = s[row * LANES + i] if touches else w[end * LANES + i]

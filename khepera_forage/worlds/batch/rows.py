@@ -18,32 +18,38 @@ BIAS_LEFT, BIAS_RIGHT = 10, 11
 PULSES_LEFT, PULSES_RIGHT = 12, 13
 # What it was told, as applied.
 LEFT, RIGHT, ARM_TO, JAW_TO = 14, 15, 16, 17
-# This round's travel, and where it would bring the robot if nothing resisted.
-FORWARD, TURN, FREE_X, FREE_Y, FREE_HEADING, FREE_COS, FREE_SIN, FREE_JAW, TOUCHES = range(18, 27)
 # What it senses: whole numbers.
-PRESENT, ARM_READ, JAW_READ = 27, 28, 29
-PROXIMITY = 30
+PRESENT, ARM_READ, JAW_READ = 18, 19, 20
+PROXIMITY = 21
 """The first of eight."""
 # The robot's own region in the camera's scene: pixels and whole degrees; and whether the marker is under a loss.
-OWN_X, OWN_Y, OWN_DEGREES, OWN_FOUND, OWN_LOST = 38, 39, 40, 41, 42
-SCRATCH = 43
-"""The first of twelve, free for use within a pass."""
-
-NEXT_LABEL = 55
+OWN_X, OWN_Y, OWN_DEGREES, OWN_FOUND, OWN_LOST = 29, 30, 31, 32, 33
+NEXT_LABEL = 34
 """Label of the next new track."""
-GHOSTS = 56
+GHOSTS = 35
 """How many tracks show no food any more."""
-NEW = 57
+NEW = 36
 """Whether the coming frame is the first after a reset."""
-LAST_FORWARD, LAST_TURN = 58, 59
+LAST_FORWARD, LAST_TURN = 37, 38
 """How the robot moved at the end of the last round."""
-NEAR_WALL, NEAR_FOOD = 60, 61
+ROBOT_ROWS = 39
+
+# What is needed within a round alone: one block of these rows serves all blocks that a thread works on.
+FORWARD, TURN, TRAVEL = 0, 1, 2
+"""How the robot is to move in this round, per second, and how far any part of it can get, mm."""
+FREE_X, FREE_Y, FREE_HEADING, FREE_COS, FREE_SIN, FREE_JAW = range(3, 9)
+"""Where that would bring it if nothing resisted."""
+TOUCHES = 9
+"""Whether it touches something on the way."""
+NEAR_WALL, NEAR_FOOD = 10, 11
 """Whether anything of the robot could touch a wall, or food, in this round."""
-LAG = 62
+LAG = 12
 """Share of the round in which the robot still moves as in the last one."""
-MARK = 63
-"""Free for use within a pass, too."""
-ROBOT_ROWS = 64
+MARK = 13
+"""Free for use within a pass."""
+SCRATCH = 14
+"""The first of eleven, free for use within a pass, too."""
+WORK_ROWS = 25
 
 # A food object: where it is, and whether the camera's tracker is missing it.
 FOOD_X, FOOD_Y, LOST = 0, 1, 2

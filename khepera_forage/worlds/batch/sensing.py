@@ -54,7 +54,13 @@ def end_round(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> Non
 
 
 @kernel
-def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDArray[np.float64]) -> None:
+def cast(
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    foods: int,
+    walls: NDArray[np.float64],
+) -> None:
     """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block."""
     for row in range(at.PROXIMITY, at.PROXIMITY + 8):
         for i in range(LANES):
@@ -67,9 +73,9 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
         )
         for i in range(LANES):
             off = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset)
-            _mark(s, i, off < REACH)
-        sees, count = _pack(s)
-        _cast_wall(s, walls, wall, sees, count)
+            _mark(s, w, i, off < REACH)
+        sees, count = _pack(w)
+        _cast_wall(s, w, walls, wall, sees, count)
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
@@ -77,73 +83,87 @@ def cast(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDAr
             dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
             lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
             near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted
-            _mark(s, i, near)
-        sees, count = _pack(s)
-        _cast_food(s, f, base, sees, count)
+            _mark(s, w, i, near)
+        sees, count = _pack(w)
+        _cast_food(s, w, f, base, sees, count)
 
 
 @inline
-def _mark(s: NDArray[np.float64], i: int, near: bool) -> None:
+def _mark(s: NDArray[np.float64], w: NDArray[np.float64], i: int, near: bool) -> None:
     """Note whether something is in reach: in one row or the other, as the arm hides the front sensors or not."""
     hidden = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-    s[_NEAR * LANES + i] = 1.0 if near and not hidden else 0.0
-    s[_HIDDEN * LANES + i] = 1.0 if near and hidden else 0.0
+    w[_NEAR * LANES + i] = 1.0 if near and not hidden else 0.0
+    w[_HIDDEN * LANES + i] = 1.0 if near and hidden else 0.0
 
 
 @inline
-def _pack(s: NDArray[np.float64]) -> tuple[int, int]:
+def _pack(w: NDArray[np.float64]) -> tuple[int, int]:
     """Write the numbers of the marked lanes side by side, those first whose arm does not hide the front sensors.
 
     Returns:
         How many these are, and how many there are in all.
     """
-    sees = pack(s, _NEAR, _LANE, 0)
-    return sees, pack(s, _HIDDEN, _LANE, sees)
+    sees = pack(w, _NEAR, _LANE, 0)
+    return sees, pack(w, _HIDDEN, _LANE, sees)
 
 
 @inline
-def _cast_wall(s: NDArray[np.float64], walls: NDArray[np.float64], wall: int, sees: int, count: int) -> None:
+def _cast_wall(
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    walls: NDArray[np.float64],
+    wall: int,
+    sees: int,
+    count: int,
+) -> None:
     """One wall as some sensors of the packed lanes see it."""
     x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
     share = walls[wall, setting.SHARE]
     for n in range(count):
-        i = packed(s, _LANE, n)
+        i = packed(w, _LANE, n)
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
         dx, dy = x1 - s[at.X * LANES + i], y1 - s[at.Y * LANES + i]
-        s[_AHEAD * LANES + n] = dx * c + dy * d
-        s[_ASIDE * LANES + n] = dy * c - dx * d
-        s[_ALONG * LANES + n] = ex * c + ey * d
-        s[_ACROSS * LANES + n] = ey * c - ex * d
+        w[_AHEAD * LANES + n] = dx * c + dy * d
+        w[_ASIDE * LANES + n] = dy * c - dx * d
+        w[_ALONG * LANES + n] = ex * c + ey * d
+        w[_ACROSS * LANES + n] = ey * c - ex * d
     for sensor in range(8):
         reached = sees if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
         for n in range(filled(reached)):
-            along, aside = s[_ALONG * LANES + n], s[_ACROSS * LANES + n]
-            dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
+            along, aside = w[_ALONG * LANES + n], w[_ACROSS * LANES + n]
+            dx, dy = w[_AHEAD * LANES + n] - forward, w[_ASIDE * LANES + n] - left
             t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
-            s[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
-        _keep(s, sensor, reached)
+            w[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
+        _keep(s, w, sensor, reached)
 
 
 @inline
-def _cast_food(s: NDArray[np.float64], f: NDArray[np.float64], base: int, sees: int, count: int) -> None:
+def _cast_food(
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    base: int,
+    sees: int,
+    count: int,
+) -> None:
     """One food object as some sensors of the packed lanes see it."""
     for n in range(count):
-        i = packed(s, _LANE, n)
+        i = packed(w, _LANE, n)
         c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
         dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
         dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-        s[_AHEAD * LANES + n] = dx * c + dy * d
-        s[_ASIDE * LANES + n] = dy * c - dx * d
+        w[_AHEAD * LANES + n] = dx * c + dy * d
+        w[_ASIDE * LANES + n] = dy * c - dx * d
     for sensor in range(8):
         reached = sees if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
         for n in range(filled(reached)):
-            dx, dy = s[_AHEAD * LANES + n] - forward, s[_ASIDE * LANES + n] - left
-            s[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
-        _keep(s, sensor, reached)
+            dx, dy = w[_AHEAD * LANES + n] - forward, w[_ASIDE * LANES + n] - left
+            w[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
+        _keep(s, w, sensor, reached)
 
 
 @inline
@@ -161,12 +181,12 @@ def _reading(dx: float, dy: float, axis: float, across: float, radius: float) ->
 
 
 @inline
-def _keep(s: NDArray[np.float64], sensor: int, count: int) -> None:
+def _keep(s: NDArray[np.float64], w: NDArray[np.float64], sensor: int, count: int) -> None:
     """Keep the largest reading of one sensor."""
     row = (at.PROXIMITY + sensor) * LANES
     for n in range(count):
-        i = packed(s, _LANE, n)
-        s[row + i] = max(s[row + i], s[_SQUARE * LANES + n])
+        i = packed(w, _LANE, n)
+        s[row + i] = max(s[row + i], w[_SQUARE * LANES + n])
 
 
 @kernel

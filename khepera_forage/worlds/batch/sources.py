@@ -1,8 +1,4 @@
-"""A number that changes with the source of whatever is compiled.
-
-Numba keeps compiled kernels on disk and compares only the file that a kernel is written in. These are made of functions
-from many files: the number is built into each kernel, so that none that is out of date is ever used.
-"""
+"""A number that changes with the source of whatever is compiled."""
 
 import zlib
 from pathlib import Path
@@ -27,12 +23,11 @@ _COMPILED = (
 
 
 def _sum() -> int:
-    total = 1
+    total = 0
     for pattern in _COMPILED:
         for path in sorted(_PACKAGE.glob(pattern)):
-            total = zlib.adler32(path.read_bytes(), total)
+            total = zlib.crc32(path.read_bytes(), total)
     return total
 
 
 SOURCES = _sum()
-"""Above 0."""

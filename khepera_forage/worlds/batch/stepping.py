@@ -1,13 +1,13 @@
 """One round of every world, and the beginning of an episode: the kernels that `BatchWorld` calls."""
 
-import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.worlds.batch import rows as at
 from khepera_forage.worlds.batch.bodies import Bodies, bodies_of
 from khepera_forage.worlds.batch.camera import expose
-from khepera_forage.worlds.batch.compiling import inline, kernel, sequence
+from khepera_forage.worlds.batch.compiling import entrance, inline, kernel, sequence
 from khepera_forage.worlds.batch.contact import touch
 from khepera_forage.worlds.batch.counter import take
 from khepera_forage.worlds.batch.drive import aim, begin_round, glide
@@ -15,7 +15,6 @@ from khepera_forage.worlds.batch.numbers import normal, word
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.sensing import cast, end_round, measure
 from khepera_forage.worlds.batch.setting import WHEEL_BIAS, WHEEL_SPEED, Setting
-from khepera_forage.worlds.batch.sources import SOURCES
 from khepera_forage.worlds.batch.tracks import track
 from khepera_forage.worlds.batch.trigonometry import cosine_sine
 from khepera_forage.worlds.batch.watching import look_around, watch_food, watch_walls
@@ -34,27 +33,27 @@ _BIAS_LEFT, _BIAS_RIGHT, _BIAS_DITHER = (np.uint64(at.DRAWS - n) for n in (1, 2,
 @sequence
 def look(bodies: Bodies, setting: Setting) -> None:
     """What robots and camera sense at the end of a round, in every world of a block."""
-    s, f, keys = bodies.robots, bodies.food, bodies.keys
+    s, w, f, keys = bodies.robots, bodies.work, bodies.food, bodies.keys
     end_round(s, f, setting.foods)
-    cast(s, f, setting.foods, setting.walls)
+    cast(s, w, f, setting.foods, setting.walls)
     measure(s, keys, setting.noise)
     expose(s, f, keys, setting.foods, setting.noise)
-    track(s, f, setting.foods, setting.noise)
+    track(s, w, f, setting.foods, setting.noise)
 
 
 @sequence
 def advance_block(bodies: Bodies, setting: Setting) -> None:
     """One round of 0.1 s in every world of a block."""
-    s, f, keys = bodies.robots, bodies.food, bodies.keys
+    s, w, f, keys = bodies.robots, bodies.work, bodies.food, bodies.keys
     for i in range(LANES):
         keys[at.ROUND * LANES + i] += _ONE
-    begin_round(s, f, keys, setting.foods, setting.noise)
-    look_around(s, f, setting.foods, setting.walls)
-    aim(s)
-    watch_walls(s, setting.walls, setting.corners)
-    watch_food(s, f, setting.foods)
-    glide(s)
-    touch(s, f, setting.foods, setting.walls, setting.corners)
+    begin_round(s, w, f, keys, setting.foods, setting.noise)
+    look_around(s, w, f, setting.foods, setting.walls)
+    aim(s, w)
+    watch_walls(s, w, setting.walls, setting.corners)
+    watch_food(s, w, f, setting.foods)
+    glide(s, w)
+    touch(s, w, f, setting.foods, setting.walls, setting.corners)
     look(bodies, setting)
 
 
@@ -92,30 +91,25 @@ def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, setting: S
             f[there + row * LANES] = -1.0
 
 
-def _compile(sources: int):  # type: ignore[no-untyped-def]
-    """The kernels that Python calls; see `sources` for why they are made here."""
-
-    @numba.njit(error_model="numpy", boundscheck=False, nogil=True, cache=True)
-    def advance_all(thread, bodies, setting, begun):  # type: ignore[no-untyped-def]
-        blocks = bodies.robots.shape[0] if sources else 0
+@entrance
+def advance_all(thread: int, bodies: Bodies, begun: NDArray[np.int64], setting: Setting) -> None:
+    """One round in every block that no other thread has taken."""
+    block = take(begun)
+    while block < bodies.robots.shape[0]:
+        _advance(bodies_of(bodies, block, thread), setting)
         block = take(begun)
-        while block < blocks:
-            _advance(bodies_of(bodies, block), setting)
-            block = take(begun)
-
-    @numba.njit(error_model="numpy", boundscheck=False, cache=True)
-    def stand_all(bodies, setting, poses, places):  # type: ignore[no-untyped-def]
-        foods = places.shape[1] if sources else 0
-        for lane in range(poses.shape[0]):
-            block, i = lane // LANES, lane % LANES
-            x, y, heading = poses[lane, 0], poses[lane, 1], poses[lane, 2]
-            stand(bodies_of(bodies, block), i, x, y, heading, setting)
-            for k in range(foods):
-                there = k * at.FOOD_ROWS * LANES + i
-                bodies.food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
-                bodies.food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]
-
-    return advance_all, stand_all
 
 
-advance_all, stand_all = _compile(SOURCES)
+@entrance
+def stand_all(
+    bodies: Bodies, setting: Setting, poses: NDArray[np.float64], places: NDArray[np.float64]
+) -> None:
+    """Put robots and food down, one row of x, y and heading and one of places a lane."""
+    for lane in range(poses.shape[0]):
+        block, i = lane // LANES, lane % LANES
+        x, y, heading = poses[lane, 0], poses[lane, 1], poses[lane, 2]
+        stand(bodies_of(bodies, block, 0), i, x, y, heading, setting)
+        for k in range(places.shape[1]):
+            there = k * at.FOOD_ROWS * LANES + i
+            bodies.food[block, there + at.FOOD_X * LANES] = places[lane, k, 0]
+            bodies.food[block, there + at.FOOD_Y * LANES] = places[lane, k, 1]

@@ -18,6 +18,11 @@ def threads_for(pieces: int) -> int:
     return max(1, min(numba.get_num_threads(), pieces))
 
 
+def most_threads_for(pieces: int) -> int:
+    """How many threads that may be, should `numba.set_num_threads` be called."""
+    return max(1, min(int(numba.config.NUMBA_NUM_THREADS), pieces))  # type: ignore[attr-defined]
+
+
 def share_out(kernel: Callable[..., Any], threads: int, *arguments: Any) -> None:
     """Run a kernel in threads, of which this is one; returns when there is nothing left to do.
 

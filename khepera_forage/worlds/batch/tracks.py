@@ -29,23 +29,29 @@ _SLOW = at.SCRATCH
 
 
 @kernel
-def track(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, noise: NDArray[np.float64]) -> None:
+def track(
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    foods: int,
+    noise: NDArray[np.float64],
+) -> None:
     """Bring the tracks of every world of a block up to the frame just taken."""
     jitter = noise[setting.POSITION_JITTER]
     unsteady = 1.0 if jitter > _STEADY else 0.0
     clear = FOOD_RADIUS + _SURE * jitter * MM_PER_PIXEL
     for i in range(LANES):
-        s[_SLOW * LANES + i] = max(unsteady, s[at.GHOSTS * LANES + i])
+        w[_SLOW * LANES + i] = max(unsteady, s[at.GHOSTS * LANES + i])
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
             seen = f[base + at.SEEN * LANES + i] != 0.0
             odd = f[base + at.LOST * LANES + i] != 0.0 or (seen and not _plain(f, base + i))
-            s[_SLOW * LANES + i] = 1.0 if odd else s[_SLOW * LANES + i]
+            w[_SLOW * LANES + i] = 1.0 if odd else w[_SLOW * LANES + i]
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
-            usual = s[_SLOW * LANES + i] == 0.0
+            usual = w[_SLOW * LANES + i] == 0.0
             seen = usual and f[base + at.SEEN * LANES + i] != 0.0
             x, y = f[base + at.TRACK_X * LANES + i], f[base + at.TRACK_Y * LANES + i]
             empty = usual and not seen and not covered(x * MM_PER_PIXEL, y * MM_PER_PIXEL, clear, s, i)
@@ -55,8 +61,8 @@ def track(s: NDArray[np.float64], f: NDArray[np.float64], foods: int, noise: NDA
             f[base + at.TRACK_FOUND * LANES + i] = (1.0 if seen else 0.0) if usual else found
             f[base + at.TRACK * LANES + i] = -1.0 if empty else f[base + at.TRACK * LANES + i]
             f[base + at.NOTE * LANES + i] = -1.0 if empty else f[base + at.NOTE * LANES + i]
-    for n in range(pack(s, _SLOW, at.MARK, 0)):
-        _assign(s, f, foods, packed(s, at.MARK, n), clear, unsteady == 0.0)
+    for n in range(pack(w, _SLOW, at.MARK, 0)):
+        _assign(s, f, foods, packed(w, at.MARK, n), clear, unsteady == 0.0)
 
 
 @inline

@@ -29,17 +29,13 @@ from khepera_forage.worlds.wall_watch import PUSHED
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
 _SHOVED = RADIUS + FOOD_RADIUS + 1.0
 """Food that the body itself may push lies within this of its centre, mm."""
-# What `watch_walls` looks at of the lanes near a wall, packed into the scratch rows; the first of these is in use.
-_LOOKED_AT = np.array(
-    (
-        *(at.FREE_X, at.FREE_Y, at.FREE_COS, at.FREE_SIN, at.FREE_JAW),
-        *(at.X, at.Y, at.HELD, at.GRIP_X, at.GRIP_Y),
-    )
+# What `watch_walls` looks at of the lanes near a wall, packed into the scratch rows.
+_OF_ROUND = np.array((at.FREE_X, at.FREE_Y, at.FREE_COS, at.FREE_SIN, at.FREE_JAW))
+_OF_ROBOT = np.array((at.X, at.Y, at.HELD, at.GRIP_X, at.GRIP_Y))
+_X, _Y, _COS, _SIN, _JAW, _FROM_X, _FROM_Y, _HELD, _GRIP_X, _GRIP_Y, _LANE = (
+    at.SCRATCH + n for n in range(11)
 )
-_FIRST = at.SCRATCH + 1
-_X, _Y, _COS, _SIN, _JAW, _FROM_X, _FROM_Y, _HELD, _GRIP_X, _GRIP_Y = (_FIRST + n for n in range(10))
 _TOUCHES = at.MARK
-_LANE = _FIRST + 10
 _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
 
@@ -48,7 +44,11 @@ half_gap = inline(half_gap)
 
 @kernel
 def look_around(
-    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, walls: NDArray[np.float64]
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    foods: int,
+    walls: NDArray[np.float64],
 ) -> None:
     """Mark what could be touched in this round, and from that how far the wheels lag: as `PymunkWorld` has it.
 
@@ -61,18 +61,18 @@ def look_around(
             dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
             dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
             reach = PUSHED if s[at.ARM * LANES + i] >= ARM_ON_FLOOR else _SHOVED
-            reach += s[at.SCRATCH * LANES + i]
+            reach += w[at.TRAVEL * LANES + i]
             near = dx * dx + dy * dy < reach * reach and s[at.HELD * LANES + i] != food
-            s[at.NEAR_FOOD * LANES + i] = 1.0 if near else s[at.NEAR_FOOD * LANES + i]
+            w[at.NEAR_FOOD * LANES + i] = 1.0 if near else w[at.NEAR_FOOD * LANES + i]
     for wall in range(walls.shape[0]):
         x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
         share = walls[wall, setting.SHARE]
         for i in range(LANES):
             x, y = s[at.X * LANES + i] - x1, s[at.Y * LANES + i] - y1
-            travel = s[at.SCRATCH * LANES + i]
+            travel = w[at.TRAVEL * LANES + i]
             t = min(1.0, max(0.0, (x * ex + y * ey) * share))
             dx, dy = x - t * ex, y - t * ey
-            reach = travel + (PUSHED if s[at.NEAR_FOOD * LANES + i] != 0.0 else RADIUS)
+            reach = travel + (PUSHED if w[at.NEAR_FOOD * LANES + i] != 0.0 else RADIUS)
             body = dx * dx + dy * dy < reach * reach
             x += GRIPPER_AHEAD * s[at.COS * LANES + i]
             y += GRIPPER_AHEAD * s[at.SIN * LANES + i]
@@ -80,29 +80,33 @@ def look_around(
             dx, dy = x - t * ex, y - t * ey
             reach = travel + GRIPPER_RADIUS
             near = body or dx * dx + dy * dy < reach * reach
-            s[at.NEAR_WALL * LANES + i] = 1.0 if near else s[at.NEAR_WALL * LANES + i]
+            w[at.NEAR_WALL * LANES + i] = 1.0 if near else w[at.NEAR_WALL * LANES + i]
 
 
 @kernel
-def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+def watch_walls(
+    s: NDArray[np.float64], w: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]
+) -> None:
     """Mark the worlds whose robot would touch a wall at the free end of the round: some of those that are near one."""
-    count = pack(s, at.NEAR_WALL, _LANE, 0)
+    count = pack(w, at.NEAR_WALL, _LANE, 0)
     for n in range(count):
-        i = packed(s, _LANE, n)
-        for row in range(len(_LOOKED_AT)):
-            s[(_FIRST + row) * LANES + n] = s[_LOOKED_AT[row] * LANES + i]
-        s[_TOUCHES * LANES + n] = 0.0
+        i = packed(w, _LANE, n)
+        for row in range(len(_OF_ROUND)):
+            w[(_X + row) * LANES + n] = w[_OF_ROUND[row] * LANES + i]
+        for row in range(len(_OF_ROBOT)):
+            w[(_FROM_X + row) * LANES + n] = s[_OF_ROBOT[row] * LANES + i]
+        w[_TOUCHES * LANES + n] = 0.0
     whole = filled(count)
     for wall in range(walls.shape[0]):
         x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
         share = walls[wall, setting.SHARE]
         nx, ny, offset = walls[wall, 5], walls[wall, 6], walls[wall, 7]
         for n in range(whole):
-            x, y = s[_X * LANES + n], s[_Y * LANES + n]
-            c, d = s[_COS * LANES + n], s[_SIN * LANES + n]
-            wide = half_gap(s[_JAW * LANES + n]) + FINGER_THICKNESS
+            x, y = w[_X * LANES + n], w[_Y * LANES + n]
+            c, d = w[_COS * LANES + n], w[_SIN * LANES + n]
+            wide = half_gap(w[_JAW * LANES + n]) + FINGER_THICKNESS
             # Which side of the wall the robot is on now.
-            side = nx * s[_FROM_X * LANES + n] + ny * s[_FROM_Y * LANES + n] - offset
+            side = nx * w[_FROM_X * LANES + n] + ny * w[_FROM_Y * LANES + n] - offset
             side = math.copysign(1.0, side)
             off = side * (nx * x + ny * y - offset)
             t = ((x - x1) * ex + (y - y1) * ey) * share
@@ -113,48 +117,48 @@ def watch_walls(s: NDArray[np.float64], walls: NDArray[np.float64], corners: NDA
             ahead, aside = side * (nx * c + ny * d), abs(nx * -d + ny * c)
             tip = off + FINGER_TIP * ahead - wide * aside < 0.0
             root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
-            held = s[_HELD * LANES + n] >= 0.0
+            held = w[_HELD * LANES + n] >= 0.0
             grip = (
                 held
-                and off + s[_GRIP_X * LANES + n] * ahead - aside * abs(s[_GRIP_Y * LANES + n]) < FOOD_RADIUS
+                and off + w[_GRIP_X * LANES + n] * ahead - aside * abs(w[_GRIP_Y * LANES + n]) < FOOD_RADIUS
             )
             # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
             along = (x - x1) * ex + (y - y1) * ey
             reach = 94.0 * math.sqrt(ex * ex + ey * ey)
             beside = along > -reach and along < ex * ex + ey * ey + reach
             if body or (beside and (tip or root or grip)):
-                s[_TOUCHES * LANES + n] = 1.0
+                w[_TOUCHES * LANES + n] = 1.0
     for n in range(count):
-        i = packed(s, _LANE, n)
-        s[at.TOUCHES * LANES + i] = max(s[at.TOUCHES * LANES + i], s[_TOUCHES * LANES + n])
+        i = packed(w, _LANE, n)
+        w[at.TOUCHES * LANES + i] = max(w[at.TOUCHES * LANES + i], w[_TOUCHES * LANES + n])
     for corner in range(corners.shape[0]):
         cx, cy = corners[corner, 0], corners[corner, 1]
         for i in range(LANES):
-            dx, dy = cx - s[at.FREE_X * LANES + i], cy - s[at.FREE_Y * LANES + i]
-            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            dx, dy = cx - w[at.FREE_X * LANES + i], cy - w[at.FREE_Y * LANES + i]
+            c, d = w[at.FREE_COS * LANES + i], w[at.FREE_SIN * LANES + i]
             u, v = dx * c + dy * d, dy * c - dx * d
-            if finger_overlap(u, v, s[at.FREE_JAW * LANES + i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
-                s[at.TOUCHES * LANES + i] = 1.0
+            if finger_overlap(u, v, w[at.FREE_JAW * LANES + i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
+                w[at.TOUCHES * LANES + i] = 1.0
 
 
 @kernel
-def watch_food(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
+def watch_food(s: NDArray[np.float64], w: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
     """Mark the worlds whose robot would touch food, other than in its gripper, at the free end of the round."""
     for food in range(foods):
         base = food * at.FOOD_ROWS * LANES
         for i in range(LANES):
             x, y = f[base + at.FOOD_X * LANES + i], f[base + at.FOOD_Y * LANES + i]
-            dx, dy = x - s[at.FREE_X * LANES + i], y - s[at.FREE_Y * LANES + i]
-            c, d = s[at.FREE_COS * LANES + i], s[at.FREE_SIN * LANES + i]
+            dx, dy = x - w[at.FREE_X * LANES + i], y - w[at.FREE_Y * LANES + i]
+            c, d = w[at.FREE_COS * LANES + i], w[at.FREE_SIN * LANES + i]
             u, v = dx * c + dy * d, dy * c - dx * d
             low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
             held = s[at.HELD * LANES + i]
             reach = RADIUS + FOOD_RADIUS
             body = u * u + v * v < reach * reach
-            fingers = finger_overlap(u, v, s[at.FREE_JAW * LANES + i], FOOD_RADIUS) > 0.0
+            fingers = finger_overlap(u, v, w[at.FREE_JAW * LANES + i], FOOD_RADIUS) > 0.0
             palm = palm_overlap(u, v, FOOD_RADIUS) > 0.0
             gx, gy = u - s[at.GRIP_X * LANES + i], v - s[at.GRIP_Y * LANES + i]
             other = held >= 0.0 and gx * gx + gy * gy < 4 * FOOD_RADIUS * FOOD_RADIUS
-            fast = s[at.SCRATCH * LANES + i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
+            fast = w[at.TRAVEL * LANES + i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
             if held != food and (body or (low and (fingers or palm or other or fast))):
-                s[at.TOUCHES * LANES + i] = 1.0
+                w[at.TOUCHES * LANES + i] = 1.0

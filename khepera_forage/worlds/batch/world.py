@@ -129,7 +129,7 @@ class BatchWorld:
         """
         self._drive(self._all("motors", motors, (4,)))
         threads = threads_for(self._bodies.robots.shape[0])
-        share_out(advance_all, threads, self._bodies, self._setting, np.zeros(1, np.int64))
+        share_out(advance_all, threads, self._bodies, np.zeros(1, np.int64), self._setting)
 
     def senses(self) -> BatchSenses:
         """What the robots sense now."""
