@@ -136,4 +136,6 @@ def glide(s: NDArray[np.float64], w: NDArray[np.float64]) -> None:
 @inline
 def _take(s: NDArray[np.float64], w: NDArray[np.float64], i: int, row: int, end: int, touches: bool) -> None:
     """Replace a number where nothing is touched."""
-    s[row * LANES + i] = s[row * LANES + i] if touches else w[end * LANES + i]
+    # Both are read first: a condition that reads one of them only is a branch, and no lane is like its neighbour.
+    stays, goes = s[row * LANES + i], w[end * LANES + i]
+    s[row * LANES + i] = stays if touches else goes
