@@ -101,6 +101,7 @@ def reinforce(
         raise ValueError(f"amounts are {list(amounts)}; allowed: one or more, each above 0")
     algorithm = algorithm_named(learner.algorithm)
     from stable_baselines3.common.callbacks import BaseCallback
+    from stable_baselines3.common.logger import Logger
 
     env = vec_env(learner, make_env, envs, arena)
     # All of it a copy: stable-baselines3 writes into the `policy_kwargs` that it is given.
@@ -138,6 +139,8 @@ def reinforce(
 
     with closing(env), _chance_of_its_own():
         model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **settings)
+        # The logger of its own makes a temporary folder at each training, and leaves it there.
+        model.set_logger(Logger(None, []))
         keeper = Keeper()
         model.learn(-(-wanted[-1] // learner.hold), callback=keeper)
         keeper.keep(wanted)

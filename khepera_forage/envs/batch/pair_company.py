@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from khepera_forage.envs.batch import compiled_task  # noqa: F401 (the first is needed before any kernel)
 from khepera_forage.envs.batch import pair_rows as pair
 from khepera_forage.envs.batch import rows as at
-from khepera_forage.envs.batch.task import raw_of, site_of
+from khepera_forage.envs.batch.task import raw_of, site_of, tell
 from khepera_forage.envs.batch.worlds import Worlds
 from khepera_forage.foraging import following
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.following import follow, recover, separated
 from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, applicable
+from khepera_forage.robots.khepera import applicable
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.rows import LANES
@@ -93,13 +93,7 @@ def drive_pair(
             bent = recover(own, x, y, degrees, there_x, there_y)
         else:
             bent = follow(own, x, y, degrees, there_x, there_y, c[pair.TEACHER_DEGREES * LANES + i])
-        motors = applicable(bent)
-        # Before its first frame a robot stands as it was put down.
-        new = s[body.NEW * LANES + i] != 0.0
-        s[body.LEFT * LANES + i] = 0.0 if new else motors.left
-        s[body.RIGHT * LANES + i] = 0.0 if new else motors.right
-        s[body.ARM_TO * LANES + i] = ARM_RAISED if new else motors.arm
-        s[body.JAW_TO * LANES + i] = JAW_OPEN if new else motors.jaw
+        tell(s, i, applicable(bent))
 
 
 @kernel

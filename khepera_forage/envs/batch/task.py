@@ -79,7 +79,7 @@ def drive(s: NDArray[np.float64], t: NDArray[np.float64], place: NDArray[np.floa
     for i in range(LANES):
         left, right = s[body.LEFT * LANES + i], s[body.RIGHT * LANES + i]
         motors = applicable(Motors(left, right, s[body.ARM_TO * LANES + i], s[body.JAW_TO * LANES + i]))
-        _tell(s, i, motors)
+        tell(s, i, motors)
 
 
 @kernel
@@ -101,11 +101,11 @@ def command_motors(
             and given.jaw == right.jaw
         )
         t[at.BEHAVIOUR * LANES + i] = t[at.STATE * LANES + i] if same else _WAIT
-        _tell(s, i, given)
+        tell(s, i, given)
 
 
 @inline
-def _tell(s: NDArray[np.float64], i: int, motors: Motors) -> None:
+def tell(s: NDArray[np.float64], i: int, motors: Motors) -> None:
     """Give a robot its motors; before its first frame it stands as it was put down."""
     new = s[body.NEW * LANES + i] != 0.0
     s[body.LEFT * LANES + i] = 0.0 if new else motors.left
