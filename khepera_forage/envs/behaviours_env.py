@@ -8,8 +8,11 @@ from gymnasium import spaces
 from khepera_forage.envs.checks import behaviour_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.foraging.states import BEHAVIOURS
+from khepera_forage.foraging.states import BEHAVIOURS, FoodType
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+
+_WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
+"""The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""
 
 
 class BehavioursEnv(RecallEnv[int]):
@@ -86,9 +89,9 @@ class BehavioursEnv(RecallEnv[int]):
         presence, home, food_type, arm, food = forager.vector
         diagonal = self._site.diagonal
         return {
-            "object_presence": np.int64(presence),
+            "object_presence": _WHOLE[presence],
             "robot_home_distance": np.array((min(home, diagonal),)),
-            "food_type": np.int64(food_type),
+            "food_type": _WHOLE[food_type],
             "arms_height": np.array((arm,)),
             "robot_food_distance": np.array((min(food, diagonal),)),
         }

@@ -130,20 +130,19 @@ class FoodRegister:
         else:
             self._held = None
         self._tie(scene)
-        told = (self._held, tuple(self.known), tuple(self.delivered), tuple(self._objects.items()))
-        if told != self._told:
-            self._told = told
+        if (self._held, self.known, self.delivered, self._objects) != self._told:
+            self._told = self._held, self.known[:], self.delivered[:], self._objects.copy()
             self._count()
 
     def _tie(self, scene: Scene) -> None:
         """Tie new regions to objects, follow them, and see which lie at home."""
         site = self._site
         labels = self._objects
-        live = []
+        live = set()
         for region in scene.regions:
             if region.holes or not within(region, site):
                 continue
-            live.append(region.label)
+            live.add(region.label)
             if not region.found:
                 continue
             if region.label not in labels:
@@ -162,7 +161,7 @@ class FoodRegister:
             ):
                 self.delivered[k] = True
                 self._types.identify(k)
-        for label in [label for label in labels if label not in live]:
+        for label in labels.keys() - live:
             del labels[label]
 
     def _nearest(self, place: tuple[float, float], objects: Sequence[int]) -> int:

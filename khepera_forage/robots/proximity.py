@@ -46,8 +46,11 @@ SENSORS = (
 
 def response(distance: float) -> float:
     """Reading 0..1023 of white paper straight ahead, `distance` mm from the sensor."""
-    near = max(distance, 0.0) + _OFFSET
-    return max(0.0, min(float(MAX_READING), _GAIN * (1.0 / (near * near) - _AT_RANGE)))
+    near = (distance if distance > 0.0 else 0.0) + _OFFSET
+    reading = _GAIN * (1.0 / (near * near) - _AT_RANGE)
+    if reading <= 0.0:
+        return 0.0
+    return reading if reading < MAX_READING else float(MAX_READING)
 
 
 def cast(
@@ -93,7 +96,9 @@ def cast(
             if along > 0.0:
                 distance = math.sqrt(dx * dx + dy * dy)
                 if distance < RANGE and 2.0 * along > distance:
-                    readings[i] = max(readings[i], response(distance) * (2.0 * along / distance - 1.0))
+                    reading = response(distance) * (2.0 * along / distance - 1.0)
+                    if reading > readings[i]:
+                        readings[i] = reading
     for cx, cy, radius in discs:
         to_x = (cx - x) * cosine + (cy - y) * sine
         to_y = (cy - y) * cosine - (cx - x) * sine
@@ -105,9 +110,9 @@ def cast(
             if along > 0.0:
                 distance = math.sqrt(dx * dx + dy * dy)
                 if distance - radius < RANGE and 2.0 * along > distance:
-                    readings[i] = max(
-                        readings[i], response(distance - radius) * (2.0 * along / distance - 1.0)
-                    )
+                    reading = response(distance - radius) * (2.0 * along / distance - 1.0)
+                    if reading > readings[i]:
+                        readings[i] = reading
     return readings
 
 
@@ -123,15 +128,17 @@ def measured(
         floor: Readings up to this are noise.
         draws: Eight uniform numbers in [0, 1).
     """
-    if arm_down:
-        low, high = HIDDEN_BY_ARM
-        a, b, c, d, e, f = [int(low + (high - low + 1) * (u if gain else 0.5)) for u in draws[:6]]
-        g, h = [_reported(clean[i], gain, floor, draws[i]) for i in (6, 7)]
-    else:
-        a, b, c, d, e, f, g, h = [
-            _reported(value, gain, floor, u) if value > 0.0 else int((floor + 1) * u) if floor else 0
-            for value, u in zip(clean, draws, strict=True)
-        ]
+    readings = [0] * 8
+    hidden = 6 if arm_down else 0
+    low, high = HIDDEN_BY_ARM
+    for i in range(hidden):
+        readings[i] = int(low + (high - low + 1) * (draws[i] if gain else 0.5))
+    for i in range(hidden, 8):
+        if clean[i] > 0.0:
+            readings[i] = _reported(clean[i], gain, floor, draws[i])
+        elif floor:
+            readings[i] = int((floor + 1) * draws[i])
+    a, b, c, d, e, f, g, h = readings
     return a, b, c, d, e, f, g, h
 
 

@@ -87,8 +87,8 @@ class OverheadCamera:
         self._scene = Scene(())
         self._rng: np.random.Generator | None = None
         # Rows of numbers, one a frame, taken from the end.
-        self._normals: list[float] = []  # x, y and heading a marker, x and y a food
-        self._chances: list[float] = []  # losses of all, then reversals of markers
+        self._normals: list[list[float]] = []  # x, y and heading a marker, x and y a food
+        self._chances: list[list[float]] = []  # losses of all, then reversals of markers
         self._plates: list[Plate] = []
         self._lost: list[bool] = []  # under a loss: markers, then foods
         self._loss_rates: list[tuple[float, float]] = []  # the same way, without and with a cable over it
@@ -125,21 +125,18 @@ class OverheadCamera:
 
     def _draw(self, truth: Truth) -> tuple[list[float], list[float]]:
         """The random numbers of one frame, normal and uniform."""
-        markers, foods = len(truth.markers), len(truth.foods)
-        count, chances = 3 * markers + 2 * foods, 2 * markers + foods
         if not self._normals:
             if self._rng is None:
                 raise RuntimeError("expose() before any reset(rng); allowed: after one")
-            self._normals = self._rng.standard_normal(_BLOCK * count).tolist()
-            self._chances = self._rng.random(_BLOCK * chances).tolist()
-        drawn = self._normals[-count:], self._chances[-chances:]
-        del self._normals[-count:], self._chances[-chances:]
-        return drawn
+            markers, foods = len(truth.markers), len(truth.foods)
+            self._normals = self._rng.standard_normal((_BLOCK, 3 * markers + 2 * foods)).tolist()
+            self._chances = self._rng.random((_BLOCK, 2 * markers + foods)).tolist()
+        return self._normals.pop(), self._chances.pop()
 
     def _lose(self, truth: Truth, chances: list[float]) -> None:
         """End and begin losses."""
         lost = self._lost
-        if True not in lost and min(chances, default=1.0) >= self._worst_rate:
+        if True not in lost and (not chances or min(chances) >= self._worst_rate):
             return  # as in nearly every frame
         for i, (rate, rate_under_cable) in enumerate(self._loss_rates):
             chance = chances[i]
@@ -163,7 +160,8 @@ class OverheadCamera:
     def _take_frame(self, truth: Truth, normals: list[float], chances: list[float]) -> None:
         markers, foods = truth
         count, lost = len(markers), self._lost
-        self._plates = plates = [Plate(x, y, math.cos(h), math.sin(h)) for x, y, h, _ in markers]
+        plates: list[Plate] = []
+        self._plates = plates
         if True in lost:
             self._lost_foods = [food for i, food in enumerate(foods, count) if lost[i]]
         elif self._lost_foods:
@@ -171,13 +169,16 @@ class OverheadCamera:
         seen = []
         edge = False
         for i, marker in enumerate(markers):
+            x, y, heading, _ = marker
+            plate = Plate(x, y, math.cos(heading), math.sin(heading))
+            plates.append(plate)
             if not lost[i]:
-                shown = self._marker(marker, plates[i], normals, 3 * i, chances[len(lost) + i])
+                shown = self._marker(marker, plate, normals, 3 * i, chances[len(lost) + i])
                 edge = edge or shown.edge
                 seen.append(shown)
         for i, (x, y) in enumerate(foods, count):
             if not lost[i] and not under_plate(x, y, FOOD_RADIUS, plates):
-                shown = self._food(x, y, normals, 3 * count + 2 * (i - count))
+                shown = self._food(x, y, normals, count + 2 * i)
                 edge = edge or shown.edge
                 seen.append(shown)
         if edge:  # What touches the edge may lie outside as a whole.

@@ -1,6 +1,6 @@
 """Random numbers in blocks: one call of the generator for many rounds, which is what makes noise cheap."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +13,22 @@ class Draws:
 
     Args:
         source: A method of the subsystem's own generator, such as `rng.random`.
-        count: How many numbers a round takes.
+        count: How many numbers a row has: what one robot takes in a round.
     """
 
     def __init__(self, source: Callable[[tuple[int, int]], NDArray[np.float64]], count: int) -> None:
         self._source = source
         self._count = count
         self._shape = (max(1, _BLOCK // count), count)
-        self._numbers: list[float] = []
-        self._next = 0
+        self._rows: Iterator[tuple[float, ...]] = iter(())
 
-    def next(self) -> list[float]:
-        """The numbers of the next round."""
-        begin = self._next
-        if begin == len(self._numbers):
-            # One flat list: a list a row would only give the garbage collector work.
-            self._numbers, begin = self._source(self._shape).ravel().tolist(), 0
-        end = self._next = begin + self._count
-        return self._numbers[begin:end]
+    def next(self) -> tuple[float, ...]:
+        """The next row."""
+        row = next(self._rows, None)
+        if row is None:
+            # Rows are cut from one flat list when they are needed: a list a row would only give the garbage
+            # collector work.
+            numbers = iter(self._source(self._shape).ravel().tolist())
+            self._rows = zip(*[numbers] * self._count, strict=True)
+            row = next(self._rows)
+        return row

@@ -70,16 +70,18 @@ class PymunkGripper:
         return self.arm >= ARM_ON_FLOOR
 
     def interrupted(self, foods: Sequence[PymunkFood]) -> bool:
-        """Whether something crosses the optical barrier between the fingers."""
-        if self.held is not None:
-            return _in_barrier(*self._body.world_to_local(self.held.position), self.jaw)
-        if not self.on_floor:
+        """Whether something crossed the optical barrier between the fingers at the end of the last round."""
+        held = self.held
+        if held is None and not self.on_floor:
             return False
-        return any(
-            _in_barrier(*self._body.world_to_local(food.position), self.jaw)
-            for food in foods
-            if not food.lifted
-        )
+        gap = half_gap(self.jaw)
+        for food in foods if held is None else (held,):
+            x, y = self._body.world_to_local(food.place)
+            aside = max(abs(y) - gap, 0.0)
+            crosses = (x - BARRIER) ** 2 + aside**2 < FOOD_RADIUS**2
+            if crosses and (food is held or not food.lifted):
+                return True
+        return False
 
     def move_arm(
         self, target: float, dt: float, foods: Sequence[PymunkFood], others: Sequence[pymunk.Body]
@@ -199,9 +201,3 @@ class PymunkGripper:
             if JAW_ROOT < x < self._tip and abs(y) < half_gap(self.jaw) and not food.lifted:
                 return food
         return None
-
-
-def _in_barrier(x: float, y: float, jaw: float) -> bool:
-    """Whether a food disc at (x, y) in the robot's frame cuts the line across the jaw at `BARRIER`."""
-    lateral = max(abs(y) - half_gap(jaw), 0.0)
-    return (x - BARRIER) ** 2 + lateral**2 < FOOD_RADIUS**2

@@ -45,6 +45,7 @@ FINE_TRAVEL = 0.8
 _set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.position.fset  # type: ignore[attr-defined]
 _set_angle: Callable[[pymunk.Body, float], None] = pymunk.Body.angle.fset  # type: ignore[attr-defined]
 _set_velocity: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.velocity.fset  # type: ignore[attr-defined]
+_set_spin: Callable[[pymunk.Body, float], None] = pymunk.Body.angular_velocity.fset  # type: ignore[attr-defined]
 _PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
 """Encoder pulses a round at one speed unit."""
 
@@ -94,7 +95,7 @@ class PymunkKhepera:
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._left_pulses = self._right_pulses = 0.0
         self._senses: Senses | None = None
-        self._sensor_draws: list[float] = [0.5] * 8
+        self._sensor_draws: Sequence[float] = (0.5,) * 8
         self._velocity = self._rolling = 0.0, 0.0
         self._forward = self._turn = self._turning = 0.0
         self._steering = self._glided = self._moves_jaw = False
@@ -132,7 +133,7 @@ class PymunkKhepera:
         self.pose = pose
         self._walls.survey(pose.x, pose.y)
 
-    def begin_round(self, wheel_draws: list[float], sensor_draws: list[float]) -> int:
+    def begin_round(self, wheel_draws: Sequence[float], sensor_draws: Sequence[float]) -> int:
         """Fix this round's wheel travel and the noise of the sensors at its end.
 
         Args:
@@ -158,8 +159,7 @@ class PymunkKhepera:
         # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
         heading += turn * CONTROL_PERIOD / 2
         self._velocity = forward * math.cos(heading), forward * math.sin(heading)
-        self._steering = False
-        self._free = True
+        self._steering, self._free = False, True
         pushing, moving = self._may_push(x, y, travel)
         moves_jaw = self._moves_jaw = gripper.wants_to_move_jaw(jaw)
         if travel == 0.0 and not moving and not moves_jaw:
@@ -189,12 +189,12 @@ class PymunkKhepera:
     def engage(self) -> None:
         """Hand the wheels over to the physics of this round."""
         _set_velocity(self._wheels, self._velocity)
-        self._wheels.angular_velocity = self._turn
+        _set_spin(self._wheels, self._turn)
         if self._free:
             self._rolling, self._turning = self._velocity, self._turn
         if self._free or self._glided:
             _set_velocity(self.body, self._rolling)
-            self.body.angular_velocity = self._turning
+            _set_spin(self.body, self._turning)
             self._glided = False
 
     @property

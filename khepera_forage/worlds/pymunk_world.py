@@ -81,8 +81,8 @@ class PymunkWorld:
         self._homes = homes
         wheels, sensors = rng.spawn(2)
         bias = self.noise.wheel_bias * wheels.standard_normal((len(homes), 2))
-        self._wheel_draws = Draws(wheels.standard_normal, 2 * len(self.markers))
-        self._sensor_draws = Draws(sensors.random, 8 * len(self.markers))
+        self._wheel_draws = Draws(wheels.standard_normal, 2)
+        self._sensor_draws = Draws(sensors.random, 8)
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
         # Enough for a row of food squeezed against a wall to stay out of it: with ten it gave way by 1.6 mm.
@@ -117,14 +117,16 @@ class PymunkWorld:
         """One round of 0.1 s."""
         if not self.robots:
             raise RuntimeError("advance() before reset()")
-        wheel_draws, sensor_draws = self._wheel_draws.next(), self._sensor_draws.next()
         robots = self.robots
         substeps = 0
-        for i, robot in enumerate(robots):
-            needed = robot.begin_round(wheel_draws[2 * i : 2 * i + 2], sensor_draws[8 * i : 8 * i + 8])
+        for robot in robots:
+            needed = robot.begin_round(self._wheel_draws.next(), self._sensor_draws.next())
             if needed > substeps:
                 substeps = needed
-        gliding = max((food.moved for food in self.foods), default=0.0)
+        gliding = 0.0
+        for food in self.foods:
+            if food.moved > gliding:
+                gliding = food.moved
         if gliding:  # Food that was flung meets a wall no faster, step by step, than a robot does.
             substeps = max(substeps, SUBSTEPS, math.ceil(gliding / FINE_TRAVEL))
         if substeps:
@@ -178,5 +180,11 @@ class PymunkWorld:
 
     def truth(self) -> Truth:
         """What a camera above this world sees, before any trouble of seeing."""
-        markers = [(*robot.pose, holes) for robot, holes in zip(self.robots, self.markers, strict=True)]
-        return Truth(tuple(markers), tuple([food.place for food in self.foods]))
+        # Once a round: loops, because a comprehension is a call.
+        markers, foods = [], []
+        for i, robot in enumerate(self.robots):
+            x, y, heading = robot.pose
+            markers.append((x, y, heading, self.markers[i]))
+        for food in self.foods:
+            foods.append(food.place)
+        return Truth(tuple(markers), tuple(foods))

@@ -54,11 +54,13 @@ class WallWatch:
         if self._nearest_line > PUSHED + travel:
             return True
         x, y, angle = pose
-        reach = travel + (PUSHED if pushing else RADIUS)
+        reach, gripper_reach = travel + (PUSHED if pushing else RADIUS), travel + _GRIPPER_RADIUS
         tip_x, tip_y = x + _GRIPPER_AHEAD * math.cos(angle), y + _GRIPPER_AHEAD * math.sin(angle)
         for wall, normal_x, normal_y, offset in self._walls:
-            if abs(normal_x * x + normal_y * y - offset) < PUSHED + travel and (
-                distance(x, y, wall) < reach or distance(tip_x, tip_y, wall) < _GRIPPER_RADIUS + travel
-            ):
+            # As in `survey`, the distance from the wall's line mostly shows that the wall is out of reach.
+            if abs(normal_x * x + normal_y * y - offset) < reach and distance(x, y, wall) < reach:
+                return False
+            off_line = abs(normal_x * tip_x + normal_y * tip_y - offset)
+            if off_line < gripper_reach and distance(tip_x, tip_y, wall) < gripper_reach:
                 return False
         return True
