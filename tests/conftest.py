@@ -1,5 +1,6 @@
 """Settings of all tests."""
 
+import signal
 from importlib.util import find_spec
 
 from hypothesis import settings
@@ -10,3 +11,9 @@ settings.load_profile("khepera_forage")
 
 # What needs torch is run by `make test-baselines`, which installs it.
 collect_ignore = [] if find_spec("stable_baselines3") else ["baselines"]
+
+# A suite that was started in the background may have been told to ignore what its tests send to robots' programs, and
+# programs inherit that.
+for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, usual)
