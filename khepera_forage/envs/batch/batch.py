@@ -16,7 +16,7 @@ from khepera_forage.worlds.arena import Arena
 from khepera_forage.worlds.batch import rows as body
 from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.batch.threads import share_out, threads_for
+from khepera_forage.worlds.batch.threads import BLOCKS_A_THREAD, share_out, threads_for
 from khepera_forage.worlds.standing import check_robot
 
 Floats = NDArray[np.float64]
@@ -141,7 +141,7 @@ class TaskBatch:
         self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
     ) -> None:
         begun, given = np.zeros(1, np.int64), (self._setting, self._rules, actions, fresh, pose, places)
-        share_out(play_all, threads_for(len(worlds.tasks)), worlds, begun, *given)
+        share_out(play_all, threads_for(len(worlds.tasks) // BLOCKS_A_THREAD), worlds, begun, *given)
 
 
 def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:

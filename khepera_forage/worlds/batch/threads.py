@@ -12,6 +12,9 @@ from typing import Any
 
 import numba
 
+BLOCKS_A_THREAD = 4
+"""Blocks whose next round is worth a thread: to wake one takes about as long as four such rounds."""
+
 
 def threads_for(pieces: int) -> int:
     """How many threads share out this many pieces of work: at most `numba.get_num_threads()`."""

@@ -21,7 +21,7 @@ from khepera_forage.worlds.batch.numbers import keys_of
 from khepera_forage.worlds.batch.rows import LANES
 from khepera_forage.worlds.batch.setting import setting_of
 from khepera_forage.worlds.batch.stepping import advance_all, stand_all
-from khepera_forage.worlds.batch.threads import share_out, threads_for
+from khepera_forage.worlds.batch.threads import BLOCKS_A_THREAD, share_out, threads_for
 from khepera_forage.worlds.standing import check_seen
 
 Floats = NDArray[np.float64]
@@ -128,7 +128,7 @@ class BatchWorld:
             ValueError: An array of another shape, or with values that are not finite.
         """
         self._drive(self._all("motors", motors, (4,)))
-        threads = threads_for(self._bodies.robots.shape[0])
+        threads = threads_for(len(self._bodies.robots) // BLOCKS_A_THREAD)
         share_out(advance_all, threads, self._bodies, np.zeros(1, np.int64), self._setting)
 
     def senses(self) -> BatchSenses:
