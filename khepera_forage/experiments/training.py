@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext, suppress
+from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWriter
+from khepera_forage.experiments.interrupts import interrupts_held
 from khepera_forage.experiments.rows import TrainingRow
 from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies import Listener, Policy, Teacher
@@ -160,11 +161,12 @@ def train(
         arena = env.arenas[0].name
         begun = False
         try:
-            with (
-                suppress(_CutShort),
-                ExperienceWriter(path, arena, attempt_seed) if path is not None else nullcontext() as writer,
-            ):
-                begun = path is not None
+            with suppress(_CutShort), ExitStack() as stack:
+                writer = None
+                if path is not None:
+                    with interrupts_held():
+                        writer = stack.enter_context(ExperienceWriter(path, arena, attempt_seed))
+                        begun = True
 
                 def record(
                     vector: StateVector,

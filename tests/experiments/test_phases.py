@@ -1,13 +1,18 @@
 """Training and recall as functions, with files and rows."""
 
+import signal
+import threading
 from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 import pytest
 
+from khepera_forage import experience as experience_module
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments.design import THESIS, Cell, Subset
+from khepera_forage.experiments.interrupts import interrupts_held
 from khepera_forage.experiments.plan import PYMUNK, amounts, plan
 from khepera_forage.experiments.recalling import recall, recall_env
 from khepera_forage.experiments.replication import Attempts, Baseline, Replication
@@ -38,6 +43,48 @@ def test_incomplete_attempts_are_forgotten_and_counted(tmp_path: Path) -> None:
     with pytest.raises(HopelessTraining, match=str(MAX_ATTEMPTS)):
         train(TrainingEnv(max_cycles=2), np.random.SeedSequence(0), path=path)
     assert not path.exists()
+
+
+def test_an_interrupt_while_the_file_is_opened_leaves_none_and_closes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[IO[Any]] = []
+
+    def interrupted(*args: Any, **keywords: Any) -> IO[Any]:
+        file: IO[Any] = open(*args, **keywords)  # noqa: SIM115 - whether it is closed is what is asked here
+        opened.append(file)
+        signal.raise_signal(signal.SIGINT)
+        return file
+
+    monkeypatch.setattr(experience_module, "open", interrupted, raising=False)
+    with pytest.raises(KeyboardInterrupt):
+        train(TrainingEnv(), np.random.SeedSequence(0), path=tmp_path / "g1.csv")
+    assert [file.closed for file in opened] == [True]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_held_interrupts_come_at_the_end_in_the_main_thread() -> None:
+    done: list[str] = []
+
+    def interrupted() -> None:
+        with interrupts_held():
+            signal.raise_signal(signal.SIGINT)
+            done.append("what came after it")
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert done
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+    def elsewhere() -> None:
+        with interrupts_held():
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    seen: list[object] = []
+    thread = threading.Thread(target=elsewhere)
+    thread.start()
+    thread.join()
+    assert seen == [signal.default_int_handler]
 
 
 def test_files_combine_as_in_the_thesis() -> None:
