@@ -17,7 +17,7 @@ import numpy as np
 
 from _operations.counters import ACCOUNT, CountingMath, CountingNumpy, Rows
 from khepera_forage.envs.batch import compiled_task, playing, register, task
-from khepera_forage.envs.batch.deciding import TEACHER
+from khepera_forage.envs.batch.deciding import TEACHER, empty_decisions
 from khepera_forage.envs.batch.rules import rules_of
 from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
 from khepera_forage.foraging import angles
@@ -122,7 +122,7 @@ def count(episodes: int, seed: int) -> Counts:
     # What all worlds have in common stays in registers through a loop over worlds: its loads do not count.
     plan = playing.Plan(keys, np.full(episodes, TEACHER), np.zeros(1, np.int64))
     with np.errstate(over="ignore"):  # random bits are meant to run over
-        playing.play_out(0, worlds, setting, rules, NO_MEMORIES, plan, outcomes)
+        playing.play_out(0, worlds, setting, rules, NO_MEMORIES, plan, empty_decisions(1), outcomes)
     return Counts(int(outcomes.sums[:, playing.STEPS].sum()), dict(ACCOUNT.counts))
 
 

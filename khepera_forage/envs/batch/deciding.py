@@ -1,5 +1,7 @@
 """Who decides in each lane of a block, what is decided, and the account of it: teacher, imitators, chance."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +29,32 @@ _BEYOND = 1 << 16  # pixels
 _DRAWS, _POLICY = np.uint64(body.DRAWS), np.uint64(body.DRAW_POLICY)
 _ORIENT = float(Behaviour.ORIENT_WITH_FOOD)
 
+
+class Decisions(NamedTuple):
+    """Who decides, and what came of it: one row of an array a thread, or the arrays of one.
+
+    Attributes:
+        accounts: `ACCOUNT_ROWS` rows.
+        ballots: One row a lane, `BALLOT_COLUMNS` each; a state vector that stays is not voted on again.
+    """
+
+    accounts: NDArray[np.float64]
+    ballots: NDArray[np.int64]
+
+
+def empty_decisions(threads: int) -> Decisions:
+    """Room for the block that each thread plays."""
+    return Decisions(
+        np.zeros((threads, ACCOUNT_ROWS * LANES)), np.zeros((threads, LANES, BALLOT_COLUMNS), np.int64)
+    )
+
+
+@inline
+def decisions_of(decisions: Decisions, thread: int) -> Decisions:
+    """Those of one thread."""
+    return Decisions(decisions.accounts[thread], decisions.ballots[thread])
+
+
 for _function in (plane_key, ballot._below, ballot._poll, vote, draw):
     inline(_function)
 
@@ -36,8 +64,7 @@ def choose(
     worlds: Worlds,
     diagonal: int,
     memories: Memories,
-    accounts: NDArray[np.float64],
-    ballots: NDArray[np.int64],
+    decisions: Decisions,
 ) -> None:
     """Decide on a behaviour in every lane.
 
@@ -45,9 +72,9 @@ def choose(
         worlds: Of the block.
         diagonal: Of the arena, pixels: no distance seems longer to an imitator, as in `BehavioursEnv`.
         memories: Of all imitators.
-        accounts: `ACCOUNT_ROWS` rows; gets ties and conflicts.
-        ballots: One row a lane, `BALLOT_COLUMNS` each; a state vector that stays is not voted on again.
+        decisions: Of the block; the account gets ties and conflicts.
     """
+    accounts, ballots = decisions.accounts, decisions.ballots
     s, t, keys = worlds.bodies.robots, worlds.tasks, worlds.bodies.keys
     # States and behaviours stand one to one (4.4.1).
     for i in range(LANES):
@@ -82,9 +109,9 @@ def choose(
 
 
 @kernel
-def account(worlds: Worlds, accounts: NDArray[np.float64]) -> None:
+def account(worlds: Worlds, decisions: Decisions) -> None:
     """Note what kind of round it is, and whether the teacher would do the same."""
-    s, t = worlds.bodies.robots, worlds.tasks
+    s, t, accounts = worlds.bodies.robots, worlds.tasks, decisions.accounts
     for i in range(LANES):
         state, counts = int(t[at.STATE * LANES + i]), 1.0 - s[body.NEW * LANES + i]
         wrong = t[at.BEHAVIOUR * LANES + i] != t[at.STATE * LANES + i]

@@ -8,7 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.envs.batch.deciding import CONFLICTS, GHOSTS, ROUNDS, TEACHER, TIES, UNIFORM, WRONG
+from khepera_forage.envs.batch.deciding import (
+    CONFLICTS,
+    GHOSTS,
+    ROUNDS,
+    TEACHER,
+    TIES,
+    UNIFORM,
+    WRONG,
+    empty_decisions,
+)
 from khepera_forage.envs.batch.playing import ACCOUNT, Plan, empty_outcomes, play_out
 from khepera_forage.envs.batch.rules import rules_of
 from khepera_forage.envs.batch.worlds import empty_worlds
@@ -101,7 +110,8 @@ def run_recalls(
     # As few worlds at a time as keep all threads busy: the fewest are idle while the last episodes end.
     threads = threads_for(-(-episodes // LANES))
     plan = Plan(_keys(seed, episodes), policies, np.zeros(1, np.int64))
-    share_out(play_out, threads, empty_worlds(threads, foods), setting, rules, memories, plan, outcomes)
+    worlds, decisions = empty_worlds(threads, foods), empty_decisions(threads)
+    share_out(play_out, threads, worlds, setting, rules, memories, plan, decisions, outcomes)
     if np.isnan(outcomes.places).any():
         raise ValueError(
             f"{arena}: no room for a robot and {foods} food objects outside home; make it larger"

@@ -12,11 +12,12 @@ from khepera_forage.envs.batch import rows as at
 from khepera_forage.envs.batch.deciding import (
     ACCOUNT_ROWS,
     ASKED,
-    BALLOT_COLUMNS,
     POLICY,
     TEACHER,
+    Decisions,
     account,
     choose,
+    decisions_of,
 )
 from khepera_forage.envs.batch.rounds import begin_episode, carry_out, decide
 from khepera_forage.envs.batch.rules import Rules
@@ -80,18 +81,18 @@ def _play(
     rules: Rules,
     memories: Memories,
     plan: Plan,
+    decisions: Decisions,
     outcomes: Outcomes,
 ) -> None:
     """Play episodes in one block, until there are none left that no thread has taken."""
     s, t = worlds.bodies.robots, worlds.tasks
-    accounts, ballots = np.zeros(ACCOUNT_ROWS * LANES), np.zeros((LANES, BALLOT_COLUMNS), np.int64)
     diagonal = int(rules.place[4])
     playing = 0
     for i in range(LANES):
-        playing += _next(worlds, i, setting, rules, plan, accounts, ballots, outcomes)
+        playing += _next(worlds, i, setting, rules, plan, decisions, outcomes)
     while playing > 0:
-        choose(worlds, diagonal, memories, accounts, ballots)
-        account(worlds, accounts)
+        choose(worlds, diagonal, memories, decisions)
+        account(worlds, decisions)
         decide(t, s)
         drive(s, t, rules.place)
         carry_out(worlds, setting, rules)
@@ -100,9 +101,9 @@ def _play(
                 continue
             episode = int(t[at.EPISODE * LANES + i])
             if episode >= 0:
-                _note(worlds, i, setting.foods, accounts, episode, outcomes)
+                _note(worlds, i, setting.foods, decisions.accounts, episode, outcomes)
                 playing -= 1
-            playing += _next(worlds, i, setting, rules, plan, accounts, ballots, outcomes)
+            playing += _next(worlds, i, setting, rules, plan, decisions, outcomes)
 
 
 @kernel
@@ -112,8 +113,7 @@ def _next(
     setting: Setting,
     rules: Rules,
     plan: Plan,
-    accounts: NDArray[np.float64],
-    ballots: NDArray[np.int64],
+    decisions: Decisions,
     outcomes: Outcomes,
 ) -> int:
     """Begin an episode in a lane, one that does not count when none is left; returns how many begin that count."""
@@ -125,9 +125,9 @@ def _next(
     worlds.bodies.keys[body.ROUND * LANES + i] = 0
     begin_episode(worlds, i, setting, rules)
     for row in range(ACCOUNT_ROWS):
-        accounts[row * LANES + i] = 0
-    ballots[i, ASKED] = -1
-    accounts[POLICY * LANES + i] = plan.policies[episode] if counts else TEACHER
+        decisions.accounts[row * LANES + i] = 0
+    decisions.ballots[i, ASKED] = -1
+    decisions.accounts[POLICY * LANES + i] = plan.policies[episode] if counts else TEACHER
     if counts:
         for k, row in enumerate((body.X, body.Y, body.HEADING)):
             outcomes.places[episode, k] = s[row * LANES + i]
@@ -162,7 +162,9 @@ def play_out(
     rules: Rules,
     memories: Memories,
     plan: Plan,
+    decisions: Decisions,
     outcomes: Outcomes,
 ) -> None:
     """Play episodes in the block of one thread, until all are taken."""
-    _play(worlds_of(worlds, thread, thread), setting, rules, memories, plan, outcomes)
+    mine = worlds_of(worlds, thread, thread)
+    _play(mine, setting, rules, memories, plan, decisions_of(decisions, thread), outcomes)

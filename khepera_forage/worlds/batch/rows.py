@@ -48,8 +48,8 @@ LAG = 12
 MARK = 13
 """Free for use within a pass."""
 SCRATCH = 14
-"""The first of eleven, free for use within a pass, too."""
-WORK_ROWS = 25
+"""The first of seventeen, free for use within a pass, too: one, and one for each food object there may be."""
+WORK_ROWS = 31
 
 # A food object: where it is, and whether the camera's tracker is missing it.
 FOOD_X, FOOD_Y, LOST = 0, 1, 2

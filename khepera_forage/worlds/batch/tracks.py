@@ -26,6 +26,8 @@ are at least 7 pixels apart."""
 _STEADY = 0.25
 """Jitter in pixels up to which that holds."""
 _SLOW = at.SCRATCH
+_OWNER = at.SCRATCH + 1
+"""The first of as many rows as there may be food: the slot whose track shows it."""
 
 
 @kernel
@@ -62,7 +64,7 @@ def track(
             f[base + at.TRACK * LANES + i] = -1.0 if empty else f[base + at.TRACK * LANES + i]
             f[base + at.NOTE * LANES + i] = -1.0 if empty else f[base + at.NOTE * LANES + i]
     for n in range(pack(w, _SLOW, at.MARK, 0)):
-        _assign(s, f, foods, packed(w, at.MARK, n), clear, unsteady == 0.0)
+        _assign(s, w, f, foods, packed(w, at.MARK, n), clear, unsteady == 0.0)
 
 
 @inline
@@ -81,13 +83,18 @@ def _plain(f: NDArray[np.float64], there: int) -> bool:
 
 @inline
 def _assign(
-    s: NDArray[np.float64], f: NDArray[np.float64], foods: int, i: int, clear: float, steady: bool
+    s: NDArray[np.float64],
+    w: NDArray[np.float64],
+    f: NDArray[np.float64],
+    foods: int,
+    i: int,
+    clear: float,
+    steady: bool,
 ) -> None:
     """The rule in full: the best pair of track and detection first, then the next best."""
     gate = GATE * GATE
     taken = 0  # bit by bit: tracks of the foods, then ghosts
     shown = 0
-    owner = np.empty(at.MOST_FOODS, np.int64)
     left = 0
     for food in range(foods):
         there = food * at.FOOD_ROWS * LANES + i
@@ -96,7 +103,7 @@ def _assign(
         if steady and _plain(f, there):
             taken |= 1 << food
             shown |= 1 << food
-            owner[food] = food
+            w[(_OWNER + food) * LANES + i] = food
         else:
             left += 1
     for _ in range(left):
@@ -118,7 +125,7 @@ def _assign(
             break
         taken |= 1 << chosen
         shown |= 1 << which
-        owner[which] = chosen
+        w[(_OWNER + which) * LANES + i] = chosen
     for slot in range(2 * foods):
         label, x, y, _ = _track(f, foods, slot, i)
         if label >= 0.0 and not taken >> slot & 1 and _visible(s, f, foods, i, x, y, clear):
@@ -127,12 +134,12 @@ def _assign(
     for food in range(foods):
         there = food * at.FOOD_ROWS * LANES + i
         if shown >> food & 1:
-            slot = owner[food]
+            slot = int(w[(_OWNER + food) * LANES + i])
             if slot != food:
                 _swap(f, foods, food, slot, i)
                 for later in range(food + 1, foods):
-                    if shown >> later & 1 and owner[later] == food:
-                        owner[later] = slot
+                    if shown >> later & 1 and w[(_OWNER + later) * LANES + i] == food:
+                        w[(_OWNER + later) * LANES + i] = slot
             f[there + at.TRACK_X * LANES] = f[there + at.SEEN_X * LANES]
             f[there + at.TRACK_Y * LANES] = f[there + at.SEEN_Y * LANES]
             f[there + at.TRACK_FOUND * LANES] = 1.0
