@@ -12,6 +12,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS, half_gap
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.worlds.standing import check_layout
 from khepera_forage.worlds.world import Layout
 
 FOOD_CLEARANCE = 50.0
@@ -131,13 +132,20 @@ def marked(arenas: Sequence[Arena], options: Mapping[str, Any]) -> Sequence[Aren
 def training_layout(arenas: Sequence[Arena], noise: Noise, rng: np.random.Generator) -> Layout:
     """Every robot and food object on its mark (figure 5.1), as well as an operator can put it there.
 
+    What would stand in a wall, or in something else, is put down again.
+
     Args:
         arenas: One a robot.
         noise: Its placement errors.
         rng: The placements' own generator.
+
+    Raises:
+        ValueError: Nothing stands free, however often it is put down again.
     """
-    starts, foods = [], []
+    starts: list[Pose] = []
+    foods: list[Point] = []
     for arena in arenas:
+        wrong = ""
         for _ in range(_TRIES):
             dx, dy, turn = rng.standard_normal(3).tolist()
             turn = arena.start.heading + math.radians(noise.placement_heading_error * turn)
@@ -148,11 +156,16 @@ def training_layout(arenas: Sequence[Arena], noise: Noise, rng: np.random.Genera
                 Point(f.x + error * ex, f.y + error * ey)
                 for f, (ex, ey) in zip(arena.foods, moved, strict=True)
             ]
-            if arena.clearance(start) >= RADIUS and all(arena.clearance(p) >= FOOD_RADIUS for p in places):
+            try:
+                check_layout((arena,), Layout((start,), tuple(places)))
+            except ValueError as refused:
+                wrong = str(refused)
+            else:
                 break
         else:
             raise ValueError(
-                f"{arena.name}: start or food too near a wall for a placement error of {error:g} mm"
+                f"{arena.name}: start or food too near a wall for a placement error of {error:g} mm; the last of "
+                f"{_TRIES} draws: {wrong}"
             )
         starts.append(start)
         foods += places

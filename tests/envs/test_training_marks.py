@@ -11,6 +11,7 @@ from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType, St
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.worlds.arena import CORRIDOR
+from khepera_forage.worlds.standing import check_robot
 
 
 def test_every_robot_and_its_food_stand_on_the_marks_asked_for() -> None:
@@ -53,6 +54,19 @@ def test_robots_are_put_on_other_marks_no_more_exactly() -> None:
 def test_options_are_checked(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         TrainingEnv().reset(seed=0, options=options)
+
+
+def test_what_was_put_into_a_wall_is_put_down_again() -> None:
+    env = TrainingEnv(noise=Noise(placement_error=15.0, placement_heading_error=30.0))
+    for seed in range(100):
+        env.reset(seed=seed, options={"start": (75, 75, 0)})
+        for arena, start in zip(env.arenas, env.world.poses(), strict=True):
+            check_robot(arena, start)
+    facing_the_wall = {"start": (60, 100, 180)}
+    with pytest.raises(
+        ValueError, match=r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
+    ):
+        TrainingEnv(noise=Noise.none()).reset(seed=0, options=facing_the_wall)
 
 
 def test_train_takes_other_marks_and_another_teacher() -> None:
