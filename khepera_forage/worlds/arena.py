@@ -39,7 +39,8 @@ class Arena:
         obstacles: Further simple polygons standing on the floor.
 
     Raises:
-        ValueError: A size that is not positive, a home, start or food that is not on the free floor.
+        ValueError: A size that is not positive, a home, start or food that is not on the free floor, an obstacle that
+            is nowhere on it.
     """
 
     name: str
@@ -53,6 +54,12 @@ class Arena:
     def __post_init__(self) -> None:
         for corners in (self.walls, *self.obstacles):
             polygon.check(self.name, corners)
+        for obstacle in self.obstacles:
+            if not polygon.meet(self.walls, obstacle):
+                raise ValueError(
+                    f"{self.name}: obstacle {[tuple(corner) for corner in obstacle]} stands outside the walls; "
+                    f"allowed: on the floor, within {self.bounds}"
+                )
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
             raise ValueError(
                 f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"

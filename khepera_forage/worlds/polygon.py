@@ -59,6 +59,13 @@ def contains(corners: tuple[Corner, ...], x: float, y: float) -> bool:
     return inside
 
 
+def meet(corners: tuple[Corner, ...], others: tuple[Corner, ...]) -> bool:
+    """Whether any corner of the others lies inside, or any of their sides crosses one of these."""
+    return any(contains(corners, x, y) for x, y in others) or any(
+        _cross(side, other) for side in edges(corners) for other in edges(others)
+    )
+
+
 def nearest(x: float, y: float, segments: tuple[Segment, ...]) -> float:
     """Distance from a point to the nearest of several segments."""
     best = math.inf

@@ -143,6 +143,10 @@ BLOCK = (Point(340, 80), Point(400, 80), Point(400, 150), Point(340, 150))
         ({"obstacles": ((Point(500, 100), Point(550, 100), Point(550, 150)),)}, "home"),
         ({"obstacles": ((Point(200, 20), Point(250, 20)),)}, "2 corners"),
         ({"obstacles": ((Point(200, 20), Point(250, 20), Point(math.nan, 50)),)}, "nan"),
+        (
+            {"obstacles": ((Point(200, 420), Point(250, 420), Point(225, 480)),)},
+            r"obstacle \[\(200, 420\).* stands outside the walls; allowed: on the floor",
+        ),
         ({"start": Pose(20, 115, 0)}, r"start at \(20, 115\) mm is 20 mm from a wall"),
         ({"start": Pose(-20, 115, 0)}, "start.*outside"),
         ({"start": Pose(math.nan, 115, 0)}, "start.*nan"),
@@ -161,3 +165,14 @@ def test_what_is_no_arena_says_so_with_its_name(change: dict[str, Any], complain
 def test_food_just_fits_at_its_radius_from_a_wall() -> None:
     replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),))
     replace(CORRIDOR, start=Pose(RADIUS, 115, 0))
+
+
+@pytest.mark.parametrize(
+    "obstacle",
+    [
+        (Point(200, -20), Point(250, -20), Point(225, 40)),  # leans in over a wall
+        (Point(195, -20), Point(205, -20), Point(205, 250), Point(195, 250)),  # has no corner on the floor
+    ],
+)
+def test_an_obstacle_may_reach_over_the_walls(obstacle: tuple[Point, ...]) -> None:
+    assert replace(CORRIDOR, obstacles=(obstacle,)).obstacles == (obstacle,)
