@@ -13,6 +13,9 @@ from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.worlds.world import World
 
+MAX_ATTEMPTS = 200
+"""Attempts after which a training episode counts as hopeless. Our decision."""
+
 
 class Demonstration:
     """Robots side by side in copies of one arena, the teacher first, and the account of what they do.

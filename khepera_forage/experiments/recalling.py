@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import gymnasium as gym
 import numpy as np
@@ -16,6 +16,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.worlds.arena import Arena
 
 Watch = Callable[[], object]
+_Env = TypeVar("_Env", bound=gym.Env[Any, Any])
 
 
 class RecallCutShort(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
@@ -33,12 +34,23 @@ def recall_env(
         limit: Steps; the thesis' by default.
         **kwargs: Others of the environment.
     """
+    return made(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
+
+
+def made(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:
+    """A registered environment without its wrappers.
+
+    Args:
+        kind: Its class.
+        name: As registered, without the name of this package.
+        noise: The laboratory's troubles by default.
+        limit: Steps; the thesis' by default.
+        **kwargs: Others of the environment.
+    """
     if limit is not None:
         kwargs["limit"] = limit
-    env = gym.make(
-        f"khepera_forage/{arena.capitalize()}-v0", noise=noise, disable_env_checker=True, **kwargs
-    ).unwrapped
-    assert isinstance(env, BehavioursEnv)
+    env = gym.make(f"khepera_forage/{name}", noise=noise, disable_env_checker=True, **kwargs).unwrapped
+    assert isinstance(env, kind)
     return env
 
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.demonstration import MAX_ATTEMPTS
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.experiments.interrupts import interrupts_held
@@ -18,9 +19,6 @@ from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
 from khepera_forage.worlds.world import LOST
-
-MAX_ATTEMPTS = 200
-"""Attempts after which a training counts as hopeless. Our decision."""
 
 ROBOT_LOST = "robot lost"
 """The reason of an attempt in which a real robot, or the camera, was lost."""

@@ -2,12 +2,11 @@
 
 from typing import Any, NamedTuple, Protocol
 
-import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.experiments.recalling import RecallCutShort, Watch
+from khepera_forage.experiments.recalling import RecallCutShort, Watch, made
 from khepera_forage.noise import Noise
 
 
@@ -56,13 +55,7 @@ def recall_wheels_env(
         limit: Steps; the thesis' by default.
         **kwargs: Others of the environment.
     """
-    if limit is not None:
-        kwargs["limit"] = limit
-    env = gym.make(
-        f"khepera_forage/{arena.capitalize()}Wheels-v0", noise=noise, disable_env_checker=True, **kwargs
-    ).unwrapped
-    assert isinstance(env, WheelsEnv)
-    return env
+    return made(WheelsEnv, f"{arena.capitalize()}Wheels-v0", noise, limit, **kwargs)
 
 
 def recall_wheels(

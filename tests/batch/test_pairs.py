@@ -24,7 +24,7 @@ from khepera_forage.envs.forager import site_of
 from khepera_forage.envs.training import PATIENCE, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments.rows import TrainingRow
-from khepera_forage.experiments.training import MAX_ATTEMPTS, HopelessTraining, train
+from khepera_forage.experiments.training import HopelessTraining, train
 from khepera_forage.foraging.behaviours import command
 from khepera_forage.foraging.states import Behaviour, FoodType, StateVector
 from khepera_forage.noise import Noise
@@ -291,7 +291,6 @@ def test_what_never_gets_complete_is_hopeless() -> None:
     with pytest.raises(HopelessTraining) as single:
         train(TrainingEnv(max_cycles=9), np.random.SeedSequence(0), attempts=3)
     assert str(batch.value) == str(single.value)
-    assert pairs.MAX_ATTEMPTS == MAX_ATTEMPTS
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from khepera_forage import experience as experience_module
+from khepera_forage.envs.demonstration import MAX_ATTEMPTS
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experiments.design import THESIS, Cell, Subset
@@ -17,7 +18,7 @@ from khepera_forage.experiments.plan import PYMUNK, amounts, plan
 from khepera_forage.experiments.recalling import recall, recall_env
 from khepera_forage.experiments.replication import Attempts, Baseline, Replication
 from khepera_forage.experiments.rows import RANDOM, TEACHER
-from khepera_forage.experiments.training import MAX_ATTEMPTS, HopelessTraining, arrays, train
+from khepera_forage.experiments.training import HopelessTraining, arrays, train
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 

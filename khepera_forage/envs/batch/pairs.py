@@ -19,6 +19,7 @@ from khepera_forage.envs.batch.pair_rounds import Records, Terms, train_all
 from khepera_forage.envs.batch.rules import Rules, arena_array, site_array, site_walls
 from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
 from khepera_forage.envs.checks import FoodOdds, food_odds, the_arena, whole_number
+from khepera_forage.envs.demonstration import MAX_ATTEMPTS
 from khepera_forage.envs.placement import marked
 from khepera_forage.envs.training import PATIENCE
 from khepera_forage.noise import Noise
@@ -31,9 +32,6 @@ from khepera_forage.worlds.batch.setting import Setting, edges_of, noise_of, wal
 from khepera_forage.worlds.batch.threads import share_out, threads_for
 from khepera_forage.worlds.standing import cable_anchor, check_layout, check_seen
 from khepera_forage.worlds.world import Layout
-
-MAX_ATTEMPTS = 200
-"""Attempts after which a training episode counts as hopeless, as in `experiments.training`."""
 
 _ROOM = 1 << 28
 """Bytes of records that are kept open at a time, at most."""
