@@ -34,10 +34,10 @@ def recall_env(
         limit: Steps; the thesis' by default.
         **kwargs: Others of the environment.
     """
-    return made(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
+    return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
 
 
-def made(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:
+def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:
     """A registered environment without its wrappers.
 
     Args:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.experiments.recalling import RecallCutShort, Watch, made
+from khepera_forage.experiments.recalling import RecallCutShort, Watch, unwrapped_env
 from khepera_forage.noise import Noise
 
 
@@ -55,7 +55,7 @@ def recall_wheels_env(
         limit: Steps; the thesis' by default.
         **kwargs: Others of the environment.
     """
-    return made(WheelsEnv, f"{arena.capitalize()}Wheels-v0", noise, limit, **kwargs)
+    return unwrapped_env(WheelsEnv, f"{arena.capitalize()}Wheels-v0", noise, limit, **kwargs)
 
 
 def recall_wheels(

@@ -12,7 +12,6 @@ from khepera_forage.robots.khepera import (
     ARM_RAISED,
     CONTROL_PERIOD,
     FINGER_TIP,
-    FOOD_RADIUS,
     JAW_OPEN,
     MASS,
     PRESENT,
@@ -24,19 +23,18 @@ from khepera_forage.robots.khepera import (
     Senses,
     applicable,
 )
-from khepera_forage.robots.proximity import REACH, cast, measured
+from khepera_forage.robots.proximity import cast, measured
 from khepera_forage.worlds import layers
 from khepera_forage.worlds.arena import Pose
 from khepera_forage.worlds.body import Body
 from khepera_forage.worlds.polygon import Segment
 from khepera_forage.worlds.pymunk_food import PymunkFood
 from khepera_forage.worlds.pymunk_gripper import PymunkGripper
-from khepera_forage.worlds.wall_watch import PUSHED, WallWatch
+from khepera_forage.worlds.pymunk_nearby import discs_near, may_push
+from khepera_forage.worlds.wall_watch import WallWatch
 
 _TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
-_SHOVED = RADIUS + FOOD_RADIUS + 1.0
-"""Food that the body itself may push lies within this of its centre, mm."""
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed."""
 FINE_TRAVEL = 0.8
@@ -160,7 +158,7 @@ class PymunkKhepera:
         heading += turn * CONTROL_PERIOD / 2
         self._velocity = forward * math.cos(heading), forward * math.sin(heading)
         self._steering, self._free = False, True
-        pushing, moving = self._may_push(x, y, travel)
+        pushing, moving = may_push(x, y, travel, gripper.on_floor, gripper.held, self.foods, self.others)
         moves_jaw = self._moves_jaw = gripper.wants_to_move_jaw(jaw)
         if travel == 0.0 and not moving and not moves_jaw:
             return 0
@@ -223,40 +221,11 @@ class PymunkKhepera:
         self.pose = Pose(x, y, angle)
         self._walls.survey(x, y)
 
-    def _may_push(self, x: float, y: float, travel: float) -> tuple[bool, bool]:
-        """Whether food, other than in the gripper, or another robot can be pushed, and whether that moves already.
-
-        Args:
-            x: Of the robot.
-            y: Of the robot.
-            travel: How far any point of it gets in this round, mm.
-        """
-        pushing = moving = False
-        # A raised gripper passes above food.
-        reach = (PUSHED if self.gripper.on_floor else _SHOVED) + travel
-        for food in self.foods:
-            food_x, food_y = food.place
-            if (food_x - x) ** 2 + (food_y - y) ** 2 < reach * reach and food is not self.gripper.held:
-                pushing = True
-                moving = moving or food.moved > 0.0
-        for body in self.others:
-            if body.position.get_distance((x, y)) < 2 * PUSHED:
-                pushing = moving = True
-        return pushing, moving
-
     def _read(self) -> Senses:
         gripper = self.gripper
         x, y, angle = self.pose
         blocked = gripper.arm >= ARM_ON_FLOOR
-        discs = []
-        for food in self.foods:
-            fx, fy = food.place
-            if (fx - x) ** 2 + (fy - y) ** 2 < (REACH + FOOD_RADIUS) ** 2 and not food.lifted:
-                discs.append((fx, fy, FOOD_RADIUS))
-        for other in self.others:
-            ox, oy = other.position
-            if (ox - x) ** 2 + (oy - y) ** 2 < (REACH + RADIUS) ** 2:
-                discs.append((ox, oy, RADIUS))
+        discs = discs_near(x, y, self.foods, self.others)
         walls = self._walls.near
         if walls or discs:
             clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)

@@ -10,7 +10,9 @@ from khepera_forage.worlds.polygon import Segment, distance, line_of
 
 PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that a lowered gripper may be pushing lies within this of the robot's centre, mm."""
-_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
+SHOVED = RADIUS + FOOD_RADIUS + 1.0
+"""Food that the body itself may push lies within this of its centre, mm."""
+GRIPPER_AHEAD, GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
 
 
@@ -54,8 +56,8 @@ class WallWatch:
         if self._nearest_line > PUSHED + travel:
             return True
         x, y, angle = pose
-        reach, gripper_reach = travel + (PUSHED if pushing else RADIUS), travel + _GRIPPER_RADIUS
-        tip_x, tip_y = x + _GRIPPER_AHEAD * math.cos(angle), y + _GRIPPER_AHEAD * math.sin(angle)
+        reach, gripper_reach = travel + (PUSHED if pushing else RADIUS), travel + GRIPPER_RADIUS
+        tip_x, tip_y = x + GRIPPER_AHEAD * math.cos(angle), y + GRIPPER_AHEAD * math.sin(angle)
         for wall, normal_x, normal_y, offset in self._walls:
             # As in `survey`, the distance from the wall's line mostly shows that the wall is out of reach.
             if abs(normal_x * x + normal_y * y - offset) < reach and distance(x, y, wall) < reach:

@@ -22,13 +22,9 @@ from khepera_forage.worlds.batch.compiling import inline, kernel
 from khepera_forage.worlds.batch.gripper import finger_overlap, palm_overlap
 from khepera_forage.worlds.batch.packing import pack, packed
 from khepera_forage.worlds.batch.rows import LANES
-from khepera_forage.worlds.wall_watch import _GRIPPER_AHEAD as GRIPPER_AHEAD
-from khepera_forage.worlds.wall_watch import _GRIPPER_RADIUS as GRIPPER_RADIUS
-from khepera_forage.worlds.wall_watch import PUSHED
+from khepera_forage.worlds.wall_watch import GRIPPER_AHEAD, GRIPPER_RADIUS, PUSHED, SHOVED
 
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
-_SHOVED = RADIUS + FOOD_RADIUS + 1.0
-"""Food that the body itself may push lies within this of its centre, mm."""
 # What `watch_walls` looks at of the lanes near a wall, packed into the scratch rows.
 _OF_ROUND = np.array((at.FREE_X, at.FREE_Y, at.FREE_COS, at.FREE_SIN, at.FREE_JAW))
 _OF_ROBOT = np.array((at.X, at.Y, at.HELD, at.GRIP_X, at.GRIP_Y))
@@ -60,7 +56,7 @@ def look_around(
         for i in range(LANES):
             dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
             dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-            reach = PUSHED if s[at.ARM * LANES + i] >= ARM_ON_FLOOR else _SHOVED
+            reach = PUSHED if s[at.ARM * LANES + i] >= ARM_ON_FLOOR else SHOVED
             reach += w[at.TRAVEL * LANES + i]
             near = dx * dx + dy * dy < reach * reach and s[at.HELD * LANES + i] != food
             w[at.NEAR_FOOD * LANES + i] = 1.0 if near else w[at.NEAR_FOOD * LANES + i]
