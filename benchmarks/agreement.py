@@ -14,8 +14,8 @@ import numpy as np
 from _agreement import comparing, page, samples
 from arguments import add_count, count_of, parser_for
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
 
 EPISODES, QUICK_EPISODES = 3_000, 50
 REPEATS, QUICK_REPEATS = 200, 20

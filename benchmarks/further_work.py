@@ -20,8 +20,8 @@ from arguments import add_count, count_of, parser_for
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
 
 REPLICATIONS, QUICK_REPLICATIONS = 20, 2
 QUICK = {"files": 3, "recalls": 1, "generations": 2, "attempts": 5}

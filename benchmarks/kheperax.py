@@ -22,8 +22,8 @@ from _kheperax.work import Work
 from arguments import add_count, count_of, parser_for, positive
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
 
 REPEATS, QUICK_REPEATS = 7, 2
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)

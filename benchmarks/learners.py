@@ -24,8 +24,8 @@ from _learners.units import Unit, everyone, left_out, plan, told
 from arguments import add_count, count_of, parser_for
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import RowWriter, read_rows
+from khepera_forage.rollouts.row_files import RowWriter, read_rows
+from khepera_forage.thesis.figures import save
 
 TUNING = "tuning"
 """The folder in `--out` that `--tune` writes to."""

@@ -20,8 +20,8 @@ from _operations.peaks import ARITHMETIC as ARITHMETIC_LOOP
 from _operations.peaks import COMPARISONS, DIVISIONS, MEMORY, PEAKS, Peak, rate, width
 from arguments import add_count, count_of, parser_for
 
-from khepera_forage.envs.batch.episodes import run_teacher
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.thesis.tables import Column, Table
 
 STEPS, QUICK_STEPS = 20_000, 100
 """Steps that are counted, about: whole episodes of some `_EPISODE` each."""

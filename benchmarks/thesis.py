@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from khepera_forage.experiments import reproduce
+from khepera_forage.thesis import reproduce
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(

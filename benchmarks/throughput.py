@@ -31,8 +31,8 @@ from _throughput.lines import Job, Line, lines_of, repeated
 from arguments import add_count, count_of, parser_for
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
 
 REPEATS, QUICK_REPEATS = 7, 2
 STEPS, QUICK_STEPS = 10_000, 400

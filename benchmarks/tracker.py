@@ -26,11 +26,11 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.rendered_training import RenderedTraining
-from khepera_forage.experiments.row_files import write_rows
-from khepera_forage.experiments.tables import Table
-from khepera_forage.vision.drawing import draw_scene
+from khepera_forage.rollouts.rendered_training import RenderedTraining
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
+from khepera_forage.thesis.tables import Table
+from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.tracker import Tracker
 
 SCENES, QUICK_SCENES = 1000, 30

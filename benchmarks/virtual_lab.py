@@ -23,9 +23,9 @@ from arguments import add_count, count_of, parser_for, positive
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
-from khepera_forage.experiments.rows import RecallRow, TrainingRow
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.thesis.figures import save
 
 REPLICATIONS, QUICK_REPLICATIONS = 16, 1
 FILES, QUICK_FILES = 5, 1

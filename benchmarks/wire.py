@@ -15,8 +15,8 @@ from _wire.rounds import Round, rounds, work
 from arguments import add_count, count_of, parser_for
 from tqdm import tqdm
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.row_files import write_rows
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.thesis.figures import save
 
 ROUNDS, QUICK_ROUNDS = 200, 40
 STEM = "wire"

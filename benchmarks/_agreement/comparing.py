@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from _agreement.samples import Condition, Sample
-from khepera_forage.experiments.statistics import Estimate, wilson
+from khepera_forage.thesis.statistics import Estimate, wilson
 
 LEVEL = 0.05
 Floats = NDArray[np.float64]

@@ -7,8 +7,8 @@ import numpy as np
 
 from _agreement.comparing import LEVEL, Comparison, Power, holm
 from _agreement.samples import CONDITIONS, MEMORIES, SLOW, TRAININGS, Condition, Sample
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

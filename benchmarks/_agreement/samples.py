@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.experiments.training import arrays, train
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.policies.ballot_box import memories_of
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.training import arrays, train
 
 TEACHER, IMITATOR = "teacher", "imitator"
 FOODS, LIMITS = {"corridor": 1, "rectangle": 2}, {"corridor": 500, "rectangle": 700}
@@ -146,7 +146,7 @@ def in_batch(
     seed: int, condition: Condition, episodes: int, known: tuple[Experience, ...], wheel_speed: float = 1.0
 ) -> Sample:
     """Recalls of one condition, with random numbers of their own."""
-    from khepera_forage.envs.batch import episodes as batch
+    from khepera_forage.rollouts.compiled import recalls as batch
 
     policy, arena = condition
     memories, which = None, np.full(episodes, batch.TEACHER)

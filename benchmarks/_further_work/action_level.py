@@ -29,12 +29,12 @@ from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Recalled, Unit
 from _further_work.variety import ALL, ONE, setups
 from _further_work.witness import Taught, witnessed
-from khepera_forage.experiments.claims.claim import Above, Claim, Within, judged
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.foraging.behaviours import command
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learned_behaviours import LearnedBehaviours
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.task.behaviours import command
+from khepera_forage.thesis.claims.claim import Above, Claim, Within, judged
+from khepera_forage.thesis.claims.claim import Unit as Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -22,14 +22,14 @@ from _further_work.pictures import COLOURS, panels
 from _further_work.places import ABOUT, FURTHER, NEARER, PLACES, at, places_table
 from _further_work.rows import Done, Recalled, Unit
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import Above, Claim, Within, judged, points
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.figures import mark
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.training import arrays
 from khepera_forage.policies import Policy
 from khepera_forage.policies.adapters import ClassifierPolicy
 from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import arrays
+from khepera_forage.thesis.claims.claim import Above, Claim, Within, judged, points
+from khepera_forage.thesis.claims.claim import Unit as Scale
+from khepera_forage.thesis.figures import mark
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,16 +21,16 @@ from _further_work.pictures import legend, levels, panels
 from _further_work.rows import Done, Lesson, Recalled, Unit
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.claims.claim import Above, Claim, judged
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.statistics import UNKNOWN
-from khepera_forage.experiments.training import HopelessTraining
 from khepera_forage.policies import Teacher
-from khepera_forage.worlds.arena import ARENAS as FLOORS
-from khepera_forage.worlds.arena import CORRIDOR, copies
-from khepera_forage.worlds.body import Body
-from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.robots.parameters import Body
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import HopelessTraining
+from khepera_forage.sim.arena import ARENAS as FLOORS
+from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.thesis.claims.claim import Above, Claim, judged
+from khepera_forage.thesis.claims.claim import Unit as Scale
+from khepera_forage.thesis.statistics import UNKNOWN
 
 BODIES = {
     "the teacher's own": Body(),

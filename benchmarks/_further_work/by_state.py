@@ -6,8 +6,8 @@ import numpy as np
 
 from _further_work.measures import Measure, mean
 from _further_work.rows import Recalled
-from khepera_forage.experiments.tables import Column, Table, Value
-from khepera_forage.foraging.states import State
+from khepera_forage.task.states import State
+from khepera_forage.thesis.tables import Column, Table, Value
 
 STATES = tuple(state for state in State if state != State.UNKNOWN)
 

@@ -26,13 +26,13 @@ from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Lesson, Recalled, Unit
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.claims.claim import Claim, Rule, Within, judged
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.training import HopelessTraining
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import HopelessTraining
+from khepera_forage.task.states import Behaviour
+from khepera_forage.thesis.claims.claim import Claim, Rule, Within, judged
+from khepera_forage.thesis.claims.claim import Unit as Scale
 
 EPISODES = {"1 episode": 1, "5 episodes": 5}
 """A generation's lessons."""

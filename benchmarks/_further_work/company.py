@@ -19,8 +19,8 @@ from _further_work.phases import learn, training_seeds
 from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Lesson, Unit
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import Above, Claim, Rule, judged
-from khepera_forage.experiments.claims.claim import Unit as Scale
+from khepera_forage.thesis.claims.claim import Above, Claim, Rule, judged
+from khepera_forage.thesis.claims.claim import Unit as Scale
 
 LEARNERS = (1, 2, 3, 4)
 PRICE = Measure[Lesson]("rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount)

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Any
 
+from khepera_forage.envs.arguments import behaviour_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.checks import behaviour_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.foraging.perception import RawData
-from khepera_forage.foraging.states import BEHAVIOURS
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import BEHAVIOURS
 
 
 class CopyingEnv(TrainingEnv):

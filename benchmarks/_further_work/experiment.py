@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from _further_work.rows import Done, Size, Unit
-from khepera_forage.experiments.claims.claim import Claim
-from khepera_forage.experiments.tables import Table
+from khepera_forage.thesis.claims.claim import Claim
+from khepera_forage.thesis.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

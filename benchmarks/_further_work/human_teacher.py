@@ -24,13 +24,13 @@ from _further_work.phases import ARENAS, imitator, learn, recall_all, training_s
 from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Lesson, Recalled, Unit
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.claims.claim import Claim, Within, judged, points
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.training import HopelessTraining
-from khepera_forage.foraging.states import BEHAVIOURS, Behaviour, behaviour_for, classify
 from khepera_forage.policies import Observation
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import HopelessTraining
+from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
+from khepera_forage.thesis.claims.claim import Claim, Within, judged, points
+from khepera_forage.thesis.claims.claim import Unit as Scale
 
 DELAYS = (0, 2, 3, 5)
 """Rounds of 0.1 s that a person reacts late: 0.2 to 0.5 s at the robots' own pace. An assumption, not measured."""

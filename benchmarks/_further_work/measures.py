@@ -6,7 +6,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 
 from _further_work.rows import Lesson, Recalled
-from khepera_forage.experiments.statistics import (
+from khepera_forage.thesis.statistics import (
     UNKNOWN,
     Estimate,
     bootstrap,
@@ -14,7 +14,7 @@ from khepera_forage.experiments.statistics import (
     replications,
     tally,
 )
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.thesis.tables import Column, Table, Value
 
 RowT = TypeVar("RowT", Lesson, Recalled)
 

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from _further_work.experiment import Experiment, Report
-from khepera_forage.experiments.claims.claim import Claim, Verdict
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.thesis.claims.claim import Claim, Verdict
+from khepera_forage.thesis.tables import Column, Table
 
 
 def claim_table(claims: Sequence[Claim]) -> Table:

@@ -11,11 +11,11 @@ from _further_work.rows import Lesson, Recalled, Unit
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.recalling import recall
-from khepera_forage.experiments.replication import TRAINING_DISTANCE
-from khepera_forage.experiments.training import arrays, train
-from khepera_forage.foraging.states import FoodType, behaviour_for, classify
 from khepera_forage.policies import NearestNeighbourImitator, Policy
+from khepera_forage.rollouts.recall import recall
+from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.task.states import FoodType, behaviour_for, classify
+from khepera_forage.thesis.replication import TRAINING_DISTANCE
 
 ARENAS = ("corridor", "rectangle")
 

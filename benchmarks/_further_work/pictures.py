@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from _further_work.measures import Measure, RowT, amounts_of, conditions_of, mean, pick
-from khepera_forage.experiments.figures import mark, new_figure
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.thesis.figures import mark, new_figure
+from khepera_forage.thesis.statistics import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ import numpy as np
 
 from _further_work.measures import DELIVERED, SCORE, conditions_of, means_table, pick
 from _further_work.rows import Recalled
-from khepera_forage.experiments.tables import Table
+from khepera_forage.thesis.tables import Table
 
 NEARER, ABOUT, FURTHER = "nearer home", "about as in training", "further out"
 PLACES = {NEARER: (-math.inf, -5.0), ABOUT: (-5.0, 15.0), FURTHER: (15.0, math.inf)}

@@ -7,11 +7,11 @@ from typing import Self
 import numpy as np
 
 from _further_work.witness import Moment
-from khepera_forage.foraging.angles import length
-from khepera_forage.foraging.perception import RawData
-from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.geometry.angles import length
 from khepera_forage.policies import NearestNeighbourImitator, Observation
 from khepera_forage.robots.khepera import FINGER_TIP
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 FULL = 1000

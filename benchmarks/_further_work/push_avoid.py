@@ -23,9 +23,11 @@ from _further_work.measures import (
 from _further_work.phases import ARENAS, imitator, learn, recall_all, training_seeds
 from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Recalled, Unit
-from khepera_forage.envs.checks import FoodOdds
+from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import (
+from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.thesis.claims.claim import (
     Above,
     AtMost,
     Claim,
@@ -33,10 +35,8 @@ from khepera_forage.experiments.claims.claim import (
     percent_change,
     points,
 )
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.statistics import FEWEST, Estimate, replications, wilson
-from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.thesis.claims.claim import Unit as Scale
+from khepera_forage.thesis.statistics import FEWEST, Estimate, replications, wilson
 
 FOOD: dict[str, FoodOdds] = {
     "pickable": "PICKABLE",

@@ -7,7 +7,9 @@ from itertools import groupby
 import numpy as np
 
 from khepera_forage.experience import Experience
-from khepera_forage.foraging.states import (
+from khepera_forage.policies import Observation, Policy
+from khepera_forage.policies.policy import state_vector_of
+from khepera_forage.task.states import (
     BEHAVIOURS,
     CARRY_HEIGHT,
     CLOSE_TO_FOOD,
@@ -18,8 +20,6 @@ from khepera_forage.foraging.states import (
     StateVector,
     classify,
 )
-from khepera_forage.policies import Observation, Policy
-from khepera_forage.policies.policy import state_vector_of
 
 PATIENCE = 100
 """Steps after which a behaviour that has not reached its goal has failed: ten seconds. Our decision (4.2.1)."""

@@ -12,12 +12,12 @@ from _further_work.road_policies import StateLabels, UntilGoal, beginnings
 from _further_work.rows import Done, Recalled, Unit
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import Above, Claim, Within, judged, points
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.statistics import UNKNOWN
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.thesis.claims.claim import Above, Claim, Within, judged, points
+from khepera_forage.thesis.claims.claim import Unit as Scale
+from khepera_forage.thesis.statistics import UNKNOWN
 
 OWN, HIGHEST, LABELS = "the thesis' own", "highest confidence", "state labels"
 GOAL, GOAL_ALL = "until the goal, one vector each", "until the goal, all vectors"

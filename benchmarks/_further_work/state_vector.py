@@ -26,10 +26,10 @@ from _further_work.rows import Done, Recalled, Unit
 from _further_work.witness import witnessed
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import Above, Claim, Within, judged, points
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.foraging.perception import RawData
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.task.perception import RawData
+from khepera_forage.thesis.claims.claim import Above, Claim, Within, judged, points
+from khepera_forage.thesis.claims.claim import Unit as Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -26,13 +26,13 @@ from _further_work.measures import (
 from _further_work.phases import ARENAS, imitator, learn, recall_all, training_seeds
 from _further_work.pictures import curves, legend, panels
 from _further_work.rows import Done, Recalled, Unit
-from khepera_forage.envs.placement import random_layout
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.claims.claim import Above, Claim, judged, points
-from khepera_forage.experiments.claims.claim import Unit as Scale
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.tables import Table
-from khepera_forage.worlds.arena import CORRIDOR
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.task.placement import random_layout
+from khepera_forage.thesis.claims.claim import Above, Claim, judged, points
+from khepera_forage.thesis.claims.claim import Unit as Scale
+from khepera_forage.thesis.tables import Table
 
 ONE, FOOD, ALL = "one set-up", "food moved", "start and food moved"
 _percent = Scale("%", ".1f")

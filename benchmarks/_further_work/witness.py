@@ -10,10 +10,10 @@ from _further_work.rows import Lesson, Unit
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.foraging.perception import RawData
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour
 
 
 class Moment(NamedTuple):

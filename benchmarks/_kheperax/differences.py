@@ -2,11 +2,11 @@
 
 from _kheperax.theirs import About
 from _kheperax.work import FOODS, HELD, ROUNDS, SENSOR_NOISE, TRAVEL, WHEEL_NOISE
-from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import RADIUS, WHEEL_BASE
 from khepera_forage.robots.proximity import REACH
-from khepera_forage.worlds.pymunk_khepera import SUBSTEPS
+from khepera_forage.sim.pymunk.khepera import SUBSTEPS
+from khepera_forage.thesis.tables import Column, Table
 
 EQUAL = f"""## What is equal
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from _kheperax.ours import Bodies, whole_task
 from _kheperax.theirs import Kheperax, Timed
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.thesis.statistics import Estimate
 
 
 class Pair(NamedTuple):

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from _kheperax.theirs import Timed
 from _kheperax.work import ARENA, FOODS, HELD, ROUNDS, Work
-from khepera_forage.envs.batch.episodes import run_teacher
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, MAX_SPEED
-from khepera_forage.worlds.batch import BatchWorld
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.sim.compiled import BatchWorld
 
 EPISODES_A_WORLD = 4
 """Episodes of the whole task for each world in memory: the blocks of worlds then end at about the same time."""

@@ -22,9 +22,9 @@ from _kheperax.lines import (
     worlds_of,
 )
 from _kheperax.theirs import About
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table, Value, interval
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.thesis.statistics import UNKNOWN, Estimate
+from khepera_forage.thesis.tables import Column, Table, Value, interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ from khepera_forage.robots.khepera import (
     SPEED_UNIT,
 )
 from khepera_forage.robots.proximity import REACH, SENSORS
-from khepera_forage.worlds.arena import RECTANGLE
+from khepera_forage.sim.arena import RECTANGLE
 
 ARENA = RECTANGLE
 FOODS = ((200.0, 200.0), (450.0, 200.0), (200.0, 400.0), (450.0, 400.0))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from _learners.rows import Batch
-from khepera_forage.experiments.statistics import (
+from khepera_forage.thesis.statistics import (
     UNKNOWN,
     Estimate,
     bootstrap,

@@ -9,7 +9,7 @@ from typing import Any
 from _learners.lessons import Compared
 from _learners.rows import Batch, Size
 from _learners.units import cells
-from khepera_forage.experiments.row_files import RowWriter, read_rows, write_rows
+from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 
 ROWS, SETTINGS = "rows.csv", "settings.json"
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import site_of
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.dagger import dagger
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.reinforcement import reinforce
-from khepera_forage.experiments.training import arrays, train
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.learners import FromQueries, FromSteps, FromVectors, Learner
 from khepera_forage.policies.uniform import UniformPolicy
-from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE
+from khepera_forage.rollouts.dagger import dagger
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.reinforcement import reinforce
+from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
 
 SITES = {arena.name: site_of(arena) for arena in (CORRIDOR, RECTANGLE)}
 """What is known of each arena from the beginning."""

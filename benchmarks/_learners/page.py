@@ -7,8 +7,8 @@ from _learners.curves import ENOUGH, Curve
 from _learners.lessons import REFERENCES, Compared
 from _learners.rows import ARENAS
 from _learners.units import told
-from khepera_forage.experiments.tables import Column, Table, Value, interval
 from khepera_forage.policies.learners import FromSteps, Needs
+from khepera_forage.thesis.tables import Column, Table, Value, interval
 
 ENOUGH_NAME = f"steps to {100 * ENOUGH:.0f} % of the food"
 HOW = """Everyone learns in the corridor and nowhere else, and then forages alone in the corridor and in the rectangle:

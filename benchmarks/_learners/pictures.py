@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from _learners.curves import ENOUGH, Curve
 from _learners.lessons import Compared
 from _learners.rows import ARENAS
-from khepera_forage.experiments.figures import GREY, new_figure
 from khepera_forage.policies.learners import Needs
+from khepera_forage.thesis.figures import GREY, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,9 +13,9 @@ from _learners.curves import Curve, difference
 from _learners.lessons import Compared
 from _learners.rows import ARENAS, Batch
 from _learners.units import told
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table, interval
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
+from khepera_forage.thesis.statistics import UNKNOWN, Estimate
+from khepera_forage.thesis.tables import Column, Table, interval
 
 FIRST_SEED = 1_000
 """Replications from this number on are for tuning, those before it for the comparison."""

@@ -10,10 +10,10 @@ from threadpoolctl import threadpool_limits
 
 from _learners.lessons import REFERENCES, Compared, Learned, lessons
 from _learners.rows import ARENAS, Batch, Size
-from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.experiments.rows import RecallRow
-from khepera_forage.experiments.wheels_recalling import WheelsRecall, recall_wheels, recall_wheels_env
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, recall_wheels_env
 
 _SHOWN = ("title", "algorithm", "settings")
 """Fields of a learner that `told` says in another way, or that stand beside it."""

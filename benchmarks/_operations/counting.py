@@ -16,14 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from _operations.counters import ACCOUNT, CountingMath, CountingNumpy, Rows
-from khepera_forage.envs.batch import compiled_task, playing, register, task
-from khepera_forage.envs.batch.deciding import TEACHER, empty_decisions
-from khepera_forage.envs.batch.rules import rules_of
-from khepera_forage.envs.batch.worlds import Worlds, empty_worlds
-from khepera_forage.foraging import angles
+from khepera_forage.envs.compiled import compiled_rules as compiled_task
+from khepera_forage.envs.compiled import food_tracking as register
+from khepera_forage.envs.compiled import task
+from khepera_forage.envs.compiled.parameters import rules_of
+from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds
+from khepera_forage.geometry import angles
 from khepera_forage.policies.ballot_box import NO_MEMORIES
 from khepera_forage.robots.khepera import applicable
-from khepera_forage.worlds.batch import camera, contact, drive, numbers, sensing, tracks, watching
+from khepera_forage.rollouts.compiled import rollout_kernel as playing
+from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, empty_decisions
+from khepera_forage.sim.compiled import broad_phase as watching
+from khepera_forage.sim.compiled import camera, contact, drive, numbers, sensing, tracks
 
 PARTS: dict[str, tuple[Callable[..., Any], ...]] = {
     "driving, and what is near": (

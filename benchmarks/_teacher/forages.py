@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.policies import Observation, Policy, Teacher
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.task.states import Behaviour, FoodType
 
 TEACHER, NO_ORIENT = "teacher", "SEARCH for ORIENT"
 ARENAS = ("corridor", "rectangle")

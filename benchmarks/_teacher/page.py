@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from _teacher.forages import CONDITIONS, NO_ORIENT, Condition, Forage
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
-from khepera_forage.experiments.statistics import Estimate, wilson
-from khepera_forage.experiments.tables import Column, Table
-from khepera_forage.foraging.states import FoodType
+from khepera_forage.task.states import FoodType
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.thesis.statistics import Estimate, wilson
+from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -22,9 +22,9 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.robots.proximity import REACH
-from khepera_forage.worlds.arena import CORRIDOR
-from khepera_forage.worlds.pymunk_food import FLOOR_FRICTION
-from khepera_forage.worlds.pymunk_food import MASS as FOOD_MASS
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.pymunk.food import FLOOR_FRICTION
+from khepera_forage.sim.pymunk.food import MASS as FOOD_MASS
 
 PHYSICS_STEP = 0.02
 SUBSTEPS = 5

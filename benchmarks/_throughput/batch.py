@@ -45,7 +45,7 @@ def job(episodes: int, seed: int) -> Job:
     """
     import numba
 
-    from khepera_forage.envs.batch.episodes import run_teacher
+    from khepera_forage.rollouts.compiled.recalls import run_teacher
 
     env: Any = gym.make_vec("khepera_forage/Corridor-v0", num_envs=WORLDS)
     _, infos = env.reset(seed=seed)

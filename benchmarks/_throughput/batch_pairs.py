@@ -22,7 +22,7 @@ def job(episodes: int, seed: int) -> Job:
         episodes: Complete training episodes a repeat.
         seed: Of all trainings.
     """
-    from khepera_forage.envs.batch.pairs import train_learners
+    from khepera_forage.rollouts.compiled.training import train_learners
 
     def repeat() -> Values:
         start = perf_counter()

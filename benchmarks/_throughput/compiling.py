@@ -15,9 +15,9 @@ CALLS = {
     "env = gym.make_vec('khepera_forage/Corridor-v0', num_envs=4096)" + _STEP,
     'make with physics="batch", a step': "import gymnasium as gym, khepera_forage; "
     "env = gym.make('khepera_forage/Corridor-v0', physics='batch')" + _STEP,
-    "run_teacher, 128 recalls": "from khepera_forage.envs.batch.episodes import run_teacher; "
+    "run_teacher, 128 recalls": "from khepera_forage.rollouts.compiled.recalls import run_teacher; "
     "run_teacher('corridor', 128)",
-    "train_learners, 128 learners": "from khepera_forage.envs.batch.pairs import train_learners; "
+    "train_learners, 128 learners": "from khepera_forage.rollouts.compiled.training import train_learners; "
     "train_learners(128)",
 }
 FIRST = {call: Measure(SECTION, f"{call}, nothing on disk", "s", "", 30.0) for call in CALLS}

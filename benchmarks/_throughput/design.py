@@ -15,7 +15,7 @@ def job(replications: int, seed: int) -> Values:
         replications: Each with ten training files and 106 recalls.
         seed: Of all of them.
     """
-    from khepera_forage.experiments.batch_replications import SIZE, ReplicationBatch
+    from khepera_forage.thesis.compiled_replications import SIZE, ReplicationBatch
 
     def run(count: int) -> None:
         for first in range(0, count, SIZE):

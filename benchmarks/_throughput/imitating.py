@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from _throughput.lines import Job, Measure, Values
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.recalling import recall_env
-from khepera_forage.experiments.training import arrays, train
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import arrays, train
 
 VECTORS = 1_000
 GOAL = 40_000

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from _throughput import bare_pymunk, batch, compiling, foraging, imitating, parts, processes, scaling
 from _throughput.lines import Line
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,9 +16,9 @@ from _throughput.lines import Job, Measure, Values
 from _throughput.stopwatch import Method, Sheet, Stopwatch
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
-from khepera_forage.vision.overhead import OverheadCamera
-from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
-from khepera_forage.worlds.pymunk_world import PymunkWorld
+from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.vision.simulated_camera import OverheadCamera
 
 _WRAPPERS, _OUTCOME, _DECISION = "Gymnasium's wrappers", "observation, reward, info", "the teacher's decision"
 _BODIES = "wheels, gripper and rounds, in Python"

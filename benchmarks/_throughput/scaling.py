@@ -10,8 +10,8 @@ import numpy as np
 import khepera_forage  # noqa: F401 (registers the environments)
 from _throughput import batch
 from _throughput.lines import Job, Line, Measure, Values
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
-from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,8 +50,8 @@ def job(steps: int, seed: int) -> Job:
         steps: Of worlds together, of each measure in a repeat.
         seed: Of all worlds.
     """
-    from khepera_forage.envs.batch import rows as at
-    from khepera_forage.envs.batch.batch import TaskBatch
+    from khepera_forage.envs.compiled import rows as at
+    from khepera_forage.envs.compiled.batch import TaskBatch
 
     def stepping(env: Any, worlds: int) -> float:
         _, infos = env.reset(seed=seed)

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frames import CameraLook
-from khepera_forage.vision.retracking import Detection
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.rendering.frames import CameraLook
 from khepera_forage.vision.shapes import FOOD_FEATURES, MARKER_FEATURES, PICTURE_HEIGHT
 
 _LOOK = CameraLook.laboratory()

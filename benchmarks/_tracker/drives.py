@@ -7,9 +7,9 @@ import numpy as np
 
 from _tracker import bare
 from _tracker.sights import BARE, MODEL, TRACKER, Sight, sights, straight
-from khepera_forage.experiments.rendered_training import RenderedTraining
 from khepera_forage.noise import Noise
-from khepera_forage.vision.overhead import OverheadCamera
+from khepera_forage.rollouts.rendered_training import RenderedTraining
+from khepera_forage.vision.simulated_camera import OverheadCamera
 from khepera_forage.vision.tracker import Tracker
 
 ANCHOR = 400.0

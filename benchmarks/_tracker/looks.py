@@ -9,10 +9,10 @@ import numpy as np
 
 from _tracker.sights import TRACKER, Sight, sights
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.frames import CameraLook, FrameRenderer
-from khepera_forage.vision.overhead import Truth
+from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.simulated_camera import Truth
 from khepera_forage.vision.tracker import Tracker
 
 _LAB = CameraLook.laboratory()

@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import Estimate, wilson
-from khepera_forage.experiments.tables import Column, Table, Value
-from khepera_forage.vision.drawn.frame_light import Light
-from khepera_forage.vision.drawn.frame_pen import Place, draw
-from khepera_forage.vision.frames import CameraLook, marker_parts
+from khepera_forage.thesis.statistics import Estimate, wilson
+from khepera_forage.thesis.tables import Column, Table, Value
+from khepera_forage.vision.rendering.canvas import Place, draw
+from khepera_forage.vision.rendering.frames import CameraLook, marker_parts
+from khepera_forage.vision.rendering.light import Light
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import MARKER_HOLES, PICTURE_HEIGHT, PICTURE_WIDTH
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from _tracker.sights import Sight
-from khepera_forage.experiments.statistics import Estimate, wilson
+from khepera_forage.thesis.statistics import Estimate, wilson
 
 REVERSED = 90.0
 """Degrees of error beyond which a heading counts as the wrong way round."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from _tracker.measures import errors, jitter, losses, relabelled, share
 from _tracker.sights import BARE, KINDS, MODEL, TRACKER, Sight
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.noise import Noise
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

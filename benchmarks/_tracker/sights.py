@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.overhead import Truth
-from khepera_forage.vision.retracking import Detection
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from khepera_forage.vision.shapes import MARKER_FRAME, Plate, distance_to_segment, under_plate
+from khepera_forage.vision.simulated_camera import Truth
 
 TRACKER, MODEL, BARE = "tracker", "model", "bare threshold"
 KINDS = ("food", "1 hole", "2 holes")

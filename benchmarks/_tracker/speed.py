@@ -4,7 +4,7 @@ import time
 
 import cv2
 
-from khepera_forage.experiments.rendered_training import RenderedTraining
+from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.tracker import Tracker
 
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from _virtual_lab.episodes import ARENAS, LEARNERS, PYMUNK, VIRTUAL, WORLDS, Outcome
-from khepera_forage.experiments.rows import RecallRow, TrainingRow
-from khepera_forage.experiments.statistics import Estimate, bootstrap, contrast, ratio, replications, tally
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.thesis.statistics import Estimate, bootstrap, contrast, ratio, replications, tally
 
 RESAMPLE_SEED = 20010
 """Of the bootstrap's own draws: the same rows give the same intervals."""

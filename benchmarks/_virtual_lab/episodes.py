@@ -7,15 +7,15 @@ import numpy as np
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.recalling import RecallCutShort, recall, recall_env
-from khepera_forage.experiments.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
-from khepera_forage.experiments.training import arrays, train
+from khepera_forage.lab.operator import OperatorGaveUp
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.worlds.lab.operator import OperatorGaveUp
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
-from khepera_forage.worlds.world import World
+from khepera_forage.rollouts.recall import RecallCutShort, recall, recall_env
+from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
+from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.sim.world import World
 
 PYMUNK, VIRTUAL = "pymunk", "virtual"
 WORLDS = (PYMUNK, VIRTUAL)

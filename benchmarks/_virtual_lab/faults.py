@@ -13,9 +13,9 @@ import numpy as np
 
 from _virtual_lab.watched import Notes, Vector, WatchedTraining, moving
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.experiments.training import HopelessTraining, train
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+from khepera_forage.rollouts.training import HopelessTraining, train
 
 RATES = (0.001, 0.01, 0.05)
 LATENESS = (0.02, 0.2)

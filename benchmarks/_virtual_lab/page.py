@@ -8,8 +8,8 @@ from _virtual_lab.compared import Compared
 from _virtual_lab.disturbances import Disturbance
 from _virtual_lab.faults import LATENESS
 from _virtual_lab.rounds import LOCK_STEP, PACED, PARTS, TimedRound
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.thesis.tables import Column, Table
 
 _WORLDS = (
     "Virtual laboratory: real driver, real bytes over pseudo-terminals, real tracker on rendered frames. Pymunk: the "

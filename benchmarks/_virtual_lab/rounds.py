@@ -12,13 +12,13 @@ import numpy as np
 from _throughput.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.training import train
+from khepera_forage.lab.clock import WallBeat
+from khepera_forage.lab.virtual_laboratory import VirtualBeat, VirtualLaboratory
 from khepera_forage.noise import Noise
-from khepera_forage.robots.fleet import Fleet
-from khepera_forage.vision.frames import RenderedSource
+from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.rollouts.training import train
+from khepera_forage.vision.rendering.frames import RenderedSource
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.worlds.lab.beat import WallBeat
-from khepera_forage.worlds.virtual_laboratory import VirtualBeat, VirtualLaboratory
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
 """As fast as the machine goes; bytes at 38400 baud and rounds of 100 ms."""

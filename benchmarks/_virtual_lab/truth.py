@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.envs.checks import food_odds
+from khepera_forage.envs.arguments import food_odds
 from khepera_forage.envs.forager import Forager, site_of
-from khepera_forage.envs.register import FoodRegister, FoodTypes
-from khepera_forage.foraging.states import StateVector
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, Senses, applicable
+from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
+from khepera_forage.task.states import StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
 
 _PULSES_A_UNIT = 10
 """Encoder pulses a round and speed unit."""

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from _virtual_lab.truth import Truth
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.foraging.states import Behaviour, StateVector
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
 from khepera_forage.robots.virtual.line_faults import FaultCounts, Faults
 from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+from khepera_forage.task.states import Behaviour, StateVector
 
 Vector = tuple[StateVector, Behaviour]
 """An experience vector."""

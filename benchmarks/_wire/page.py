@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from _wire.rounds import FLEETS, Round
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.line.serial_port import BAUDS, BITS_PER_BYTE
+from khepera_forage.robots.serial.port import BAUDS, BITS_PER_BYTE
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from khepera_forage.robots.firmware import Firmware
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.robots.line.line_events import Traffic
-from khepera_forage.robots.line.serial_port import BAUDS, seconds_on_wire
-from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.serial.line_events import Traffic
+from khepera_forage.robots.serial.port import BAUDS, seconds_on_wire
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-from khepera_forage.worlds.arena import CORRIDOR, copies
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import Layout
+from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
 
 FLEETS = (1, 2, 4, 8)
 _PERIOD = 20

@@ -2,9 +2,11 @@
 
 import math
 
-from khepera_forage.envs.register import FoodRegister
-from khepera_forage.foraging.behaviours import command
-from khepera_forage.foraging.perception import (
+from khepera_forage.robots.khepera import Motors, Robot, Senses
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.food_tracking import FoodRegister
+from khepera_forage.task.perception import (
     RawData,
     Site,
     nearest_food,
@@ -13,10 +15,8 @@ from khepera_forage.foraging.perception import (
     state_vector,
     wall_of,
 )
-from khepera_forage.foraging.states import Behaviour, State, StateVector, behaviour_for, classify
-from khepera_forage.robots.khepera import Motors, Robot, Senses
+from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from khepera_forage.worlds.arena import Arena
 
 
 def site_of(arena: Arena) -> Site:

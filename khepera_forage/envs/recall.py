@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.checks import (
+from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     food_odds,
@@ -16,18 +16,18 @@ from khepera_forage.envs.checks import (
     whole_number,
 )
 from khepera_forage.envs.forager import Forager, site_of
-from khepera_forage.envs.placement import given_layout
-from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
-from khepera_forage.foraging.scoring import penalty, score
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import LOST, World
+from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
+from khepera_forage.task.placement import given_layout
+from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.worlds.arena import Arena
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import LOST, World
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")

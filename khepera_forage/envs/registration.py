@@ -12,7 +12,7 @@ def register_all() -> None:
                 kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
                 gym.register(
                     env_id,
-                    entry_point=f"khepera_forage.envs.physics:{kind}",
-                    vector_entry_point=f"khepera_forage.envs.vectorized:{kind}",
+                    entry_point=f"khepera_forage.envs.entry_points:{kind}",
+                    vector_entry_point=f"khepera_forage.envs.vector_entry_points:{kind}",
                     kwargs=kwargs,
                 )

@@ -10,7 +10,7 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
-from khepera_forage.envs.checks import (
+from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     behaviour_number,
@@ -18,19 +18,19 @@ from khepera_forage.envs.checks import (
     the_arena,
     whole_number,
 )
-from khepera_forage.envs.demonstration import Demonstration
 from khepera_forage.envs.forager import Forager, site_of
-from khepera_forage.envs.placement import marked, training_layout
-from khepera_forage.envs.register import FoodRegister, FoodTypes
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.showing import RENDER_MODES, Screen, foods_shown, robot_shown
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
+from khepera_forage.envs.training_episode import Demonstration
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.sim.arena import Arena, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import LOST, World
+from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
+from khepera_forage.task.placement import marked, training_layout
+from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.worlds.arena import Arena, Pose, copies
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import LOST, World
 
 TEACHER = "teacher_0"
 PATIENCE = 100

@@ -6,7 +6,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from khepera_forage.envs.checks import motor_action
+from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.robots.khepera import (

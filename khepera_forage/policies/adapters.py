@@ -11,8 +11,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
+from khepera_forage.task.states import Behaviour, StateVector
 
 MEMO_SIZE = 32768
 """State vectors whose probabilities are remembered."""

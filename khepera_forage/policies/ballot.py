@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies.votes import ARM_SPAN
+from khepera_forage.task.states import Behaviour
 
 BEHAVIOURS = int(Behaviour.WAIT)
 """How many can be heard; WAIT is silence."""

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies.ballot import BEHAVIOURS, Memories, plane_key
+from khepera_forage.task.states import StateVector
 
 LARGEST = {"object_presence": 1, "robot_home_distance": 8191, "food_type": 3, "arms_height": 255}
 """What a memory can hold of each attribute; the least is 0."""

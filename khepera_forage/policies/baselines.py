@@ -1,4 +1,4 @@
-"""Models of stable-baselines3 as policies (extra `baselines`); `experiments.reinforcement` trains them."""
+"""Models of stable-baselines3 as policies (extra `baselines`); `rollouts.reinforcement` trains them."""
 
 import io
 from collections.abc import Callable, Mapping
@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies.features import state_vector_features, wheels_features
 from khepera_forage.policies.policy import Observation, state_vector_of
+from khepera_forage.task.states import Behaviour, StateVector
 
 ALGORITHMS = ("PPO", "DQN", "SAC")
 """Names of classes in stable-baselines3."""

@@ -11,11 +11,11 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies.merging import merged
 from khepera_forage.policies.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.policies.votes import PixelVotes, PlainVotes, VoteIndex, all_pixels
+from khepera_forage.task.states import Behaviour, StateVector
 
 MEMO_SIZE = 32768
 """State vectors remembered, some 15 MB. Of a corridor a policy sees a few thousand distinct ones."""

@@ -7,10 +7,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.angles import bearing_of, length, turn_to
-from khepera_forage.foraging.behaviours import wait
-from khepera_forage.foraging.perception import RawData
+from khepera_forage.geometry.angles import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+from khepera_forage.task.behaviours import wait
+from khepera_forage.task.perception import RawData
 
 RELATIONS = 17
 _ARM_HALF, _JAW_HALF = (ARM_DOWN + ARM_RAISED) / 2, (JAW_OPEN + JAW_CLOSED) / 2
@@ -51,7 +51,7 @@ def _bearing(raw: RawData, x: float, y: float) -> float:
 
 
 class LearnedBehaviours:
-    """In the place of `foraging.behaviours.command`: what a behaviour commands, learned from the motors behind it.
+    """In the place of `task.behaviours.command`: what a behaviour commands, learned from the motors behind it.
 
     For every behaviour an ensemble of scikit-learn's extremely randomised trees goes from `relations` to wheels, arm
     and jaw. Wheels are the mean of the trees; arm and jaw, which are told one of two things, that of the majority (of

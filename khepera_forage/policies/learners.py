@@ -98,12 +98,12 @@ class FromVectors:
 
 @dataclass(frozen=True, slots=True)
 class FromQueries:
-    """A learner that asks the teacher about what it comes to: `experiments.dagger` runs it.
+    """A learner that asks the teacher about what it comes to: `rollouts.dagger` runs it.
 
     Attributes:
         title: For tables and figures.
         learner: What is fitted on all that was asked so far.
-        settings: Keyword arguments of `experiments.dagger.dagger`.
+        settings: Keyword arguments of `rollouts.dagger.dagger`.
     """
 
     title: str
@@ -114,7 +114,7 @@ class FromQueries:
 
 @dataclass(frozen=True, slots=True)
 class FromSteps:
-    """A learner by trial and error, of stable-baselines3: `experiments.reinforcement` trains it.
+    """A learner by trial and error, of stable-baselines3: `rollouts.reinforcement` trains it.
 
     Attributes:
         title: For tables and figures.

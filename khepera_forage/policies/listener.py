@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies.policy import HEARD, Observation, is_training
+from khepera_forage.task.states import Behaviour
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.task.states import Behaviour
 
 
 class Neighbours(NamedTuple):

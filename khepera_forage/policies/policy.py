@@ -7,7 +7,7 @@ from typing import Any, Protocol, TypeAlias, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import StateVector
+from khepera_forage.task.states import StateVector
 
 Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
 """What the recall environments show (a mapping) or the training environment (seven integers in a row)."""

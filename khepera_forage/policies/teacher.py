@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from khepera_forage.foraging.states import Behaviour, behaviour_for, classify
 from khepera_forage.policies.policy import SEPARATED, Observation, is_training, state_vector_of
+from khepera_forage.task.states import Behaviour, behaviour_for, classify
 
 
 @dataclass(frozen=True, slots=True)

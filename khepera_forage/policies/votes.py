@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies.plane import Counts, Plane
 from khepera_forage.policies.tally import Tally
+from khepera_forage.task.states import StateVector
 
 ARM_SPAN = 55
 """Xmax of equation 4.2: the thesis' maximum difference of ArmsHeight, larger than the 40 really used."""

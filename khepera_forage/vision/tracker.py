@@ -2,12 +2,12 @@
 
 import math
 
+from khepera_forage.vision.association import Detection, FeaturelessTracks, Tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.finding.finder import Finder
-from khepera_forage.vision.finding.floor_watch import FloorWatch
-from khepera_forage.vision.finding.segmentation import Bright, Frame, Segmenter
+from khepera_forage.vision.detection.detector import Finder
+from khepera_forage.vision.detection.floor_visibility import FloorWatch
+from khepera_forage.vision.detection.segmentation import Bright, Frame, Segmenter
 from khepera_forage.vision.opencv import require_opencv
-from khepera_forage.vision.retracking import Detection, FeaturelessTracks, Tracks
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.finding.segmentation import SHAPE
+from khepera_forage.vision.detection.segmentation import SHAPE
 from khepera_forage.vision.opencv import require_opencv
 
 if TYPE_CHECKING:

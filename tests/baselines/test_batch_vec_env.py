@@ -12,9 +12,9 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecCheckNan, VecMonitor, VecNormalize
 
 import khepera_forage  # noqa: F401 - registers the environments
-from khepera_forage.experiments.batch_vec_env import BatchVecEnv
-from khepera_forage.experiments.vector_bridge import VectorBridge
 from khepera_forage.policies.features import behaviour_features, wheels_features
+from khepera_forage.rollouts.sb3_compiled_vec_env import BatchVecEnv
+from khepera_forage.rollouts.sb3_vector_env import VectorBridge
 
 WORLDS, LIMIT = 5, 40
 

@@ -12,17 +12,17 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
-from contracts.suites import PolicyContract
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.experiments.reinforcement import Trained, recall_envs, reinforce, vec_env
-from khepera_forage.experiments.vector_bridge import VectorBridge
-from khepera_forage.experiments.wheels_recalling import recall_wheels, recall_wheels_env
 from khepera_forage.policies import Policy
 from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
 from khepera_forage.policies.features import behaviour_features
 from khepera_forage.policies.learners import LEARNERS, FromSteps
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.reinforcement import Trained, recall_envs, reinforce, vec_env
+from khepera_forage.rollouts.sb3_vector_env import VectorBridge
+from khepera_forage.rollouts.wheels_recall import recall_wheels, recall_wheels_env
+from tests.contracts.suites import PolicyContract
 
 TRIAL = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
 SMALL: dict[str, dict[str, Any]] = {
@@ -195,7 +195,7 @@ def test_what_an_episode_showed_last_is_told() -> None:
 def test_a_batch_or_side_by_side(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "khepera_forage")
     short("dqn", (50,))
-    monkeypatch.setattr("khepera_forage.experiments.reinforcement.find_spec", lambda name: None)
+    monkeypatch.setattr("khepera_forage.rollouts.reinforcement.find_spec", lambda name: None)
     short("dqn", (50,))
     assert [record.message for record in caplog.records] == [
         "DQN on behaviours learns in a batch of 2 worlds",

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from benchmarks.running import is_picture, quick, read
-
 from khepera_forage.policies.learners import LEARNERS, Needs
+from tests.benchmarks.running import is_picture, quick, read
 
 TRIAL = [name for name, learner in LEARNERS.items() if learner.needs is Needs.STEPS]
 

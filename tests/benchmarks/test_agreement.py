@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .running import ROOT, help_of, is_picture, quick, read
+from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
 
 pytestmark = pytest.mark.skipif(find_spec("numba") is None, reason="the batch needs numba, the extra `fast`")
 

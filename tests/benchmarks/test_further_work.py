@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from khepera_forage.experience import Experience
-from khepera_forage.foraging.states import Behaviour, StateVector
-
-from .running import ROOT, help_of, is_picture, quick, read
+from khepera_forage.task.states import Behaviour, StateVector
+from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
 
 NAMES = (
     "push_avoid",

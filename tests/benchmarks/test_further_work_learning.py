@@ -10,18 +10,17 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.recalling import recall, recall_env
-from khepera_forage.experiments.training import attempt, train
-from khepera_forage.foraging.behaviours import command
-from khepera_forage.foraging.perception import RawData, state_vector
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.policies.attribute_weights import WeightedImitator
 from khepera_forage.policies.votes import distance
 from khepera_forage.robots.khepera import applicable
-
-from .running import ROOT, quick, read
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.perception import RawData, state_vector
+from khepera_forage.task.states import Behaviour
+from tests.benchmarks.running import ROOT, quick, read
 
 ATTRIBUTES = 5
 DIAGONAL = 138

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import Teacher
-
-from .running import ROOT
+from khepera_forage.task.states import Behaviour
+from tests.benchmarks.running import ROOT
 
 FAR, CLOSE, NEXT = (0, 90, 0, 215, 60), (0, 90, 0, 215, 25), (0, 90, 0, 215, 20)
 SEARCH, SLOWLY, ORIENT = (

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.row_files import read_rows
 from khepera_forage.robots.khepera import FOOD_RADIUS, MAX_SPEED, RADIUS, WHEEL_BASE
-
-from .running import ROOT, help_of, is_picture, read
+from khepera_forage.rollouts.row_files import read_rows
+from tests.benchmarks.running import ROOT, help_of, is_picture, read
 
 pytest.importorskip("numba")
 sys.path.insert(0, str(ROOT / "benchmarks"))

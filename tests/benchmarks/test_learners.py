@@ -17,8 +17,7 @@ import pytest
 from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
-
-from .running import ROOT, help_of, is_picture, quick, read
+from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
 
 NAMES = ("teacher", "random", "imitator", "tree", "dagger_tree")
 ONLY = [part for name in NAMES for part in ("--only", name)]

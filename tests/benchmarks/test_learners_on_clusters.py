@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from .running import ROOT, read
+from tests.benchmarks.running import ROOT, read
 
 SCRIPT = str(ROOT / "benchmarks/learners.py")
 WORK = ["--quick", "--only", "tree", "--only", "teacher", "--seeds", "3", "--seed", "1"]

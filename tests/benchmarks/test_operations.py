@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .running import help_of, quick, read
+from tests.benchmarks.running import help_of, quick, read
 
 pytest.importorskip("numba")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from .running import help_of, is_picture, quick, read
+from tests.benchmarks.running import help_of, is_picture, quick, read
 
 LINES = {
     "Environments": {

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .running import help_of, is_picture, quick, read
+from tests.benchmarks.running import help_of, is_picture, quick, read
 
 SCENES, DRIVES, ROUNDS = 30, 2, 150
 KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.row_files import read_rows
-from khepera_forage.experiments.rows import RecallRow, TrainingRow
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
-from khepera_forage.worlds.world import Layout
-
-from .running import ROOT, help_of, is_picture, quick, read
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.states import Behaviour
+from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .running import help_of, is_picture, quick, read
+from tests.benchmarks.running import help_of, is_picture, quick, read
 
 ROUNDS = 40
 BAUDS = (9600, 19200, 38400, 57600, 115200)

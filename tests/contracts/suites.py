@@ -12,9 +12,9 @@ import pytest
 
 from khepera_forage.policies import Policy
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, Robot, Senses
+from khepera_forage.sim.arena import Pose
+from khepera_forage.sim.world import Layout, World
 from khepera_forage.vision.scene import Camera, Region, Scene
-from khepera_forage.worlds.arena import Pose
-from khepera_forage.worlds.world import Layout, World
 
 STILL = Motors(0, 0, 215, 200)
 

@@ -7,17 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from khepera_forage.lab.laboratory import Laboratory
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial_khepera import SerialKhepera
-from khepera_forage.vision.frames import CameraLook
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.world import Layout
+from khepera_forage.vision.rendering.frames import CameraLook
 from khepera_forage.vision.tracked_camera import TrackedCamera
-from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
-from khepera_forage.worlds.laboratory import Laboratory
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
-from khepera_forage.worlds.world import Layout
-
-from .suites import CameraContract, RobotContract, Stage, WorldContract
+from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")

@@ -6,11 +6,10 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import Layout
-
-from .suites import CameraContract, PolicyContract, RobotContract, Stage, WorldContract
+from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, Stage, WorldContract
 
 
 @pytest.fixture(params=["none", "laboratory"])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from khepera_forage.cli.teaching.keys import BEHAVIOUR_OF, LETTERS
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.caption import Caption
 from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
 from khepera_forage.envs.rendering.painter import Painter
-from khepera_forage.experiments.teaching.keys import BEHAVIOUR_OF, LETTERS
-from khepera_forage.foraging.states import Behaviour
-from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
+from khepera_forage.task.states import Behaviour
 
 VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
 PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")

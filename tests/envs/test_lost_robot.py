@@ -13,13 +13,14 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
-from khepera_forage.experiments import recalling, training
+from khepera_forage.lab.operator import OperatorGaveUp, Request
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.line_faults import Faults
-from khepera_forage.worlds.arena import RECTANGLE
-from khepera_forage.worlds.lab.operator import OperatorGaveUp, Request
-from khepera_forage.worlds.virtual_laboratory import VirtualLaboratory
+from khepera_forage.rollouts import recall as recalling
+from khepera_forage.rollouts import training
+from khepera_forage.sim.arena import RECTANGLE
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")

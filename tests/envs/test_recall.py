@@ -6,12 +6,12 @@ import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.foraging.scoring import score
-from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
-from khepera_forage.worlds.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.task.scoring import score
+from khepera_forage.task.states import Behaviour, FoodType
 
 
 def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) -> dict[str, float]:

@@ -15,9 +15,9 @@ from PIL import Image
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View, save_gif
 from khepera_forage.envs.rendering.layout import TALLEST, WIDEST, Layout, arrange
 from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
-from khepera_forage.foraging.states import Behaviour, FoodType, State, StateVector
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
-from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 
 LEARNER = RobotView(
     pose=Pose(150.0, 115.0, 0.3),
@@ -283,7 +283,7 @@ def test_a_copy_draws_the_same(renderer: Renderer) -> None:
 DRAW = """
 import sys
 from khepera_forage.envs.rendering import Renderer, View
-from khepera_forage.worlds.arena import CORRIDOR, RECTANGLE
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
 """
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.foraging.following import SEPARATION
-from khepera_forage.foraging.states import Behaviour, FoodType
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
-from khepera_forage.worlds.arena import Pose
+from khepera_forage.sim.arena import Pose
+from khepera_forage.task.following import SEPARATION
+from khepera_forage.task.states import Behaviour, FoodType
 
 
 def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.training import attempt, train
-from khepera_forage.foraging.states import CARRY_HEIGHT, Behaviour, FoodType, StateVector
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Teacher
-from khepera_forage.worlds.arena import CORRIDOR
-from khepera_forage.worlds.standing import check_robot
+from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.layout_checks import check_robot
+from khepera_forage.task.states import CARRY_HEIGHT, Behaviour, FoodType, StateVector
 
 
 def test_every_robot_and_its_food_stand_on_the_marks_asked_for() -> None:

@@ -8,7 +8,6 @@ import pytest
 from sklearn.naive_bayes import GaussianNB
 from sklearn.svm import LinearSVC
 
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import (
     AgentPolicy,
     ClassifierPolicy,
@@ -18,6 +17,7 @@ from khepera_forage.policies import (
     as_policy,
 )
 from khepera_forage.policies.adapters import Model
+from khepera_forage.task.states import Behaviour
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
 Y = np.array([0, 2, 3, 7] * 3)

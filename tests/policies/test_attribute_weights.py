@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies import NearestNeighbourImitator, WeightedImitator, distance
+from khepera_forage.task.states import StateVector
 
 Data = tuple[NDArray[np.int64], NDArray[np.int64]]
 

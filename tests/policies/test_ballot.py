@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.ballot import BEHAVIOURS, draw, vote
 from khepera_forage.policies.ballot_box import memories_of
+from khepera_forage.task.states import StateVector
 
 _vector = st.tuples(
     st.integers(0, 1),

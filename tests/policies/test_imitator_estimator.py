@@ -10,8 +10,8 @@ from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.task.states import Behaviour
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]])
 Y = np.array([0, 2, 3, 7])

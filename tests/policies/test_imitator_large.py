@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.merging import FEW, merged
 from khepera_forage.policies.plane import Plane
 from khepera_forage.policies.votes import PixelVotes
+from khepera_forage.task.states import Behaviour
 
 Rows = NDArray[np.int64]
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies import NearestNeighbourImitator, Neighbours, distance
+from khepera_forage.task.states import Behaviour, StateVector
 
 CORRIDOR, RECTANGLE = 138, 177
 RAISED = [215, 216, 219, 235, 255]

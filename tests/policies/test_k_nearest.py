@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, distance
 from khepera_forage.policies.measure import coded
+from khepera_forage.task.states import StateVector
 
 VECTORS = st.builds(
     StateVector,

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.foraging.behaviours import command, wait
-from khepera_forage.foraging.perception import RawData
-from khepera_forage.foraging.states import Behaviour
 from khepera_forage.policies.learned_behaviours import RELATIONS, LearnedBehaviours, relations
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+from khepera_forage.task.behaviours import command, wait
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour
 
 SIGHT: dict[str, Any] = {
     "proximity": (0, 10, 20, 30, 40, 50),

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contracts.suites import PolicyContract, observations
 from numpy.typing import NDArray
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from khepera_forage.foraging.states import behaviour_for, classify
 from khepera_forage.policies import GrowingMemory, KNearestImitator, Policy, WeightedImitator, state_vector_of
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors, Needs
+from khepera_forage.task.states import behaviour_for, classify
+from tests.contracts.suites import PolicyContract, observations
 
 IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromVectors)}
 

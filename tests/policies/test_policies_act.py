@@ -12,7 +12,6 @@ from sklearn.naive_bayes import GaussianNB
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.tree import DecisionTreeClassifier
 
-from khepera_forage.foraging.states import Behaviour, StateVector
 from khepera_forage.policies import (
     ClassifierPolicy,
     Listener,
@@ -23,6 +22,7 @@ from khepera_forage.policies import (
     UniformPolicy,
 )
 from khepera_forage.policies import imitator as imitator_module
+from khepera_forage.task.states import Behaviour, StateVector
 
 QUERY = StateVector(0, 50, 0, 215, 18)
 # The example of section 4.6.2: of five equally near vectors, four say x and one says y.

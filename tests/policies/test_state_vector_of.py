@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.foraging.states import StateVector
 from khepera_forage.policies import Observation, state_vector_of
+from khepera_forage.task.states import StateVector
 
 VECTOR = StateVector(1, 52, 2, 215, 28)
 

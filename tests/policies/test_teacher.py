@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.foraging.states import Behaviour, FoodType, StateVector, behaviour_for, classify
 from khepera_forage.policies import Teacher
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, behaviour_for, classify
 
 VECTORS = st.builds(
     StateVector,

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from .stage import Stage, staged
+from tests.robots.stage import Stage, staged
 
 
 @pytest.fixture

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-from khepera_forage.worlds.arena import Arena, Point, Pose
-from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import Layout
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
 
 FIELD = Arena(
     name="field",

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.firmware import Firmware
 from khepera_forage.robots.khepera import FOOD_RADIUS
-from khepera_forage.worlds.arena import RECTANGLE, Point, Pose
-from khepera_forage.worlds.pymunk_khepera import PymunkKhepera
-from khepera_forage.worlds.pymunk_world import PymunkWorld
-from khepera_forage.worlds.world import Layout
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
 
 
 class Stage(NamedTuple):

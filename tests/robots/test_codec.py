@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.codec import (
+from khepera_forage.robots.serial.command_table import COMMANDS, RESTART, Range, Version
+from khepera_forage.robots.serial.protocol import (
     BANNER,
     MAX_LINE,
     ArgumentError,
@@ -22,7 +23,6 @@ from khepera_forage.robots.codec import (
     encode_reply,
     encode_request,
 )
-from khepera_forage.robots.codec_table import COMMANDS, RESTART, Range, Version
 
 SHEET = [
     (Request("A", (3800, 800, 100)), b"A,3800,800,100\n", Reply("A"), b"a\r\n"),

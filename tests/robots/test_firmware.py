@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.codec import (
+from khepera_forage.robots.serial.command_table import COMMANDS, RESTART
+from khepera_forage.robots.serial.protocol import (
     BANNER,
     BannerLine,
     Lines,
@@ -17,11 +18,9 @@ from khepera_forage.robots.codec import (
     decode_reply,
     decode_request,
 )
-from khepera_forage.robots.codec_table import COMMANDS, RESTART
-from khepera_forage.worlds.arena import Point, Pose
-from khepera_forage.worlds.world import Layout
-
-from .stage import Stage, staged
+from khepera_forage.sim.arena import Point, Pose
+from khepera_forage.sim.world import Layout
+from tests.robots.stage import Stage, staged
 
 AT_POWER_ON = {
     "A,1,2,3": "a",

@@ -7,13 +7,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.line_faults import Faults
-
-from .peer import Numbered, Peer, Said
-from .rig import FORWARD, Rig, rig
+from tests.robots.peer import Numbered, Peer, Said
+from tests.robots.rig import FORWARD, Rig, rig
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.codec import Reply, decode_reply, encode_reply
+from khepera_forage.robots.serial.protocol import Reply, decode_reply, encode_reply
 from khepera_forage.robots.virtual.line_faults import FAULTS, FaultCounts, Faults, FaultSource
 
 REPLY = encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.robots.line.port_thread import PortThread, Task
+from khepera_forage.robots.serial.port_thread import PortThread, Task
 
 
 def test_tasks_are_done_in_order_and_return_what_they_return() -> None:

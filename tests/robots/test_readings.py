@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.line.readings import (
+from khepera_forage.robots.serial.readings import (
     ARM,
     JAW,
     Counters,

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import Motors, RobotLost, Senses
-from khepera_forage.robots.line.line_events import Traffic
-from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.line_events import Traffic
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.line_faults import Faults
+from tests.robots.peer import Numbered, Peer
+from tests.robots.rig import FORWARD, Rig, rig
 
-from .peer import Numbered, Peer
 from .rfc2217_server import served
-from .rig import FORWARD, Rig, rig
 
 STILL = Motors(0, 0, 215, 200)
 

@@ -8,13 +8,12 @@ from contextlib import contextmanager
 
 import pytest
 
-from khepera_forage.robots.codec import BANNER, Reply, Request
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.line.line_events import Interrupted, Refused, Restarted, Traffic
-from khepera_forage.robots.line.serial_link import SerialLink
-from khepera_forage.robots.line.serial_port import seconds_on_wire
-
-from .peer import Numbered, Peer, Said
+from khepera_forage.robots.serial.line_events import Interrupted, Refused, Restarted, Traffic
+from khepera_forage.robots.serial.link import SerialLink
+from khepera_forage.robots.serial.port import seconds_on_wire
+from khepera_forage.robots.serial.protocol import BANNER, Reply, Request
+from tests.robots.peer import Numbered, Peer, Said
 
 N = Request("N")
 H = Request("H")

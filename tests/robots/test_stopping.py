@@ -13,17 +13,16 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.robots.line import stopping
-from khepera_forage.robots.line.port_thread import Task
-from khepera_forage.robots.serial_khepera import SerialKhepera
-
-from .rig import FORWARD, Rig, rig
+from khepera_forage.robots.serial import emergency_stop as stopping
+from khepera_forage.robots.serial.port_thread import Task
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from tests.robots.rig import FORWARD, Rig, rig
 
 DRIVE = """
 import os, signal, sys, time
-from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 robots = [SerialKhepera(port) for port in sys.argv[1:]]
 def drive():
     for robot in robots:

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 import serial
 
-from khepera_forage.robots.codec import BANNER, BannerLine, decode_reply
+from khepera_forage.robots.serial.protocol import BANNER, BannerLine, decode_reply
 from khepera_forage.robots.virtual.line_faults import FaultCounts, Faults
 from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-
-from .hosts import SILENCE, WAIT, ask_for_ever, opened
-from .stage import Stage
+from tests.robots.hosts import SILENCE, WAIT, ask_for_ever, opened
+from tests.robots.stage import Stage
 
 pytestmark = pytest.mark.usefixtures("nothing_left_behind")
 

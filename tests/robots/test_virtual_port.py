@@ -11,13 +11,12 @@ from pathlib import Path
 import pytest
 import serial
 
-from khepera_forage.robots.codec import BANNER, Reply, decode_reply
-from khepera_forage.robots.firmware import Firmware
+from khepera_forage.robots.serial.protocol import BANNER, Reply, decode_reply
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.line_faults import FaultCounts
 from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-
-from .hosts import WAIT, ask_for_ever, opened
-from .stage import Stage, staged
+from tests.robots.hosts import WAIT, ask_for_ever, opened
+from tests.robots.stage import Stage, staged
 
 pytestmark = pytest.mark.usefixtures("nothing_left_behind")
 

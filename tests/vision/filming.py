@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.drawn.frame_look import CameraLook
-from khepera_forage.vision.frames import FrameRenderer
-from khepera_forage.vision.overhead import Truth
+from khepera_forage.vision.rendering.appearance import CameraLook
+from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import Region, Scene
+from khepera_forage.vision.simulated_camera import Truth
 
 Marker = tuple[float, float, float, int]
 

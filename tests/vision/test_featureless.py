@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.retracking import GATE, Detection, FeaturelessTracks
+from khepera_forage.vision.association import GATE, Detection, FeaturelessTracks
 
 
 def seen(x: float, y: float, holes: int = 0) -> Detection:

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from khepera_forage.vision.frames import CameraLook, FrameRenderer, RenderedSource
-from khepera_forage.vision.overhead import Truth
+from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer, RenderedSource
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.simulated_camera import Truth
 
 Frame = NDArray[np.uint8]
 NONE, LABORATORY = CameraLook.none(), CameraLook.laboratory()

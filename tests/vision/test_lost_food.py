@@ -3,12 +3,12 @@
 import cv2
 import numpy as np
 import pytest
-from filming import Film, Marker, only
 from numpy.typing import NDArray
 
-from khepera_forage.vision.drawn.frame_look import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraLook
 from khepera_forage.vision.scene import Region
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
+from tests.vision.filming import Film, Marker, only
 
 FOOD = (1000.0, 1000.0)
 FAR: Marker = (2000.0, 500.0, 0.0, 1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from khepera_forage.vision.drawn.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, save_marker_sheet, svg
+from khepera_forage.vision.rendering.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, save_marker_sheet, svg
 from khepera_forage.vision.tracker import Tracker
 
 SVG = "{http://www.w3.org/2000/svg}"

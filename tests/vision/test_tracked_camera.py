@@ -5,14 +5,14 @@ import sys
 
 import numpy as np
 import pytest
-from filming import Film
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.drawing import draw_scene
+from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.scene import Camera, Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
+from tests.vision.filming import Film
 
 MARKERS = ((500.0, 500.0, 1.0, 1), (1500.0, 900.0, 2.0, 2))
 FOODS = ((800.0, 800.0), (300.0, 1500.0))

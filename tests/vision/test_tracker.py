@@ -6,16 +6,16 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from filming import Film, Marker, off, only, turned
 from numpy.typing import NDArray
 
 from khepera_forage.noise import Noise
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.drawn.frame_look import CameraLook
-from khepera_forage.vision.drawn.frame_pen import Box, Disc, Place, draw
-from khepera_forage.vision.overhead import OverheadCamera
-from khepera_forage.vision.retracking import Detection
+from khepera_forage.vision.rendering.appearance import CameraLook
+from khepera_forage.vision.rendering.canvas import Box, Disc, Place, draw
+from khepera_forage.vision.simulated_camera import OverheadCamera
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
+from tests.vision.filming import Film, Marker, off, only, turned
 
 LABORATORY = CameraLook.laboratory()
 LOOKS = {

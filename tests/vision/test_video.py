@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.drawn.frame_pen import Disc, Place, draw
+from khepera_forage.vision.rendering.canvas import Disc, Place, draw
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource

@@ -11,11 +11,11 @@ from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.pen import FINER, Pen, Spot, around, placed
 from khepera_forage.envs.rendering.robot_shape import LIFT, MARKER, draw_beams, draw_marker, draw_robot
 from khepera_forage.envs.rendering.view import FoodView, RobotView, View
-from khepera_forage.foraging.states import FoodType
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
+from khepera_forage.sim.arena import Arena, Pose
+from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from khepera_forage.vision.shapes import MARKER_HOLES
-from khepera_forage.worlds.arena import Arena, Pose
 
 WALL = 7.0
 """mm; walls stand outside the floor."""

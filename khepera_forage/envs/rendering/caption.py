@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.task.states import Behaviour
 
 
 class Caption(NamedTuple):

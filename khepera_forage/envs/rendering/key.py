@@ -10,7 +10,7 @@ from khepera_forage.envs.rendering.layout import FOOTER, GAP
 from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.pen import Pen
 from khepera_forage.envs.rendering.view import FoodView
-from khepera_forage.foraging.states import FoodType
+from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 
 SCALE = 0.42

@@ -9,7 +9,7 @@ from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.painter import Painter
 from khepera_forage.envs.rendering.panel import phrase
 from khepera_forage.envs.rendering.view import View
-from khepera_forage.foraging.states import Behaviour
+from khepera_forage.task.states import Behaviour
 
 COLUMNS = 5
 BAR, ROW = 36, 38

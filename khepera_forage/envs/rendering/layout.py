@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from khepera_forage.worlds.arena import Arena
+from khepera_forage.sim.arena import Arena
 
 GAP = 16
 """Pixels around and between things."""

@@ -12,7 +12,7 @@ from khepera_forage.envs.rendering.lettering import Lettering
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.panel import Panel
 from khepera_forage.envs.rendering.view import RobotView, View
-from khepera_forage.worlds.arena import Arena
+from khepera_forage.sim.arena import Arena
 
 
 class Painter:

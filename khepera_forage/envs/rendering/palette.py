@@ -1,6 +1,6 @@
 """Colours of the pictures; those of food are of the Okabe-Ito set, made for colour-blind readers."""
 
-from khepera_forage.foraging.states import FoodType
+from khepera_forage.task.states import FoodType
 
 Colour = tuple[int, int, int]
 

@@ -9,9 +9,9 @@ from khepera_forage.envs.rendering.layout import Box, Layout
 from khepera_forage.envs.rendering.lettering import Anchor, Lettering
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.view import RobotView
-from khepera_forage.foraging.states import Behaviour, FoodType, StateVector, behaviour_for
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.robots.proximity import MAX_READING
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, behaviour_for
 
 PAD = 13.0
 """Inside the edge of a panel, at text scale 1, like all lengths below."""

@@ -7,7 +7,7 @@ import pygame
 import pygame.gfxdraw
 
 from khepera_forage.envs.rendering.palette import Colour
-from khepera_forage.worlds.arena import Pose
+from khepera_forage.sim.arena import Pose
 
 FINER = 3
 """How many times finer than the picture the surface is."""

@@ -21,8 +21,8 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.robots.proximity import MAX_READING, SENSORS
+from khepera_forage.sim.arena import Pose
 from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_HOLES
-from khepera_forage.worlds.arena import Pose
 
 MARKER = block(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2)
 BEAM = math.radians(15.0)

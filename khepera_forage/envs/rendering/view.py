@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from khepera_forage.foraging.states import Behaviour, FoodType, State, StateVector
+from khepera_forage.sim.arena import Arena, Pose
+from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import Region
-from khepera_forage.worlds.arena import Arena, Pose
 
 
 class RobotView(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from khepera_forage.robots.codec import CodecError, Lines, Reply, decode_reply
+from khepera_forage.robots.serial.protocol import CodecError, Lines, Reply, decode_reply
 
 Fault = Literal["drop", "delay", "garble", "duplicate", "reset", "unplug"]
 FAULTS: tuple[Fault, ...] = get_args(Fault)

@@ -10,9 +10,9 @@ from typing import Self
 
 import numpy as np
 
-from khepera_forage.robots.codec import Lines
-from khepera_forage.robots.firmware import Firmware
-from khepera_forage.robots.line.serial_port import BAUDS, seconds_on_wire
+from khepera_forage.robots.serial.port import BAUDS, seconds_on_wire
+from khepera_forage.robots.serial.protocol import Lines
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.line_faults import Fault, FaultCounts, Faults, FaultSource
 from khepera_forage.robots.virtual.virtual_line import PtyLine, TcpLine, VirtualLine
 

@@ -1,0 +1,1 @@
+"""How kernels are compiled and run: decorators, cache key, threads. Needs numba (extra `fast`)."""

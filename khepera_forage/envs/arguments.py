@@ -1,0 +1,117 @@
+"""What environments accept: actions and odds, with errors that quote the offending value."""
+
+import math
+import numbers
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.sim.arena import ARENAS, Arena
+from khepera_forage.sim.world import World
+from khepera_forage.task.states import Behaviour, FoodType
+
+FoodOdds = str | FoodType | Mapping[Any, float] | None
+"""How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
+
+_DRAWABLE = (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)
+
+
+def behaviour_number(action: Any, count: int, agent: str = "") -> int:
+    """An action as a behaviour number.
+
+    Raises:
+        ValueError: Not a whole number in 0..count-1.
+    """
+    if type(action) in (int, Behaviour) and 0 <= action < count:  # nearly always, and the quickest to tell
+        return int(action)
+    if isinstance(action, np.ndarray) and action.size == 1:
+        action = action.item()
+    if isinstance(action, numbers.Integral) and not isinstance(action, bool) and 0 <= int(action) < count:
+        return int(action)
+    who = f" of {agent}" if agent else ""
+    raise ValueError(
+        f"action{who} is {action!r}; allowed: a whole number from 0 to {count - 1}, one behaviour each"
+    )
+
+
+def motor_action(action: Any) -> NDArray[np.float64]:
+    """An action of the Wheels environments: left wheel, right wheel, arm, jaw.
+
+    Raises:
+        ValueError: Not four finite numbers in -1..1.
+    """
+    try:
+        values = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"action is {action!r}; allowed: four numbers in -1..1") from None
+    if values.shape != (4,) or not np.all(np.abs(values) <= 1.0):  # NaN fails the comparison too
+        raise ValueError(f"action is {action!r}; allowed: four numbers in -1..1 (left, right, arm, jaw)")
+    return values
+
+
+def food_odds(food_types: FoodOdds) -> tuple[float, float, float]:
+    """Odds of PICKABLE, PUSHABLE and POISONOUS, adding up to 1.
+
+    Raises:
+        ValueError: An unknown type, odds that are negative, not finite, or all zero.
+    """
+    if food_types is None:
+        food_types = FoodType.PICKABLE
+    if not isinstance(food_types, Mapping):
+        food_types = {food_types: 1.0}
+    odds = {_food_type(name): float(share) for name, share in food_types.items()}
+    for food_type, share in odds.items():
+        if not (math.isfinite(share) and share >= 0):
+            raise ValueError(f"odds of {food_type.name} are {share!r}; allowed: a number >= 0")
+    total = sum(odds.values())
+    if not total > 0:
+        raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
+    pickable, pushable, poisonous = (odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
+    return pickable, pushable, poisonous
+
+
+def the_arena(arena: Arena | str) -> Arena:
+    """An arena that a user gave, or named.
+
+    Raises:
+        ValueError: A name that is not one of the thesis' arenas, or something else.
+    """
+    if isinstance(arena, Arena):
+        return arena
+    if isinstance(arena, str) and arena in ARENAS:
+        return ARENAS[arena]
+    raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+
+
+def arenas_of(world: World, count: int) -> tuple[Arena, ...]:
+    """The arenas of a world that a user gave, one a robot.
+
+    Raises:
+        ValueError: Not as many robots and arenas as the environment needs.
+    """
+    if not len(world.arenas) == len(world.markers) == count:
+        raise ValueError(
+            f"world has {len(world.markers)} robots in {len(world.arenas)} arenas; allowed: {count}, one in each"
+        )
+    return tuple(world.arenas)
+
+
+def whole_number(name: str, value: Any, least: int) -> int:
+    """A count that a user gave.
+
+    Raises:
+        ValueError: Not a whole number of at least `least`.
+    """
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) >= least:
+        return int(value)
+    raise ValueError(f"{name} is {value!r}; allowed: a whole number of at least {least}")
+
+
+def _food_type(name: Any) -> FoodType:
+    for food_type in _DRAWABLE:
+        if name is food_type or (isinstance(name, str) and name.upper() == food_type.name):
+            return food_type
+    allowed = ", ".join(t.name for t in _DRAWABLE)
+    raise ValueError(f"food type {name!r} is unknown; allowed: {allowed}")

@@ -1,0 +1,205 @@
+"""`Corridor-v0` and its kin, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
+
+from abc import abstractmethod
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from khepera_forage.envs.arguments import FoodOdds
+from khepera_forage.envs.compiled import rows as at
+from khepera_forage.envs.compiled.batch import TaskBatch
+from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.compiled import rows as body
+from khepera_forage.task.scoring import PENALTY_NONE_DELIVERED, PENALTY_SOME_LEFT
+
+Observation = dict[str, NDArray[Any]]
+Infos = dict[str, Any]
+
+
+class RecallVectorEnv(VectorEnv):
+    """Recalls in many worlds at once; spaces, rewards, ends and infos are those of the environment it stands for.
+
+    World i of a seed is the same whatever the number of worlds. Every array that is returned is fresh.
+
+    Args:
+        num_envs: How many.
+        arena: As for the single environment; so are the next four.
+        foods: Food objects in each world, 1 to 16.
+        limit: Steps after which an episode is truncated.
+        noise: The laboratory's troubles.
+        food_types: One type, or odds by type.
+        autoreset_mode: An `AutoresetMode`, or its value: what happens where an episode has ended. By default the next
+            step begins a new one.
+        render_mode: Must be None.
+
+    Raises:
+        ValueError: An argument out of range.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        arena: Arena | str = "corridor",
+        foods: int = 1,
+        limit: int = 500,
+        noise: Noise | None = None,
+        food_types: FoodOdds = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: None = None,
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(
+                f"render_mode is {render_mode!r}; allowed for a batch: None (one world at a time can be rendered)"
+            )
+        self.batch = TaskBatch(num_envs, arena, foods, limit, noise, food_types)
+        self.num_envs = self.batch.num_worlds
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
+        self.render_mode = None
+        single = self._single(arena, foods, limit)
+        self.single_observation_space, self.single_action_space = (
+            single.observation_space,
+            single.action_space,
+        )
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._over = np.ones(self.num_envs, np.bool_)
+        self._seeded = False
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Begin new episodes in all worlds, or in those of `options["reset_mask"]`.
+
+        Args:
+            seed: Of all worlds, each of which draws numbers of its own; or one seed a world. Without, worlds go on
+                with their numbers; at the first reset they get some at random.
+            options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
+
+        Raises:
+            ValueError: A seed or an option out of range.
+            ResetNeeded: A mask before the first reset.
+        """
+        options = dict(options or {})
+        worlds = np.flatnonzero(self._mask(options.pop("reset_mask", None)))
+        if isinstance(seed, list):
+            if len(seed) != self.num_envs:
+                raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
+            given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
+            if not self._seeded:
+                self.batch.seed(int(self.np_random.integers(2**62)), worlds)
+            if given:
+                self.batch.seed_each([s for _, s in given], np.array([world for world, _ in given]))
+        elif seed is not None:
+            super().reset(seed=seed)
+            self.batch.seed(seed, worlds)
+        elif not self._seeded:
+            self.batch.seed(int(self.np_random.integers(2**62)), worlds)
+        self._seeded = True
+        self.batch.restart(worlds, options)
+        self._over[worlds] = False
+        return self._observation(), self._infos(_marked(worlds, self))
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]:
+        """One round of 0.1 s in every world.
+
+        Raises:
+            ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.
+            ValueError: Actions that are not in the action space.
+        """
+        if not self._seeded:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
+            raise ResetNeeded(
+                f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
+                "reset(options={'reset_mask': terminations | truncations})"
+            )
+        self.batch.step(self._commands(actions), self._over)
+        task = self.batch.task
+        rewards = task(at.REWARD, np.float64)
+        terminated, truncated = task(at.TERMINATED, np.bool_), task(at.TRUNCATED, np.bool_)
+        self._over = terminated | truncated
+        if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
+            return (
+                self._observation(),
+                rewards,
+                terminated,
+                truncated,
+                self._infos(np.ones(self.num_envs, np.bool_)),
+            )
+        worlds = np.flatnonzero(self._over)
+        final_obs, final_infos = self._observation(), self._infos(self._over)
+        self.batch.restart(worlds)
+        self._over = np.zeros(self.num_envs, np.bool_)
+        infos = self._infos(np.ones(self.num_envs, np.bool_))
+        single = np.full(self.num_envs, None, dtype=object)
+        for world in worlds.tolist():
+            single[world] = {name: values[world] for name, values in final_obs.items()}
+        infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
+        infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
+        return self._observation(), rewards, terminated, truncated, infos
+
+    @abstractmethod
+    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+        """The environment that this stands for."""
+
+    @abstractmethod
+    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
+        """Actions as `TaskBatch.step` takes them."""
+
+    @abstractmethod
+    def _observation(self) -> Observation:
+        """What the policy gets to know."""
+
+    def _mask(self, mask: Any) -> NDArray[np.bool_]:
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not self._seeded:
+            raise ResetNeeded("a reset_mask before the first reset(); the first must be of all worlds")
+        form = (self.num_envs,), np.dtype(np.bool_)
+        if not isinstance(mask, np.ndarray) or (mask.shape, mask.dtype) != form or not mask.any():
+            raise ValueError(
+                f"reset_mask is {mask!r}; allowed: an array of {self.num_envs} bools, at least one of them True"
+            )
+        return mask
+
+    def _infos(self, mask: NDArray[np.bool_]) -> Infos:
+        """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
+        task = self.batch.task
+        rows = (at.STATE, at.CORRECT, at.STEPS, at.DELIVERED, at.POISON_HOME, at.DELIVERABLE)
+        state, correct, steps, delivered, poison_home, deliverable = (task(row, np.int64) for row in rows)
+        # `task.scoring` for many at a time.
+        some = np.where(delivered > 0, PENALTY_SOME_LEFT, PENALTY_NONE_DELIVERED)
+        penalty = np.where(delivered >= deliverable, 0.0, some)
+        score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1) - penalty, 0.0)
+        own = (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)
+        pose = np.stack([self.batch.body(row, np.float64) for row in own], axis=1)
+        infos: Infos = {
+            "state": state,
+            "correct_behaviour": state.copy(),
+            "pose": pose,
+            "score": score,
+            "penalty": penalty,
+            "correct": correct,
+            "steps": steps,
+            "delivered": delivered,
+            "poison_home": poison_home,
+        }
+        if not mask.all():
+            for values in infos.values():
+                values[~mask] = 0
+        return infos | {f"_{name}": mask.copy() for name in infos}
+
+
+def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_]:
+    mask = np.zeros(env.num_envs, np.bool_)
+    mask[worlds] = True
+    return mask

@@ -1,0 +1,10 @@
+"""Experience: state vectors with the behaviours heard, in memory, in text files and as Minari datasets."""
+
+from khepera_forage.experience.experience import (
+    Experience,
+    ExperienceError,
+    ExperienceWarning,
+    ExperienceWriter,
+)
+
+__all__ = ["Experience", "ExperienceError", "ExperienceWarning", "ExperienceWriter"]

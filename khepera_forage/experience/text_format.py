@@ -1,0 +1,132 @@
+"""The text format of experience files: what a row may be, and how it is written.
+
+    # khepera_forage experience, version 1
+    # package: 0.1.0
+    # arena: corridor
+    # seed: 7
+    # episodes: 1
+    # units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)
+    object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour
+    0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD
+    # complete: 1 vectors
+
+The closing line tells a finished recording from one that was killed.
+"""
+
+from collections.abc import Sequence
+from operator import index
+from typing import Any, NamedTuple
+
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.task.states import Behaviour, FoodType, StateVector
+
+VERSION = 1
+MAGIC = "# khepera_forage experience, version "
+UNITS = f"distances in pixels of 5 mm; arms_height {ARM_DOWN} (down) to {ARM_RAISED} (raised)"
+COLUMNS = (*StateVector._fields, "behaviour")
+MAX_DISTANCE = 2**31 - 1
+"""Pixels: no arena is that large, and every table can hold it."""
+
+RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
+FOOD_TYPES = [food_type.name for food_type in FoodType]
+
+
+class ExperienceError(ValueError):
+    """Something is not an experience vector, or not an experience file."""
+
+
+class ExperienceWarning(UserWarning):
+    """An experience file was not complete, and what could be kept of it was."""
+
+
+def quoted(thing: object) -> str:
+    """How an error shows what it found: as Python writes it, and not too long."""
+    text = repr(thing)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+class Header(NamedTuple):
+    """What a file says before its rows.
+
+    Attributes:
+        arena: Name of the arena that the experience was made in.
+        seed: Of the training, if known.
+        episodes: How many training episodes the experience is of.
+    """
+
+    arena: str
+    seed: int | None
+    episodes: int
+
+
+def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
+    """The header, once its values are found to be such as can be written and read again.
+
+    Raises:
+        ExperienceError: A value that cannot be.
+    """
+    if not arena or arena != arena.strip() or not arena.isprintable():
+        raise ExperienceError(
+            f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
+        )
+    try:
+        header = Header(arena, None if seed is None else index(seed), index(episodes))
+    except TypeError:
+        raise ExperienceError(f"seed is {seed!r}, episodes {episodes!r}; allowed: integers") from None
+    if header.seed is not None and abs(header.seed) >= 10**100:
+        raise ExperienceError("seed has more than 100 digits; allowed: at most 100")
+    if header.episodes < 1:
+        raise ExperienceError(f"episodes is {episodes!r}; allowed: at least 1")
+    return header
+
+
+def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Behaviour]:
+    """An experience vector in plain integers, once it is found to be one that a learner can have recorded.
+
+    Raises:
+        ExperienceError: It is not.
+    """
+    try:
+        numbers = StateVector(*[index(value) for value in vector])
+        heard = Behaviour(index(behaviour))
+    except (TypeError, ValueError):
+        raise ExperienceError(
+            f"{quoted(vector)} with behaviour {behaviour!r}; allowed: five integers with a behaviour, 0 to 9"
+        ) from None
+    presence, home, food_type, arm, food = numbers
+    if presence not in (0, 1):
+        raise ExperienceError(f"object_presence is {presence}; allowed: 0 or 1")
+    for name, distance in (("robot_home_distance", home), ("robot_food_distance", food)):
+        if not 0 <= distance <= MAX_DISTANCE:
+            raise ExperienceError(f"{name} is {distance}; allowed: 0 to {MAX_DISTANCE} pixels")
+    if not ARM_RAISED <= arm <= ARM_DOWN:
+        raise ExperienceError(f"arms_height is {arm}; allowed: {ARM_RAISED} to {ARM_DOWN}")
+    if not 0 <= food_type < len(FoodType):
+        raise ExperienceError(f"food_type is {food_type}; allowed: 0 to {len(FoodType) - 1}")
+    if food_type != FoodType.UNKNOWN and not presence:
+        raise ExperienceError(f"food_type is {FoodType(food_type).name} without an object; allowed: UNKNOWN")
+    if heard == Behaviour.WAIT:
+        raise ExperienceError("behaviour is WAIT, which is silence; allowed: what was heard, 0 to 9")
+    return numbers, heard
+
+
+def opening(header: Header) -> str:
+    """All lines before the rows."""
+    from khepera_forage import __version__  # late: the package may be importing this module just now
+
+    seed = "none" if header.seed is None else header.seed
+    return (
+        f"{MAGIC}{VERSION}\n# package: {__version__}\n# arena: {header.arena}\n# seed: {seed}\n"
+        f"# episodes: {header.episodes}\n# units: {UNITS}\n{','.join(COLUMNS)}\n"
+    )
+
+
+def line_of(vector: StateVector, behaviour: Behaviour) -> str:
+    """One row."""
+    presence, home, food_type, arm, food = vector
+    return f"{presence},{home},{FoodType(food_type).name},{arm},{food},{behaviour.name}\n"
+
+
+def closing(count: int) -> str:
+    """The line that says that nothing is missing."""
+    return f"# complete: {count} vectors\n"

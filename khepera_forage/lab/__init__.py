@@ -1,0 +1,1 @@
+"""Real robots under a real camera, or virtual ones: settings, devices, clock and operator."""

@@ -1,0 +1,210 @@
+"""Reading `lab.toml`: which robots, camera and arena make up a laboratory.
+
+`sample.toml` beside this module explains every key; `python -m khepera_forage.lab.settings_file` prints it.
+"""
+
+import math
+import tomllib
+from dataclasses import fields, replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from khepera_forage.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
+from khepera_forage.lab.toml_table import (
+    Table,
+    TableError,
+    list_of,
+    number,
+    numbers,
+    one_of,
+    quoted,
+    text,
+)
+from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
+from khepera_forage.robots.serial.port import BAUDS
+from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose
+from khepera_forage.sim.layout_checks import check_seen
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+
+class LabFileError(ValueError):
+    """A `lab.toml` that cannot be used; the message names the file and the key."""
+
+
+def load(path: Path | str) -> LabSettings:
+    """Read a file.
+
+    Raises:
+        LabFileError: It is not TOML, or a key is missing, unknown, or has a value that is not allowed.
+        OSError: It cannot be read.
+    """
+    path = Path(path)
+    try:
+        return parse(path.read_text(encoding="utf-8"), path.parent)
+    except UnicodeDecodeError as error:
+        raise LabFileError(f"{path}: not UTF-8 text: {error}") from None
+    except LabFileError as error:
+        raise LabFileError(f"{path}: {error}") from None
+
+
+def parse(toml: str, folder: Path = Path()) -> LabSettings:
+    """Read the text of a file.
+
+    Args:
+        toml: The text.
+        folder: Where a relative calibration file is looked for.
+
+    Raises:
+        LabFileError: As `load`.
+    """
+    try:
+        return _laboratory(Table(tomllib.loads(toml)), folder)
+    except tomllib.TOMLDecodeError as error:
+        raise LabFileError(f"not TOML: {error}") from None
+    except TableError as error:
+        raise LabFileError(str(error)) from None
+
+
+def sample() -> str:
+    """The commented sample that ships with the package."""
+    return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
+
+
+def _laboratory(table: Table, folder: Path) -> LabSettings:
+    arena = _arena(table.table("arena"))
+    robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
+    if not robots:
+        raise TableError("robots is empty; allowed: at least one table [[robots]]")
+    camera = _camera(table.table("camera"), folder)
+    tracker = _tracker(table.table("tracker"))
+    check = table.table("tolerance")
+    defaults = Tolerance()
+    tolerance = Tolerance(
+        check.take("position", number(1.0, 100.0, "mm"), defaults.position),
+        check.take("heading", number(1.0, 90.0, "degrees"), defaults.heading),
+    )
+    check.finish()
+    safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
+    period = table.take("period", number(0.05, 1.0, "seconds"), CONTROL_PERIOD)
+    table.finish()
+    settings = LabSettings(arena, robots, camera, tracker, tolerance, safe_speed, period)
+    _check_robots(settings)
+    return settings
+
+
+def _robot(table: Table, number_of_it: int) -> RobotSettings:
+    name = "teacher" if number_of_it == 0 else f"learner_{number_of_it - 1}"
+    entry = RobotSettings(
+        port=table.take("port", text),
+        name=table.take("name", text, name),
+        baud=table.take("baud", one_of(BAUDS), 38400),
+        holes=table.take("holes", one_of((1, 2)), 1 if number_of_it == 0 else 2),
+        offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
+    )
+    table.finish()
+    return entry
+
+
+def _camera(table: Table, folder: Path) -> CameraSettings:
+    def source(key: str, value: Any) -> int | str:
+        if isinstance(value, str) and value.strip():
+            return value
+        if type(value) is int and value >= 0:
+            return value
+        raise TableError(
+            f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
+        )
+
+    calibration = table.take("calibration", text, "")
+    entry = CameraSettings(
+        source=table.take("source", source),
+        calibration=folder / calibration if calibration else None,
+        oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
+    )
+    table.finish()
+    return entry
+
+
+def _tracker(table: Table) -> TrackerSettings:
+    """Any of the settings, under their own names."""
+
+    def value(key: str, found: Any) -> Any:
+        if isinstance(found, bool) != isinstance(getattr(defaults, key.rpartition(".")[2]), bool):
+            raise TableError(f"{key} is {quoted(found)}; allowed: a number, or for featureless true or false")
+        if not isinstance(found, bool | int | float):
+            raise TableError(f"{key} is {quoted(found)}; allowed: a number")
+        return found
+
+    defaults = TrackerSettings()
+    settings = {f.name: table.take(f.name, value, getattr(defaults, f.name)) for f in fields(defaults)}
+    table.finish()
+    try:
+        return replace(defaults, **settings)
+    except ValueError as error:
+        raise TableError(str(error)) from None
+
+
+def _arena(table: Table) -> Arena:
+    point = numbers("[x mm, y mm]")
+    corners = list_of(lambda key, value: Point(*point(key, value)))
+    name = table.take("name", text, "corridor")
+    walls = table.take("walls", corners, None)
+    if walls is None:
+        if name not in ARENAS:
+            raise TableError(
+                f"{table.key('name')} is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
+                "or another name with walls, home, home_radius, start and foods"
+            )
+        table.finish()
+        return ARENAS[name]
+    x, y, degrees = table.take("start", numbers("[x mm, y mm, heading degrees]"))
+    try:
+        arena = Arena(
+            name=name,
+            walls=walls,
+            home=Point(*table.take("home", point)),
+            home_radius=table.take("home_radius", number(1.0, 10000.0, "mm")),
+            start=Pose(x, y, math.radians(degrees)),
+            foods=table.take("foods", corners),
+            obstacles=table.take("obstacles", list_of(corners), ()),
+        )
+    except TableError:
+        raise
+    except ValueError as error:
+        raise TableError(f"arena: {error}") from None
+    table.finish()
+    return arena
+
+
+def _check_robots(settings: LabSettings) -> None:
+    """No port twice, arenas that the camera sees, and no two that a marker belongs to alike."""
+    for i, robot in enumerate(settings.robots):
+        for j, other in enumerate(settings.robots[:i]):
+            if robot.port == other.port:
+                raise TableError(
+                    f"robots[{i}].port is {robot.port!r}, as robots[{j}].port; allowed: one port a robot"
+                )
+            if robot.name == other.name:
+                raise TableError(
+                    f"robots[{i}].name is {robot.name!r}, as robots[{j}].name; allowed: one name each"
+                )
+            if _overlap(settings.arenas[i], settings.arenas[j]):
+                raise TableError(
+                    f"robots[{i}].offset is {list(robot.offset)}: its arena overlaps that of robots[{j}]; "
+                    "allowed: arenas that stand beside each other"
+                )
+        try:
+            check_seen((settings.arenas[i],))
+        except ValueError as error:
+            raise TableError(f"robots[{i}].offset is {list(robot.offset)}: {error}") from None
+
+
+def _overlap(a: Arena, b: Arena) -> bool:
+    ax1, ay1, ax2, ay2 = a.bounds
+    bx1, by1, bx2, by2 = b.bounds
+    return ax1 < bx2 and bx1 < ax2 and ay1 < by2 and by1 < ay2
+
+
+if __name__ == "__main__":
+    print(sample(), end="")

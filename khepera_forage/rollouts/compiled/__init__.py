@@ -1,0 +1,1 @@
+"""Rollouts that run wholly in compiled kernels. Needs numba (extra `fast`)."""

@@ -1,0 +1,163 @@
+"""The recall phase as a function (4.6, 5.4): one episode, one row."""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import gymnasium as gym
+import numpy as np
+
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.noise import Noise
+from khepera_forage.policies import NearestNeighbourImitator, Policy
+from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.states import CLOSE_TO_FOOD, Behaviour
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+Watch = Callable[[], object]
+_Env = TypeVar("_Env", bound=gym.Env[Any, Any])
+
+
+class RecallCutShort(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
+    """A real robot or the camera was lost: the episode is no result."""
+
+
+def recall_env(
+    arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
+) -> BehavioursEnv:
+    """The recall environment of one of the thesis' arenas.
+
+    Args:
+        arena: `corridor` or `rectangle`.
+        noise: The laboratory's troubles by default.
+        limit: Steps; the thesis' by default.
+        **kwargs: Others of the environment.
+    """
+    return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
+
+
+def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:
+    """A registered environment without its wrappers.
+
+    Args:
+        kind: Its class.
+        name: As registered, without the name of this package.
+        noise: The laboratory's troubles by default.
+        limit: Steps; the thesis' by default.
+        **kwargs: Others of the environment.
+    """
+    if limit is not None:
+        kwargs["limit"] = limit
+    env = gym.make(f"khepera_forage/{name}", noise=noise, disable_env_checker=True, **kwargs).unwrapped
+    assert isinstance(env, kind)
+    return env
+
+
+def recall(
+    env: BehavioursEnv,
+    policy: Policy,
+    seed: int,
+    *,
+    learner: str = IMITATOR,
+    noise: str = "laboratory",
+    replication: int = 0,
+    episodes: int = 0,
+    file_id: str = "-",
+    number: int = 0,
+    experience_size: int = 0,
+    watch: Watch | None = None,
+) -> RecallRow:
+    """Forage alone until all food is home or time runs out.
+
+    Args:
+        env: From `recall_env`.
+        policy: Who decides; an imitator's ties are counted.
+        seed: Of the episode: places, noise, and the policy's own draws.
+        learner: Name of the policy, for the row.
+        noise: Name of the noise condition, for the row.
+        replication: For the row.
+        episodes: Training episodes the policy had, for the row.
+        file_id: The thesis' name of its training files, for the row.
+        number: Of the recall with these files, for the row.
+        experience_size: Experience vectors the policy had, for the row.
+        watch: Called after the reset and after every step.
+
+    Raises:
+        RecallCutShort: A real robot or the camera was lost; the robot was stopped.
+    """
+    draws = np.random.default_rng((seed, 1))
+    imitator = policy if isinstance(policy, NearestNeighbourImitator) else None
+    observation, info = env.reset(seed=seed)
+    rounds, wrong = [0] * STATES, [0] * STATES
+    ghosts = ties = conflicts = 0
+    over = False
+    while not over:
+        if imitator is not None:
+            neighbours = imitator.neighbours(observation)
+            ties += neighbours.tie
+            conflicts += neighbours.conflict
+            action = neighbours.draw(draws)
+            if watch is not None:
+                levels = neighbours.confidence_levels()
+                env.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
+        else:
+            action = Behaviour(policy.act(observation, draws))
+        if watch is not None:
+            watch()
+        correct = info["correct_behaviour"]
+        rounds[correct] += 1
+        wrong[correct] += action != correct
+        ghosts += (
+            action == Behaviour.ORIENT_WITH_FOOD
+            and action != correct
+            and env.forager.vector.robot_food_distance > CLOSE_TO_FOOD
+        )
+        observation, _, terminated, truncated, info = env.step(action)
+        over = terminated or truncated
+    if watch is not None:
+        watch()
+    if "robot_lost" in info:
+        raise RecallCutShort(f"after {info['steps']} steps: {info['robot_lost']}")
+    start = env.layout.starts[0]
+    x, y, heading = _in_arena(env.arena, start.x, start.y, start.heading)
+    foods = [_in_arena(env.arena, food.x, food.y) for food in env.layout.foods]
+    return RecallRow(
+        replication=replication,
+        arena=env.arena.name,
+        episodes=episodes,
+        file_id=file_id,
+        recall=number,
+        seed=seed,
+        learner=learner,
+        noise=noise,
+        correct=info["correct"],
+        steps=info["steps"],
+        limit=env.limit,
+        penalty=int(info["penalty"]),
+        score=info["score"],
+        delivered=info["delivered"],
+        foods=env.foods,
+        poison_home=info["poison_home"],
+        food_x=tuple(food[0] for food in foods),
+        food_y=tuple(food[1] for food in foods),
+        food_delivered=tuple(env.forager.register.collected),
+        start_x=x,
+        start_y=y,
+        start_heading=heading,
+        rounds_by_state=tuple(rounds),
+        wrong_by_state=tuple(wrong),
+        orient_ghost=ghosts,
+        ties=ties,
+        conflicts=conflicts,
+        experience_size=experience_size,
+    )
+
+
+def _in_arena(arena: Arena, x: float, y: float, heading: float = 0.0) -> tuple[float, float, float]:
+    """A place in pixels from the centre of the home, x along the arena; the heading in degrees."""
+    return (
+        round((x - arena.home.x) / MM_PER_PIXEL, 2),
+        round((y - arena.home.y) / MM_PER_PIXEL, 2),
+        round(math.degrees(heading), 1),
+    )

@@ -1,0 +1,1 @@
+"""Simulated bodies: arenas, the World contract, and two backends: `pymunk` and `compiled`."""

@@ -1,0 +1,190 @@
+"""Arenas: walls, home, and where robots and food stand (section 3.1). Millimetres and radians."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from khepera_forage.geometry import polygon
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+
+
+class Point(NamedTuple):
+    """A place in mm."""
+
+    x: float
+    y: float
+
+
+class Pose(NamedTuple):
+    """A place in mm and a heading in radians, counter-clockwise from the x axis."""
+
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arena:
+    """One walled enclosure with a home, and the set-up used for training in it.
+
+    Any other enclosure can be described the same way and given to every environment.
+
+    Attributes:
+        name: Written into experience files, which are of one arena.
+        walls: Corners of the outer wall, a simple polygon; the floor is inside.
+        home: Centre of the home.
+        home_radius: Of the home; at most the distance from its centre to the walls.
+        start: Where a robot starts in training (figure 5.1).
+        foods: Where food lies in training, one place an object.
+        obstacles: Further simple polygons standing on the floor.
+
+    Raises:
+        ValueError: A size that is not positive, a home, start or food that is not on the free floor, an obstacle that
+            is nowhere on it.
+    """
+
+    name: str
+    walls: tuple[Point, ...]
+    home: Point
+    home_radius: float
+    start: Pose
+    foods: tuple[Point, ...]
+    obstacles: tuple[tuple[Point, ...], ...] = ()
+
+    def __post_init__(self) -> None:
+        for corners in (self.walls, *self.obstacles):
+            polygon.check(self.name, corners)
+        for obstacle in self.obstacles:
+            if not polygon.meet(self.walls, obstacle):
+                raise ValueError(
+                    f"{self.name}: obstacle {[tuple(corner) for corner in obstacle]} stands outside the walls; "
+                    f"allowed: on the floor, within {self.bounds}"
+                )
+        if not (math.isfinite(self.home_radius) and self.home_radius > 0):
+            raise ValueError(
+                f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"
+            )
+        if not self.foods:
+            raise ValueError(f"{self.name}: foods is empty; allowed: at least one place")
+        self.check_free("home", self.home, 0.0)
+        room = self.clearance(self.home)
+        if room < self.home_radius:
+            raise ValueError(
+                f"{self.name}: home {tuple(self.home)} with radius {self.home_radius:g} mm reaches outside the walls; "
+                f"allowed there: at most {room:.0f} mm"
+            )
+        self.check_free("start", self.start, RADIUS)
+        for food in self.foods:
+            self.check_free("food", food, FOOD_RADIUS)
+
+    @property
+    def segments(self) -> tuple[tuple[float, float, float, float], ...]:
+        """All walls as line segments (x1, y1, x2, y2)."""
+        return polygon.all_edges((self.walls, *self.obstacles))
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Smallest x and y and largest x and y of the walls."""
+        return polygon.bounds(self.walls)
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the diagonal of the bounds: the largest distance of section 4.6.1."""
+        x1, y1, x2, y2 = self.bounds
+        return math.hypot(x2 - x1, y2 - y1)
+
+    def clearance(self, place: Point | Pose) -> float:
+        """Distance from a place to the nearest wall, negative outside the free floor."""
+        x, y = place[0], place[1]
+        distance = polygon.nearest(x, y, self.segments)
+        inside = polygon.contains(self.walls, x, y)
+        blocked = any(polygon.contains(o, x, y) for o in self.obstacles) if self.obstacles else False
+        return distance if inside and not blocked else -distance
+
+    def check_free(self, what: str, place: Point | Pose, radius: float) -> None:
+        """Complain if a disc does not fit on the free floor.
+
+        Raises:
+            ValueError: The place lies outside the walls, in an obstacle, or too near to one.
+        """
+        if not all(map(math.isfinite, place)):
+            raise ValueError(f"{self.name}: {what} at {tuple(place)}; allowed: finite coordinates in mm")
+        room = self.clearance(place)
+        if room < radius:
+            where = "inside a wall or outside the walls" if room < 0 else f"{room:.0f} mm from a wall"
+            raise ValueError(
+                f"{self.name}: {what} at ({place[0]:g}, {place[1]:g}) mm is {where}; "
+                f"allowed: on the floor, at least {radius:g} mm from every wall"
+            )
+
+    def shifted(self, dx: float, dy: float) -> "Arena":
+        """A copy at an offset in mm: identical but for where it stands (4.5.2)."""
+
+        def move(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+            return tuple(Point(x + dx, y + dy) for x, y in corners)
+
+        x, y, heading = self.start
+        return replace(
+            self,
+            walls=move(self.walls),
+            home=Point(self.home.x + dx, self.home.y + dy),
+            start=Pose(x + dx, y + dy, heading),
+            foods=move(self.foods),
+            obstacles=tuple(move(o) for o in self.obstacles),
+        )
+
+
+def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
+    """An arena and its copies side by side the narrow way, then in further rows, with `gap` mm between their walls.
+
+    The gap keeps a marker of one from covering the floor of the next.
+
+    Args:
+        arena: The original, which is the first.
+        count: How many arenas in all.
+        gap: In mm.
+
+    Raises:
+        ValueError: Fewer than one arena, or a negative gap.
+    """
+    if count < 1:
+        raise ValueError(f"{count!r} copies of an arena; allowed: at least 1")
+    if not gap >= 0:
+        raise ValueError(f"gap between arenas is {gap!r} mm; allowed: at least 0")
+    x1, y1, x2, y2 = arena.bounds
+    width, height = x2 - x1, y2 - y1
+    dx, dy = width + gap, height + gap
+    # As many rows or columns as 2.4 m of the thesis' laboratory floor hold.
+    abreast = max(1, int((2400.0 + gap) / min(dx, dy)))
+    places = (divmod(i, abreast) for i in range(count))
+    return tuple(
+        arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places
+    )
+
+
+def _box(length: float, width: float) -> tuple[Point, ...]:
+    return (Point(0, 0), Point(length, 0), Point(length, width), Point(0, width))
+
+
+CORRIDOR = Arena(
+    name="corridor",
+    walls=_box(650.0, 230.0),
+    home=Point(550.0, 115.0),
+    home_radius=100.0,
+    start=Pose(90.0, 115.0, 0.0),
+    foods=(Point(370.0, 115.0),),
+)
+"""The training corridor, 230 x 650 mm (3.1): robot at one end, home at the other, food between, nearer home."""
+
+RECTANGLE = Arena(
+    name="rectangle",
+    walls=_box(650.0, 600.0),
+    home=Point(550.0, 300.0),
+    home_radius=100.0,
+    start=Pose(90.0, 300.0, 0.0),
+    foods=(Point(370.0, 200.0), Point(370.0, 400.0)),
+)
+"""The rectangular evaluation arena, 600 x 650 mm (3.1), with the corridor's home and two food objects (5.4.2)."""
+
+ARENAS = {arena.name: arena for arena in (CORRIDOR, RECTANGLE)}
+"""The thesis' arenas by name."""

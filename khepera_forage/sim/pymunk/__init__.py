@@ -1,0 +1,1 @@
+"""Rigid bodies on pymunk: the backend `"pymunk"`."""

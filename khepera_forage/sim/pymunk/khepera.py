@@ -1,0 +1,245 @@
+"""A Khepera as a pymunk body: wheels that pull within their traction, infra-reds, and the gripper turret."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import pymunk
+
+from khepera_forage.geometry.polygon import Segment
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    CONTROL_PERIOD,
+    FINGER_TIP,
+    JAW_OPEN,
+    MASS,
+    PRESENT,
+    PULSE,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+    Motors,
+    Senses,
+    applicable,
+)
+from khepera_forage.robots.parameters import Body
+from khepera_forage.robots.proximity import cast, measured
+from khepera_forage.sim.arena import Pose
+from khepera_forage.sim.broad_phase import WallWatch
+from khepera_forage.sim.pymunk import collision_filters as layers
+from khepera_forage.sim.pymunk.food import PymunkFood
+from khepera_forage.sim.pymunk.gripper import PymunkGripper
+from khepera_forage.sim.pymunk.nearby import discs_near, may_push
+
+_TRACTION = 0.6 * MASS * 9810.0
+"""kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
+SUBSTEPS = 5
+"""Physics steps a round, 20 ms each, where something is pushed."""
+FINE_TRAVEL = 0.8
+"""How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
+# The properties' own functions: setting them by name goes through `__setattr__` too and costs twice as much.
+_set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.position.fset  # type: ignore[attr-defined]
+_set_angle: Callable[[pymunk.Body, float], None] = pymunk.Body.angle.fset  # type: ignore[attr-defined]
+_set_velocity: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.velocity.fset  # type: ignore[attr-defined]
+_set_spin: Callable[[pymunk.Body, float], None] = pymunk.Body.angular_velocity.fset  # type: ignore[attr-defined]
+_PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
+"""Encoder pulses a round at one speed unit."""
+
+
+class PymunkKhepera:
+    """A simulated `Robot`; its world moves it.
+
+    Args:
+        space: The pymunk space to live in.
+        pose: Where it starts.
+        walls: Segments of its own enclosure, which it senses and keeps an eye on.
+        noise: Its troubles.
+        bias: Lasting share by which the left and the right wheel travel too far.
+        build: Its peculiarities.
+    """
+
+    def __init__(
+        self,
+        space: pymunk.Space,
+        pose: Pose,
+        walls: Sequence[Segment],
+        noise: Noise,
+        bias: tuple[float, float],
+        build: Body,
+    ) -> None:
+        self.body = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
+        self.body.position = pose[:2]
+        self.body.angle = pose.heading
+        shape = pymunk.Circle(self.body, RADIUS)
+        shape.friction = 0.2
+        shape.filter = layers.ROBOT
+        # The wheels are joints that give the body the wanted velocity as far as their traction reaches; what they
+        # hold on to is a body that never moves but has that velocity.
+        self._wheels = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        pull = pymunk.PivotJoint(self._wheels, self.body, (0, 0), (0, 0))
+        twist = pymunk.GearJoint(self._wheels, self.body, 0, 1)
+        pull.max_bias = twist.max_bias = 0
+        pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
+        space.add(self.body, shape, self._wheels, pull, twist)
+        self.gripper = PymunkGripper(space, self.body, build.fingers)
+        self.foods: Sequence[PymunkFood] = ()
+        self.others: Sequence[pymunk.Body] = ()
+        self._walls = WallWatch(walls)
+        self._noise = noise
+        self._infra_reds, self._arm_reading = build.infra_reds, build.arm_reading
+        self._left_share, self._right_share = 1.0 + (bias[0] + build.left_wheel), 1.0 + bias[1]
+        self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
+        self._left_pulses = self._right_pulses = 0.0
+        self._senses: Senses | None = None
+        self._sensor_draws: Sequence[float] = (0.5,) * 8
+        self._velocity = self._rolling = 0.0, 0.0
+        self._forward = self._turn = self._turning = 0.0
+        self._steering = self._glided = self._moves_jaw = False
+        self._free = True
+        self.pose = pose
+        self._walls.survey(pose.x, pose.y)
+
+    def sense(self) -> Senses:
+        """What the robot senses now; the same until the world advances."""
+        if self._senses is None:
+            self._senses = self._read()
+        return self._senses
+
+    def drive(self, motors: Motors) -> Motors:
+        """Take a command for the coming rounds; returns it in whole speed units, within limits."""
+        self._command = applicable(motors)
+        return self._command
+
+    def stop(self) -> None:
+        """Wheels to zero; arm and jaw go on to where they were sent, as a real turret does."""
+        self._command = self._command._replace(left=0, right=0)
+
+    def close(self) -> None:
+        """Stop."""
+        self.stop()
+
+    def put(self, pose: Pose) -> None:
+        """Stand elsewhere, at rest; food in the gripper comes along."""
+        self.body.position, self.body.angle = pose[:2], pose.heading
+        self.body.velocity, self.body.angular_velocity = (0, 0), 0
+        if self.gripper.held is not None:
+            self.gripper.held.end_round()
+        self._rolling, self._turning = (0.0, 0.0), 0.0
+        self._senses = None
+        self.pose = pose
+        self._walls.survey(pose.x, pose.y)
+
+    def begin_round(self, wheel_draws: Sequence[float], sensor_draws: Sequence[float]) -> int:
+        """Fix this round's wheel travel and the noise of the sensors at its end.
+
+        Args:
+            wheel_draws: Two standard normal numbers.
+            sensor_draws: Eight uniform ones.
+
+        Returns:
+            How many physics steps the round needs, by what the robot can touch in it; 0 where it touches nothing.
+        """
+        self._sensor_draws = sensor_draws
+        left, right, arm, jaw = self._command
+        gripper = self.gripper
+        if arm != gripper.arm:
+            gripper.move_arm(arm, CONTROL_PERIOD, self.foods, self.others)
+        slip = self._noise.wheel_slip
+        left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
+        right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
+        forward = self._forward = (left_speed + right_speed) / 2
+        turn = self._turn = (right_speed - left_speed) / WHEEL_BASE
+        travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
+        x, y, heading = self.pose
+        # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
+        # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
+        heading += turn * CONTROL_PERIOD / 2
+        self._velocity = forward * math.cos(heading), forward * math.sin(heading)
+        self._steering, self._free = False, True
+        pushing, moving = may_push(x, y, travel, gripper.on_floor, gripper.held, self.foods, self.others)
+        moves_jaw = self._moves_jaw = gripper.wants_to_move_jaw(jaw)
+        if travel == 0.0 and not moving and not moves_jaw:
+            return 0
+        if self._walls.clear(self.pose, travel, pushing):
+            self._free = not pushing
+            return SUBSTEPS if pushing else 1 if moves_jaw else 0
+        self._free = False
+        self._steering = forward != 0.0
+        return max(SUBSTEPS, math.ceil(travel / FINE_TRAVEL))
+
+    def glide(self) -> None:
+        """The whole round where nothing resists: uniform motion, for which no physics is needed."""
+        x, y, angle = self.pose
+        velocity_x, velocity_y = self._rolling = self._velocity
+        turn = self._turning = self._turn
+        if velocity_x or velocity_y or turn:
+            x, y = x + velocity_x * CONTROL_PERIOD, y + velocity_y * CONTROL_PERIOD
+            angle += turn * CONTROL_PERIOD
+            _set_position(self.body, (x, y))
+            _set_angle(self.body, angle)
+        self._glided = True
+        self._end_round(x, y, angle)
+        if self.gripper.held is not None:
+            self.gripper.held.end_round()
+
+    def engage(self) -> None:
+        """Hand the wheels over to the physics of this round."""
+        _set_velocity(self._wheels, self._velocity)
+        _set_spin(self._wheels, self._turn)
+        if self._free:
+            self._rolling, self._turning = self._velocity, self._turn
+        if self._free or self._glided:
+            _set_velocity(self.body, self._rolling)
+            _set_spin(self.body, self._turning)
+            self._glided = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether wheels or jaw want to be moved along within the round."""
+        return self._steering or self._moves_jaw
+
+    def push(self, dt: float) -> None:
+        """Point the wheels' pull for the next `dt` seconds, and move the jaw."""
+        if self._steering:
+            angle = self.body.angle
+            _set_velocity(self._wheels, (self._forward * math.cos(angle), self._forward * math.sin(angle)))
+        if self._moves_jaw:
+            self.gripper.move_jaw(self._command.jaw, dt, self.foods, self.others, self._walls.near)
+
+    def end_round(self) -> None:
+        """Take down where physics has brought the robot."""
+        x, y = self.body.position
+        self._end_round(x, y, self.body.angle)
+
+    def _end_round(self, x: float, y: float, angle: float) -> None:
+        left, right, _, _ = self._command
+        self._left_pulses += left * _PULSES
+        self._right_pulses += right * _PULSES
+        self._senses = None
+        self.pose = Pose(x, y, angle)
+        self._walls.survey(x, y)
+
+    def _read(self) -> Senses:
+        gripper = self.gripper
+        x, y, angle = self.pose
+        blocked = gripper.arm >= ARM_ON_FLOOR
+        discs = discs_near(x, y, self.foods, self.others)
+        walls = self._walls.near
+        if walls or discs:
+            clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
+            if self._infra_reds != 1.0:
+                clean = [self._infra_reds * reading for reading in clean]
+        else:
+            clean = [0.0] * 8
+        return Senses(
+            measured(
+                clean, blocked, self._noise.proximity_gain, self._noise.proximity_floor, self._sensor_draws
+            ),
+            int(self._left_pulses),
+            int(self._right_pulses),
+            int(ARM_DOWN - self._arm_reading * (ARM_DOWN - gripper.arm) + 0.5),
+            int(gripper.jaw + 0.5),
+            PRESENT if gripper.interrupted(self.foods) else 0,
+        )

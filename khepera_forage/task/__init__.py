@@ -1,0 +1,1 @@
+"""The foraging task, each rule once: perception, states, behaviours, steering, following, food, placement, score."""

@@ -1,0 +1,191 @@
+"""The ten hand-coded behaviours (table 4.1): raw data to motors, one step at a time, with no memory.
+
+What each commands, in speed units of 8 mm/s (every figure our decision, made with the teacher alone):
+
+| behaviour | wheels | arm | jaw |
+|---|---|---|---|
+| SEARCH FOR FOOD | 12 towards the food, round the home; a small circle if none is seen | 215 | open |
+| MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
+| ORIENT WITH FOOD | turn, 4 on until the barrier is crossed; back 5 to retry | 255 if aimed | open; shut to retry |
+| EXPLORE FOOD | 0 | 255 | open |
+| PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
+| PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | closed |
+| AVOID FOOD | back 8 | 255 | open |
+| GO HOME | 12 home | 215 once the jaw is shut | closed |
+| AVOID HOME | out by its open side: back 5 when facing it, otherwise 8 | 215 | open |
+| RELEASE FOOD | 8 on into the home, then 0; back 5 once the jaw is open | 255 | opens once the arm is down |
+| WAIT | 0 | as it is | as it is |
+
+SEARCH and MOVE SLOWLY back off food that is nearer than orienting starts from, and while the arm is still down.
+A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
+keeps it off the walls (3.4).
+"""
+
+import math
+
+from khepera_forage.geometry.angles import turn_to
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_CLOSED,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    Motors,
+)
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour
+from khepera_forage.task.steering import TURN, clip, detour, steer
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+_CIRCLE = 1.5
+"""Mean speed of a robot that sees no food: a circle of 16 mm across."""
+_FAST, _SLOW, _CREEP, _PUSHING, _RETREAT = 12.0, 8.0, 4.0, 8.0, 5.0
+
+_AIMED = 5.0
+"""Degrees within which a robot counts as oriented with food: half a finger's play at the tip."""
+_ASTRAY = 20.0
+"""Degrees off course beyond which a robot raises its arm again to turn to the food."""
+_CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
+"""Pixels from which the fingers can come down, and swing, without touching the food."""
+_TOO_NEAR = 13.0
+"""Pixels to the food from which a robot that is not orienting backs off, so as not to shove it along."""
+_MISSED = 10.0
+"""Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
+_BEHIND = 9.0
+"""Pixels to a wall behind from which a robot does not back off further."""
+_DEEP = 7.0
+"""Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
+_JAW_SHUT = JAW_ON_FOOD + 3.0
+_ARM_SETTLED = ARM_DOWN - 3
+
+
+def command(behaviour: int, raw: RawData) -> Motors:
+    """Motors for one step of a behaviour.
+
+    Args:
+        behaviour: A `Behaviour`, 0..10.
+        raw: What the robot perceives now.
+    """
+    if behaviour == Behaviour.SEARCH_FOR_FOOD:
+        return _search(raw)
+    if behaviour == Behaviour.MOVE_SLOWLY:
+        return _approach(raw, _SLOW, detour(raw))
+    if behaviour == Behaviour.ORIENT_WITH_FOOD:
+        return _orient(raw)
+    if behaviour == Behaviour.EXPLORE_FOOD:
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
+    if behaviour == Behaviour.PICK_UP_FOOD:
+        return _pick_up(raw)
+    if behaviour == Behaviour.PUSH_FOOD:
+        return _push(raw)
+    if behaviour == Behaviour.AVOID_FOOD:
+        return Motors(-_SLOW, -_SLOW, ARM_DOWN, JAW_OPEN)
+    if behaviour == Behaviour.GO_HOME:
+        return _go_home(raw)
+    if behaviour == Behaviour.AVOID_HOME:
+        return _avoid_home(raw)
+    if behaviour == Behaviour.RELEASE_FOOD:
+        return _release(raw)
+    return wait(raw)
+
+
+def wait(raw: RawData) -> Motors:
+    """Stand still and keep arm and jaw as they are."""
+    return Motors(0.0, 0.0, raw.arm, JAW_CLOSED if raw.jaw <= _JAW_SHUT else JAW_OPEN)
+
+
+def _search(raw: RawData) -> Motors:
+    if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
+        # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
+        # is just at home out of there (on the spot they would turn for ever).
+        return Motors(_CIRCLE - TURN, _CIRCLE + TURN, ARM_RAISED, JAW_OPEN)
+    return _approach(raw, _FAST, detour(raw))
+
+
+def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
+    """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
+    near = raw.food_seen and raw.food_distance < _TOO_NEAR
+    if near or raw.arm >= ARM_ON_FLOOR:
+        # First clear of what may lie between the fingers, such as poison.
+        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, raw.food_bearing + aside, speed)
+    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _orient(raw: RawData) -> Motors:
+    if raw.object_presence:
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
+    if not raw.food_seen:
+        return Motors(-_CREEP, _CREEP, ARM_DOWN, JAW_OPEN)
+    distance = raw.food_distance
+    error = raw.food_bearing
+    if abs(error) > _ASTRAY:
+        # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
+        turn = math.copysign(TURN, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
+        return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
+    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
+    if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
+        return Motors(-_RETREAT, -_RETREAT, ARM_DOWN, JAW_CLOSED)
+    if raw.arm < _ARM_SETTLED:
+        # An arm that stops just above the floor has come down on something: back off that too.
+        stalled = raw.arm == ARM_ON_FLOOR - 1
+        back = -_CREEP if distance < _CLEAR or stalled else 0.0
+        turn = clip(error / 8.0, 2.0)
+        return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
+    if abs(error) > _AIMED:
+        turn = math.copysign(1.0, error)
+        return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
+    turn = clip(error / 5.0, 1.0)
+    return Motors(_CREEP - turn, _CREEP + turn, ARM_DOWN, JAW_OPEN)
+
+
+def _pick_up(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT or raw.object_presence:
+        reach = 0.0 if raw.object_presence else 2.0
+        return Motors(reach, reach, _arm_after_jaw(raw), JAW_CLOSED if raw.object_presence else JAW_OPEN)
+    return Motors(0.0, 0.0, ARM_RAISED, JAW_CLOSED)
+
+
+def _push(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT:
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_CLOSED)
+    left, right = steer(raw, raw.home_bearing, _PUSHING)
+    return Motors(left, right, ARM_DOWN, JAW_CLOSED)
+
+
+def _go_home(raw: RawData) -> Motors:
+    left, right = steer(raw, raw.home_bearing, _FAST)
+    return Motors(left, right, _arm_after_jaw(raw), JAW_CLOSED)
+
+
+def _avoid_home(raw: RawData) -> Motors:
+    away = raw.orientation + raw.home_bearing + 180.0
+    # Behind the home there is no way out: out means its open side.
+    out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
+    error = turn_to(out, raw.orientation)
+    blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
+    if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
+        # Facing the home, with what was released in front of it, a robot leaves backwards.
+        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, error, _SLOW)
+    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _release(raw: RawData) -> Motors:
+    if raw.jaw > _JAW_SHUT:
+        back = -_RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
+        return Motors(back, back, ARM_DOWN, JAW_OPEN)
+    if raw.home_distance > raw.home_radius - _DEEP:
+        left, right = steer(raw, raw.home_bearing, _SLOW)
+        return Motors(left, right, ARM_DOWN, JAW_CLOSED)
+    if raw.arm < _ARM_SETTLED:
+        # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
+        return Motors(-1.0, 1.0, ARM_DOWN, JAW_CLOSED)
+    return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
+
+
+def _arm_after_jaw(raw: RawData) -> int:
+    return ARM_RAISED if raw.jaw <= _JAW_SHUT else ARM_DOWN

@@ -1,0 +1,48 @@
+"""When food is identified, and when it is delivered (4.2.3, 5.3)."""
+
+from khepera_forage.geometry.angles import length
+from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, Senses
+from khepera_forage.task.states import FoodType
+
+_DOWN = ARM_DOWN - 3
+_OPEN = JAW_OPEN - 5
+
+
+def explored(before: Senses, after: Senses, applied: Motors) -> bool:
+    """Whether food was in the barrier, arm down, jaw open and wheels still, for one whole round.
+
+    Args:
+        before: What the robot sensed when the round began.
+        after: What it senses now.
+        applied: What its motors did in between.
+    """
+    return (
+        before.object_presence != 0
+        and after.object_presence != 0
+        and before.arm >= _DOWN
+        and after.arm >= _DOWN
+        and before.jaw >= _OPEN
+        and after.jaw >= _OPEN
+        and applied.left == 0
+        and applied.right == 0
+    )
+
+
+def drawn_type(draw: float, pickable: float, pushable: float) -> FoodType:
+    """The type of food that a uniform draw stands for (3.7, 4.2.3).
+
+    Args:
+        draw: Uniform in [0, 1).
+        pickable: Its odds.
+        pushable: Its odds; the rest is poisonous.
+    """
+    if draw < pickable:
+        return FoodType.PICKABLE
+    if draw < pickable + pushable:
+        return FoodType.PUSHABLE
+    return FoodType.POISONOUS
+
+
+def at_home(x: float, y: float, home_x: float, home_y: float, home_radius: float) -> bool:
+    """Whether a food object's centre is inside the home; all in pixels."""
+    return length(x - home_x, y - home_y) <= home_radius

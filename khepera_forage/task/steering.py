@@ -1,0 +1,81 @@
+"""How a robot drives towards a place: arcs and turns on the spot, round its home, off walls and obstacles."""
+
+import math
+
+from khepera_forage.geometry.angles import arcsine, sine, turn_to
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
+from khepera_forage.task.perception import RawData
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+TURN, QUICK_TURN = 5.0, 8.0
+"""Speed units of each wheel in a turn on the spot, by up to 70 degrees and by more."""
+_CAREFUL = 8.0
+"""Speed units in front of an obstacle, and back from one."""
+_ON_THE_SPOT = 35.0
+"""Degrees off course beyond which a robot turns on the spot rather than in an arc."""
+_SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
+"""Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
+_AROUND_HOME = 6.0
+"""Pixels by which a searching robot passes its home."""
+_SQUARE = 40.0
+"""Degrees of detour from which the home counts as squarely in the way."""
+_OBSTACLE = 150
+"""Infra-red reading (about 32 mm) from which a robot turns aside."""
+_BLOCKED = 600
+"""Infra-red reading (about 14 mm) in front from which it backs off."""
+
+
+def detour(raw: RawData) -> float:
+    """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
+    home, food = raw.home_distance, raw.food_distance
+    if not raw.food_seen or home <= raw.home_radius or food == 0.0:
+        return 0.0
+    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
+    fx, fy = raw.food_x - raw.x, raw.food_y - raw.y
+    along = (hx * fx + hy * fy) / food
+    if along <= 0.0 or along >= food:
+        return 0.0
+    aside = turn_to(raw.food_bearing, raw.home_bearing)
+    berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
+    if abs(aside) >= berth:
+        return 0.0
+    # Past the side nearer to the food, unless the home stands against a wall there.
+    opening = turn_to(raw.home_opening, raw.home_bearing + raw.orientation)
+    side = math.copysign(1.0, aside)
+    if berth - abs(aside) > _SQUARE and side * sine(opening) < -0.6:
+        side = -side
+    return math.copysign(berth, side) - aside
+
+
+def steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
+    """Wheels that turn by `error` degrees while driving, off walls and obstacles."""
+    if abs(error) > _ON_THE_SPOT:
+        return _turn_on_the_spot(raw, error)
+    turn = error * (0.3 if abs(error) > 10.0 else 0.2)
+    if raw.arm < ARM_ON_FLOOR:
+        a, b, c, d, e, f = raw.proximity
+        if c > _BLOCKED and d > _BLOCKED:
+            return -_CAREFUL, -_CAREFUL
+        left, right = max(a // 2, b, c), max(f // 2, e, d)
+        if left > _OBSTACLE or right > _OBSTACLE:
+            speed = min(speed, _CAREFUL)
+            turn = math.copysign(speed, right - left)
+    turn = clip(turn, min(speed, MAX_SPEED - speed) if raw.arm < ARM_ON_FLOOR else speed / 2)
+    return speed - turn, speed + turn
+
+
+def _turn_on_the_spot(raw: RawData, error: float) -> tuple[float, float]:
+    """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
+    turn = math.copysign(QUICK_TURN if abs(error) > 70.0 else TURN, error)
+    wall = raw.wall_bearing
+    if raw.wall_distance < _SWING:
+        if abs(wall) < 30.0:
+            return -_CAREFUL, -_CAREFUL
+        if wall * error > 0.0 and abs(wall) < abs(error) + 30.0:
+            turn = -turn
+    return -turn, turn
+
+
+def clip(value: float, limit: float) -> float:
+    """A value within -limit..limit."""
+    return max(-limit, min(limit, value))

@@ -1,0 +1,51 @@
+"""The thesis' claims, each with a measured effect, an interval and a verdict that can come out either way."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.thesis.claims import behaviour, learning, time
+from khepera_forage.thesis.claims.claim import Claim, Verdict
+from khepera_forage.thesis.claims.evidence import gather
+from khepera_forage.thesis.statistics import RESAMPLES
+
+__all__ = ["Claim", "Verdict", "claims"]
+
+ARENAS = ("corridor", "rectangle")
+
+
+def claims(
+    recalls: Sequence[RecallRow],
+    trainings: Sequence[TrainingRow],
+    teachers: Sequence[RecallRow],
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> list[Claim]:
+    """Measure and judge every claim.
+
+    Args:
+        recalls: The imitator's, of one noise condition; with them those of a random policy, if there are any.
+        trainings: Attempts at training episodes, with and without tracking losses.
+        teachers: Forages of the teacher alone, best with a limit well above the thesis'.
+        rng: Draws the resamples.
+        resamples: How many.
+
+    Raises:
+        ValueError: The imitator's rows are of several noise conditions.
+    """
+    evidence = gather(recalls, trainings, teachers, rng, resamples)
+    return [
+        *(learning.improves(evidence, arena) for arena in ARENAS),
+        *(learning.gain_shrinks(evidence, arena) for arena in ARENAS),
+        learning.generalises(evidence),
+        learning.comparable(evidence),
+        *(behaviour.areas(evidence, arena) for arena in ARENAS),
+        *(behaviour.around_training(evidence, arena) for arena in ARENAS),
+        *(behaviour.ghost_orient(evidence, arena) for arena in ARENAS),
+        behaviour.failures_by_orient(evidence),
+        behaviour.rest_is_correct(evidence),
+        time.losses_cost_attempts(evidence),
+        time.frequent_without_losses(evidence),
+        *(time.limit_is_enough(evidence, arena) for arena in ARENAS),
+    ]

@@ -1,0 +1,180 @@
+"""A claim of the thesis, its measured effect, and the rule that turns one into a verdict."""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from khepera_forage.thesis.statistics import Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """How an effect is written.
+
+    Attributes:
+        suffix: The unit.
+        form: Of the number, as in `format`.
+        scale: What the number is multiplied with.
+    """
+
+    suffix: str
+    form: str = ".0f"
+    scale: float = 1.0
+
+    def __call__(self, value: float) -> str:
+        """A number with its unit; a dash for nan."""
+        number = self._number(value)
+        return number if number == "-" else f"{number} {self.suffix}"
+
+    def estimate(self, estimate: Estimate) -> str:
+        """A value with its interval in brackets, or without if there is none."""
+        value, low, high = map(self._number, estimate)
+        return self(estimate.value) if low == "-" else f"{value} [{low}, {high}] {self.suffix}"
+
+    def _number(self, value: float) -> str:
+        if math.isnan(value):
+            return "-"
+        if value == 0:
+            return "0"
+        return f"{self.scale * value:{self.form}}" if math.isfinite(value) else "∞"
+
+
+points = Unit("points", "+.1f")
+"""Percentage points of the score."""
+percent = Unit("%", scale=100.0)
+"""A share."""
+percent_change = Unit("points", "+.0f", 100.0)
+"""A difference of two shares, in percentage points."""
+
+
+class Verdict(StrEnum):
+    """What the measurement says of a claim."""
+
+    SUPPORTED = "supported"
+    NOT_SUPPORTED = "not supported"
+    UNDECIDED = "undecided"
+
+
+class Rule(Protocol):
+    """Turns an estimate into a verdict; fixed before there are data."""
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict; undecided without an interval."""
+        ...
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Above:
+    """Supported if the whole interval lies above a threshold, not supported if it lies below."""
+
+    threshold: float
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict."""
+        return _verdict(estimate.low > self.threshold, estimate.high < self.threshold)
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        return f"supported above {show(self.threshold)}, not supported below"
+
+
+@dataclass(frozen=True, slots=True)
+class AtMost:
+    """Supported if the whole interval is at most a threshold, not supported if it lies above."""
+
+    threshold: float
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict."""
+        return _verdict(estimate.high <= self.threshold, estimate.low > self.threshold)
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        return f"supported up to {show(self.threshold)}, not supported above"
+
+
+@dataclass(frozen=True, slots=True)
+class Within:
+    """Supported if the whole interval lies within a margin around 0, not supported if it lies beyond."""
+
+    margin: float
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict."""
+        return _verdict(_inside(estimate, self.margin), _beyond(estimate, self.margin))
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        return f"supported between {show(-self.margin)} and {show(self.margin)}, not supported beyond"
+
+
+@dataclass(frozen=True, slots=True)
+class Beyond:
+    """Supported if the whole interval lies on one side beyond a margin around 0, not supported if within."""
+
+    margin: float
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict."""
+        return _verdict(_beyond(estimate, self.margin), _inside(estimate, self.margin))
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        return f"supported beyond {show(-self.margin)} or {show(self.margin)}, not supported between"
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """One claim of the thesis, measured.
+
+    Attributes:
+        name: What is claimed.
+        thesis_section: Where.
+        effect: The measured effect with its unit and interval.
+        value: The effect as a number; nan if there are no rows for it.
+        low: Lower end of its 95 % interval; nan if there is none.
+        high: Upper end.
+        thesis: The same effect in the thesis' own figures, or what it says in words.
+        rule: What makes the verdict; an interval that reaches across is undecided.
+        verdict: Supported, not supported or undecided.
+        sentence: What was measured, with the figures behind it.
+    """
+
+    name: str
+    thesis_section: str
+    effect: str
+    value: float
+    low: float
+    high: float
+    thesis: str
+    rule: str
+    verdict: Verdict
+    sentence: str
+
+
+def judged(
+    name: str, section: str, estimate: Estimate, rule: Rule, show: Unit, thesis: str, sentence: str
+) -> Claim:
+    """A claim with the verdict of its rule on an estimate."""
+    effect = show.estimate(estimate)
+    return Claim(name, section, effect, *estimate, thesis, rule.text(show), rule.judge(estimate), sentence)
+
+
+def _inside(estimate: Estimate, margin: float) -> bool:
+    return -margin < estimate.low and estimate.high < margin
+
+
+def _beyond(estimate: Estimate, margin: float) -> bool:
+    return estimate.low > margin or estimate.high < -margin
+
+
+def _verdict(supported: bool, not_supported: bool) -> Verdict:
+    """Comparisons with nan are false, so that no interval means undecided."""
+    if supported:
+        return Verdict.SUPPORTED
+    return Verdict.NOT_SUPPORTED if not_supported else Verdict.UNDECIDED

@@ -1,0 +1,122 @@
+"""The thesis' slips in arithmetic, computed from its own tables and not listed by hand."""
+
+import math
+from collections.abc import Iterator, Sequence
+from decimal import ROUND_DOWN, ROUND_HALF_UP, Decimal
+from fractions import Fraction
+from itertools import groupby
+from typing import NamedTuple
+
+from khepera_forage.thesis import appendix_a
+from khepera_forage.thesis.appendix_a import PrintedRecall, PrintedTable
+
+
+class Slip(NamedTuple):
+    """Something printed that does not follow from what is printed beside it.
+
+    Attributes:
+        table: `A.1` to `A.7`.
+        place: Which line of the table, counted from 1, or which average.
+        kind: `share`, `percent`, `rounding` (rounded, where the tables cut fractions off), `score`,
+            `penalty`, `series`, `average`, `food` or `text`.
+        printed: As the thesis has it.
+        expected: What would follow.
+    """
+
+    table: str
+    place: str
+    kind: str
+    printed: str
+    expected: str
+
+
+def slips() -> list[Slip]:
+    """Every slip, in the order of the tables."""
+    found: list[Slip] = []
+    for table in appendix_a.tables():
+        rows = appendix_a.rows_of(table)
+        for row in rows:
+            place = f"line {row.line}, {row.file_id}"
+            found += [Slip(table.table, place, *slip) for slip in _of_row(row, table.limit)]
+        found += _of_series(rows, table.limit)
+        found += _of_averages(table, rows)
+        found += _of_food(table, rows)
+    return found
+
+
+def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
+    """Slips within one line."""
+    possible = 0 < row.total <= limit and row.correct <= row.total
+    share = f"{row.correct}/{row.total}"
+    if not possible:
+        yield "share", share, f"no more correct behaviours than steps, at most {limit} steps"
+    percent = row.percent
+    if possible:
+        exact = Fraction(100 * row.correct, row.total)
+        percent = math.floor(exact)
+        if percent != row.percent:
+            kind = "rounding" if row.percent == math.floor(exact + Fraction(1, 2)) else "percent"
+            yield kind, f"{share} ({row.percent}%)", f"{percent}%"
+    score = row.percent - row.points
+    if row.score != score:
+        expected = f"{score}"
+        if percent != row.percent:
+            agrees = "as printed" if row.score == percent - row.points else f"{percent - row.points}"
+            expected += f"; with the percentage recomputed, {agrees}"
+        yield "score", f"{row.percent}% {row.penalty}: {row.score}", expected
+    if row.points and row.total < limit:
+        yield "penalty", f"{row.penalty} after {row.total} steps", f"{limit} steps, or no penalty"
+    if not row.points and row.total >= limit:
+        yield "penalty", f"none after {row.total} steps", "a penalty, or food delivered in the very last step"
+
+
+def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Slip]:
+    """Runs of lines that count up by one with the same total: the mark of a spreadsheet's fill-down."""
+    run = [rows[0]]
+    for row in (*rows[1:], None):
+        last = run[-1]
+        if (
+            row is not None
+            and (row.file_id, row.total, row.correct) == (last.file_id, last.total, last.correct + 1)
+            and row.total < limit
+        ):
+            run.append(row)
+            continue
+        if len(run) > 1:
+            printed = f"{run[0].correct} to {last.correct}, each of {last.total} ({last.percent}%)"
+            place = f"lines {run[0].line}-{last.line}, {last.file_id}"
+            yield Slip(last.table, place, "series", printed, "counts of their own")
+        run = [row] if row is not None else []
+
+
+def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:
+    """Averages against the printed scores, and the text against the table."""
+    scores = {name: [r.score for r in group] for name, group in groupby(rows, key=lambda r: r.file_id)}
+    printed = [s for s in appendix_a.sets() if s.table == table.table]
+    for entry in printed:
+        mean = Fraction(sum(scores[entry.file_id]), len(scores[entry.file_id]))
+        if not _rounds_to(mean, entry.average):
+            yield Slip(table.table, entry.file_id, "average", str(entry.average), f"{float(mean):g}")
+    total = Fraction(sum(row.score for row in rows), len(rows))
+    if not _rounds_to(total, table.average):
+        yield Slip(table.table, "total average", "average", str(table.average), f"{float(total):g}")
+    if table.text_average is not None and table.text_average != table.average:
+        said, meant = f"{table.text_average} in chapter 5", f"{table.average}, as the table"
+        yield Slip(table.table, "total average", "text", said, meant)
+
+
+def _of_food(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:
+    """Food collected against the penalties of the lines."""
+    counted = (sum(row.delivered(table.foods) for row in rows), table.foods * len(rows))
+    for kind, found in (
+        ("food", (table.collected, table.available)),
+        ("text", (table.text_collected, table.text_available)),
+    ):
+        if found != counted:
+            yield Slip(table.table, "food collected", kind, "{}/{}".format(*found), "{}/{}".format(*counted))
+
+
+def _rounds_to(value: Fraction, printed: Decimal) -> bool:
+    """Whether a value, rounded or cut off at the printed number of decimals, reads as printed."""
+    exact = Decimal(value.numerator) / Decimal(value.denominator)
+    return any(exact.quantize(printed, rounding=how) == printed for how in (ROUND_DOWN, ROUND_HALF_UP))

@@ -1,0 +1,185 @@
+"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis' points beside ours, and a figure of what noise costs.
+
+Drawn with matplotlib's figure objects, so that no window system and no global state is involved.
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from khepera_forage.thesis.cells import CellResult
+from khepera_forage.thesis.design import NO_NOISE
+from khepera_forage.thesis.statistics import UNKNOWN, Estimate
+from khepera_forage.thesis.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
+"""Blue and vermilion of Okabe and Ito, told apart by colour-blind readers."""
+DPI = 150
+_SHIFT = 0.2
+"""Episodes by which our marks stand left, and the thesis' right, of their number of episodes."""
+
+
+def fig_5_2(results: Sequence[CellResult]) -> "Figure":
+    """Average scores in the corridor against the number of training episodes."""
+    return _score_figure(results, "corridor", "Figure 5.2: recall score in the corridor")
+
+
+def fig_5_3(results: Sequence[CellResult]) -> "Figure":
+    """Food carried home in the corridor, of 20."""
+    return _food_figure(results, "corridor", 20, "Figure 5.3: food carried home in the corridor")
+
+
+def fig_5_5(results: Sequence[CellResult]) -> "Figure":
+    """Average scores in the rectangle against the number of training episodes."""
+    return _score_figure(results, "rectangle", "Figure 5.5: recall score in the rectangle")
+
+
+def fig_5_6(results: Sequence[CellResult]) -> "Figure":
+    """Food carried home in the rectangle, of 24."""
+    return _food_figure(results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle")
+
+
+def noise_figure(table: Table) -> "Figure":
+    """Score in each cell, and attempts at training, under each source of noise: the noise table drawn."""
+    names = list(dict.fromkeys(str(row[0]) for row in table.rows))
+    cells = list(dict.fromkeys(str(row[1]) for row in table.rows))
+    panels = [
+        (f"score (%)\n{cell} episodes", {str(r[0]): r[2] for r in table.rows if r[1] == cell})
+        for cell in cells
+    ]
+    panels.append(
+        ("attempts for one complete\ntraining episode", {str(row[0]): row[5] for row in table.rows})
+    )
+    figure = new_figure(2.6 + 2.5 * len(panels), 1.6 + 0.36 * len(names))
+    columns = figure.subplots(1, len(panels), sharey=True)
+    for axes, (label, estimates) in zip(columns, panels, strict=True):
+        for place, name in enumerate(reversed(names)):
+            estimate = estimates.get(name, UNKNOWN)
+            assert isinstance(estimate, Estimate)
+            mark(axes, estimate.value, place, estimate, OURS, level=True)
+            if name == NO_NOISE and math.isfinite(estimate.value):
+                axes.axvline(estimate.value, color=GREY, lw=1, ls=":", zorder=1)
+        axes.set_xlabel(label)
+        axes.grid(axis="x", color="0.9")
+        axes.margins(x=0.08)
+        axes.tick_params(axis="y", length=0)
+    columns[0].set_yticks(range(len(names)), names[::-1])
+    columns[0].set_ylim(-0.6, len(names) - 0.4)
+    figure.suptitle("What each of the laboratory's troubles costs")
+    figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
+    return figure
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty figure of this size in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure as PNG."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=DPI, facecolor="white")
+
+
+def _score_figure(results: Sequence[CellResult], arena: str, title: str) -> "Figure":
+    figure, axes = _episode_axes(title)
+    for result in (r for r in results if r.cell.arena == arena):
+        x = result.cell.episodes
+        _experiments(axes, x - _SHIFT, result.scores)
+        mark(axes, x - _SHIFT, result.score.value, result.score, OURS)
+        axes.plot(x + _SHIFT, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
+    axes.set_ylim(0, 100)
+    axes.set_yticks(range(0, 101, 10))
+    axes.set_ylabel("average score of recall episodes (%)")
+    _legend(axes)
+    return figure
+
+
+def _food_figure(results: Sequence[CellResult], arena: str, maximum: int, title: str) -> "Figure":
+    figure, axes = _episode_axes(title)
+    width = 0.36
+    for result in (r for r in results if r.cell.arena == arena):
+        x = result.cell.episodes
+        scale = maximum / result.cell.available
+        food = Estimate(*(scale * value for value in result.food))
+        thesis = scale * result.thesis_food
+        axes.bar(x - _SHIFT, food.value, width, color=OURS, alpha=0.35, zorder=1)
+        axes.bar(x + _SHIFT, thesis, width, color=THESIS, alpha=0.35, zorder=1)
+        _experiments(axes, x - _SHIFT, [scale * count for count in result.foods])
+        mark(axes, x - _SHIFT, food.value, food, OURS)
+        axes.plot(x + _SHIFT, thesis, "D", color=THESIS, ms=8, mec="white", zorder=4)
+        if scale != 1:
+            note = f"of {result.cell.available},\ntimes {scale:g}"
+            axes.text(x + 0.55, 0.2, note, va="bottom", fontsize=8, color=GREY)
+    axes.set_ylim(0, maximum * 1.02)
+    axes.set_yticks(range(0, maximum + 1, 4))
+    axes.set_ylabel(f"food objects carried home (of {maximum})")
+    _legend(axes)
+    return figure
+
+
+def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
+    figure = new_figure(6.4, 4.4)
+    axes = figure.subplots()
+    axes.set_title(title)
+    axes.set_xlabel("number of training episodes")
+    axes.set_xlim(0, 12)
+    axes.set_xticks((0, 1, 3, 5, 10))
+    axes.grid(axis="y", color="0.9")
+    axes.set_axisbelow(True)
+    return figure, axes
+
+
+def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
+    """Single experiments as faint dots, spread sideways in a fixed pattern."""
+    if not values:
+        return
+    spread = 0.13 * np.sin(2.4 * np.arange(len(values)))
+    fade = max(0.08, min(0.5, 8 / len(values)))
+    axes.scatter(x + spread, values, s=9, color=OURS, alpha=fade, lw=0, zorder=2)
+
+
+def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False) -> None:
+    """An estimate as a dot with its interval as a bar, upright or level."""
+    if not math.isfinite(estimate.value):
+        return
+    axes.plot(x, y, "o", color=colour, ms=7, mec="white", zorder=5)
+    if math.isfinite(estimate.low):
+        ends = np.array([[estimate.value - estimate.low], [estimate.high - estimate.value]]).clip(min=0)
+        xerr, yerr = (ends, None) if level else (None, ends)
+        axes.errorbar([x], [y], xerr=xerr, yerr=yerr, fmt="none", color=colour, capsize=4, lw=1.8, zorder=4)
+
+
+def _legend(axes: "Axes") -> None:
+    from matplotlib.lines import Line2D
+
+    axes.legend(
+        handles=[
+            Line2D([], [], marker="D", color=THESIS, ls="", ms=8, mec="white", label="thesis"),
+            Line2D(
+                [],
+                [],
+                marker="o",
+                color=OURS,
+                ls="-",
+                ms=7,
+                mec="white",
+                label="ours, mean and 95 % interval",
+            ),
+            Line2D([], [], marker="o", color=OURS, ls="", ms=4, alpha=0.4, label="ours, single experiments"),
+        ],
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.14),
+        ncols=3,
+        frameon=False,
+        fontsize=8,
+    )

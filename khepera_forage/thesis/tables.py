@@ -1,0 +1,103 @@
+"""Tables for readers and for machines: Markdown with intervals in brackets, CSV with each number alone."""
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from khepera_forage.thesis.statistics import Estimate
+
+Value = str | int | float | Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column.
+
+    Attributes:
+        name: Its heading, with the unit.
+        digits: After the decimal point, in Markdown; CSV has six significant figures throughout.
+        estimate: Whether its values are estimates, each with an interval.
+        page: Whether it stands in Markdown too; all stand in CSV.
+    """
+
+    name: str
+    digits: int = 1
+    estimate: bool = False
+    page: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table with what a reader must know of it.
+
+    Attributes:
+        stem: Its name in file names.
+        title: Heading.
+        note: What is in it and how it was computed.
+        columns: One an entry of each row.
+        rows: Values; nan where there is none.
+    """
+
+    stem: str
+    title: str
+    note: str
+    columns: tuple[Column, ...]
+    rows: Sequence[tuple[Value, ...]]
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise ValueError(f"{self.stem}: a row of {len(row)} values; allowed: {len(self.columns)}")
+
+    def markdown(self) -> str:
+        """Heading, note and table."""
+        shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
+        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
+        lines = [[column.name for _, column in shown], ["---:" if right else "---" for right in numeric]]
+        lines += [[_shown(row[i], column) for i, column in shown] for row in self.rows]
+        body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
+        return f"## {self.title}\n\n{self.note}\n\n{body}\n"
+
+    def csv(self) -> str:
+        """The numbers; an estimate takes three columns."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        names = [c.name for c in self.columns]
+        writer.writerow(
+            part
+            for name, c in zip(names, self.columns, strict=True)
+            for part in ((name, f"{name}: low", f"{name}: high") if c.estimate else (name,))
+        )
+        for row in self.rows:
+            writer.writerow(part for value in row for part in _parts(value))
+        return out.getvalue()
+
+
+def interval(estimate: Estimate, digits: int = 1) -> str:
+    """An estimate with its interval in brackets, or without if there is none."""
+    value, low, high = (_number(v, digits) for v in estimate)
+    return value if math.isnan(estimate.low) else f"{value} [{low}, {high}]"
+
+
+def _shown(value: Value, column: Column) -> str:
+    if isinstance(value, Estimate):
+        return interval(value, column.digits)
+    if isinstance(value, float):
+        return _number(value, column.digits)
+    return str(value)
+
+
+def _number(value: float, digits: int) -> str:
+    if math.isnan(value):
+        return "-"
+    return f"{value:.{digits}f}" if math.isfinite(value) else "∞"
+
+
+def _parts(value: Value) -> tuple[str | int, ...]:
+    if isinstance(value, Estimate):
+        return tuple(part for v in value for part in _parts(v))
+    if isinstance(value, float):
+        return ("" if math.isnan(value) else f"{value:.6g}",)
+    return (value,)

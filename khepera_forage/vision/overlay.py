@@ -1,0 +1,108 @@
+"""A scene drawn on the frame that showed it: for previews and for the documentation."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.detection.segmentation import SHAPE
+from khepera_forage.vision.opencv import require_opencv
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+Colour = tuple[int, int, int]
+_MARKER: Colour = (255, 90, 60)
+_FOOD: Colour = (60, 220, 90)
+_LOST: Colour = (150, 150, 160)
+_BITS = 4
+"""Fractional bits of OpenCV's drawing coordinates."""
+_POINTS = 24
+"""Corners of the polygon that is drawn for a disc."""
+
+
+def draw_scene(
+    frame: NDArray[np.uint8],
+    scene: Scene,
+    calibration: Calibration | None = None,
+    settings: TrackerSettings | None = None,
+) -> NDArray[np.uint8]:
+    """The frame with its regions: outline, centre, heading, and "label:holes"; lost ones grey with a question mark.
+
+    Args:
+        frame: 480 x 640 grey levels; it is left as it was.
+        scene: What the tracker made of it.
+        calibration: The tracker's; None for `Calibration.identity()`.
+        settings: The tracker's, for sizes and heights; None for the defaults.
+
+    Returns:
+        480 x 640 x 3, red, green, blue.
+
+    Raises:
+        ImportError: OpenCV is not installed.
+        ValueError: A frame that is not 480 x 640 grey levels.
+    """
+    require_opencv("drawing a scene")
+    import cv2
+
+    if frame.shape != SHAPE or frame.dtype != np.uint8:
+        raise ValueError(f"frame is {frame.shape} of {frame.dtype}; allowed: {SHAPE} of uint8 grey levels")
+    picture: NDArray[np.uint8] = cv2.cvtColor(frame, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
+    pen = _Pen(picture, calibration or Calibration.identity(), settings or TrackerSettings())
+    for region in scene.regions:
+        pen.draw(region)
+    return picture
+
+
+class _Pen:
+    """Draws regions on one picture."""
+
+    def __init__(
+        self, picture: NDArray[np.uint8], calibration: Calibration, settings: TrackerSettings
+    ) -> None:
+        self._picture, self._calibration, self._settings = picture, calibration, settings
+
+    def draw(self, region: Region) -> None:
+        import cv2
+
+        marker = region.holes > 0
+        colour = (_MARKER if marker else _FOOD) if region.found else _LOST
+        self._line(region, self._outline(region), colour, closed=True)
+        for arm in ([(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]):
+            self._line(region, arm, colour)
+        if marker:
+            tip = self._settings.marker_length / MM_PER_PIXEL * 0.8
+            arrow = [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
+            self._line(region, [(0.0, 0.0), (tip, 0.0)], colour)
+            self._line(region, arrow, colour)
+        text = f"{region.label}:{region.holes}" + ("" if region.found else "?")
+        u, v = self._spot(region, 0.0, 0.0)
+        reach = self._settings.marker_width if marker else 2 * self._settings.food_radius
+        spot = (round(u + reach / MM_PER_PIXEL), round(v - reach / MM_PER_PIXEL))
+        cv2.putText(self._picture, text, spot, cv2.FONT_HERSHEY_SIMPLEX, 0.4, colour, 1, cv2.LINE_AA)
+
+    def _outline(self, region: Region) -> list[tuple[float, float]]:
+        settings = self._settings
+        if region.holes > 0:
+            a, b = settings.marker_length / MM_PER_PIXEL / 2, settings.marker_width / MM_PER_PIXEL / 2
+            return [(a, b), (-a, b), (-a, -b), (a, -b)]
+        radius = settings.food_radius / MM_PER_PIXEL
+        turns = (2 * math.pi * i / _POINTS for i in range(_POINTS))
+        return [(radius * math.cos(turn), radius * math.sin(turn)) for turn in turns]
+
+    def _line(
+        self, region: Region, points: list[tuple[float, float]], colour: Colour, *, closed: bool = False
+    ) -> None:
+        """A line through points in the region's own frame (region pixels, x forward)."""
+        import cv2
+
+        spots = np.array([self._spot(region, *point) for point in points]) - 0.5
+        fixed = np.rint(spots * 2**_BITS).astype(np.int32)
+        cv2.polylines(self._picture, [fixed], closed, colour, 1, cv2.LINE_AA, _BITS)
+
+    def _spot(self, region: Region, ahead: float, aside: float) -> tuple[float, float]:
+        heading = math.radians(region.orientation)
+        height = self._settings.marker_height if region.holes > 0 else self._settings.food_height
+        x = region.x + ahead * math.cos(heading) - aside * math.sin(heading)
+        y = region.y + ahead * math.sin(heading) + aside * math.cos(heading)
+        return self._calibration.to_picture(x, y, height)

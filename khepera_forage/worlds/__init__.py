@@ -1,1 +1,0 @@
-"""Where robots live: arenas, and the worlds that move bodies in them."""

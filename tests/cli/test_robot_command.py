@@ -1,0 +1,149 @@
+"""`khepera-forage robot`: a user at a terminal, and a virtual Khepera started by the same command."""
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.cli.robot_sensors import picture
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Senses
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+
+
+@pytest.fixture(scope="module")
+def port() -> Iterator[str]:
+    """Of a virtual Khepera in a process of its own, in real time."""
+    command = Path(sys.executable).with_name("khepera-forage")
+    child = subprocess.Popen([command, "robot", "virtual"], stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    found = re.search(r"/dev/\S+?(?=;|\s)", child.stdout.readline())
+    assert found is not None
+    yield found[0]
+    child.send_signal(signal.SIGINT)
+    child.communicate(timeout=20)
+    assert child.returncode == 0
+
+
+@pytest.fixture
+def frozen() -> Iterator[VirtualKhepera]:
+    """A virtual Khepera whose world stands still."""
+    world = PymunkWorld([CORRIDOR], (2,), Noise.none())
+    world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
+    with VirtualKhepera(Firmware(world.robots[0]), baud=None, rng=np.random.default_rng(0)) as khepera:
+        yield khepera
+
+
+def told(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(["robot", *arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+@pytest.mark.parametrize("what", ["probe", "sensors", "drive", "grip", "selftest", "virtual"])
+def test_help(what: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["robot", what, "--help"])
+    assert stop.value.code == 0
+    assert "--baud" in capsys.readouterr().out
+
+
+def test_probe(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = told(capsys, "probe", "--port", port)
+    assert f"{port}, 38400 baud" in out
+    assert "BIOS 5.02, protocol 5.01" in out
+    assert "version 2.1, jumpers 0; arm" in out
+    trips = [float(ms) for ms in re.findall(r"([\d.]+) ms round trip", out)]
+    assert len(trips) == 5
+    assert all(1 < ms < 1000 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
+
+
+def test_sensors_in_lines(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    heading, *lines = told(capsys, "sensors", "--port", port, "--rounds", "3").splitlines()
+    assert len(lines) == 3
+    for line in lines:
+        proximity, pulses, others = line.split(" | ")
+        assert all(0 <= int(v) <= 1023 for v in proximity.split())
+        assert len(proximity.split()) == 8
+        assert (len(pulses.split()), len(others.split())) == (2, 3)
+    assert "arm jaw present" in heading
+
+
+def test_sensors_as_bars() -> None:
+    shown = picture(Senses((0, 1023, 512, 0, 0, 0, 0, 0), 12, -12, 215, 200, 255)).splitlines()
+    assert [line.count("█") for line in shown[:3]] == [0, 50, 25]
+    assert "left 45" in shown[1]
+    assert "object between the fingers" in shown[8]
+
+
+def test_drive_goes_as_far_as_asked_and_stops(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = told(capsys, "drive", "--port", port, "--left", "4", "--right", "-4", "--seconds", "0.5")
+    left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
+    assert 50 <= left <= 600, "about 200"
+    assert right == -left
+    with SerialKhepera(port) as robot:
+        before = robot.ask("H")
+        robot.ask("E")
+        assert robot.ask("H") == before
+
+
+def test_grip(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "jaw at 0, barrier 0" in told(capsys, "grip", "close", "--port", port)
+    assert "jaw at 200, barrier 0" in told(capsys, "grip", "open", "--port", port)
+
+
+def test_selftest_passes(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = told(capsys, "selftest", "--port", port)
+    assert "10 of 10 passed" in out
+    assert out.count(" pass ") == 10
+    assert "FAIL" not in out
+
+
+def test_selftest_of_a_robot_that_does_not_move(
+    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["robot", "selftest", "--port", frozen.url]) == 1
+    out = capsys.readouterr().out
+    for part in ("wheels", "arm", "jaw"):
+        assert re.search(rf"^{part} +FAIL", out, re.MULTILINE)
+    assert "7 of 10 passed" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["probe", "--port", "/dev/nowhere"], "/dev/nowhere cannot be opened"),
+        (["probe", "--port", "/dev/nowhere", "--baud", "300"], "baud 300; allowed: 9600"),
+        (["drive", "--port", "/dev/nowhere", "--left", "50"], "--left is 50; allowed: -20..20"),
+        (["drive", "--port", "/dev/nowhere", "--seconds", "0"], "--seconds is 0; allowed: more than 0"),
+        (["sensors", "--port", "/dev/nowhere", "--rounds", "-1"], "--rounds is -1; allowed: 0 or more"),
+    ],
+)
+def test_mistakes_are_told_in_one_line(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["robot", *arguments]) == 2
+    err = capsys.readouterr().err
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_a_lost_robot_is_told_in_one_line(frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]) -> None:
+    frozen.faults = Faults(unplug=1.0)
+    assert main(["robot", "probe", "--port", frozen.url]) == 2
+    err = capsys.readouterr().err
+    assert f"{frozen.url}: no answer to 'B'" in err
+    assert err.count("\n") == 1

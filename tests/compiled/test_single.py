@@ -1,0 +1,205 @@
+"""`gym.make(..., physics="batch")`: the environments' forms in the batch's physics, one world at a time."""
+
+import copy
+import json
+import pickle
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.error import ResetNeeded
+from gymnasium.utils.env_checker import check_env
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.compilation.widths import at_width
+from khepera_forage.envs import entry_points as physics
+from khepera_forage.envs.compiled.rounds import decide
+from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
+from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.compiled import rows as at
+from khepera_forage.sim.compiled.drive import towards
+
+NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
+MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
+
+
+def _make(name: Any = "Corridor", **kwargs: Any) -> Any:
+    return gym.make(f"khepera_forage/{name}-v0", physics="batch", **kwargs)
+
+
+def _same(one: Any, two: Any) -> bool:
+    return set(one) == set(two) and all(np.array_equal(one[key], two[key]) for key in one)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gymnasium_finds_nothing_wrong(name: Any) -> None:
+    env = _make(name)
+    assert isinstance(env.unwrapped, CompiledBehavioursEnv | CompiledWheelsEnv)
+    check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_spaces_forms_and_infos_are_those_in_pymunk(name: Any) -> None:
+    env, plain = _make(name), gym.make(f"khepera_forage/{name}-v0")
+    assert env.observation_space == plain.observation_space
+    assert env.action_space == plain.action_space
+    assert env.metadata == plain.metadata
+    env.action_space.seed(0)
+    (obs, info), (plain_obs, plain_info) = env.reset(seed=1), plain.reset(seed=1)
+    for _ in range(5):
+        assert list(obs) == list(plain_obs)
+        assert list(info) == list(plain_info)
+        for got, expected in [(obs[k], plain_obs[k]) for k in obs] + [(info[k], plain_info[k]) for k in info]:
+            assert type(got) is type(expected)
+            assert np.asarray(got).dtype == np.asarray(expected).dtype
+            assert np.shape(got) == np.shape(expected)
+        action = env.action_space.sample()
+        obs, reward, terminated, truncated, info = env.step(action)
+        plain_obs, *rest, plain_info = plain.step(action)
+        assert [type(v) for v in (reward, terminated, truncated)] == [type(v) for v in rest]
+    plain.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_one_world_is_world_0_of_make_vec_to_the_last_bit(name: Any) -> None:
+    """Kernels of one lane and of 128 compute the same, through episodes that end and begin."""
+    kwargs: Any = {"limit": 90, "food_types": MIXED}
+    one = _make(name, **kwargs)
+    many = gym.make_vec(f"khepera_forage/{name}-v0", num_envs=3, **kwargs)
+    many.action_space.seed(0)
+    (obs, info), (obs_many, infos) = one.reset(seed=5), many.reset(seed=5)
+    over, episodes = False, 0
+    for _ in range(400):
+        assert _same(obs, {key: values[0] for key, values in obs_many.items()})
+        assert _same(info, {key: infos[key][0] for key in info})
+        actions = infos["correct_behaviour"] if "Wheels" not in name else many.action_space.sample()
+        obs_many, rewards, ends, cuts, infos = many.step(actions)
+        if over:
+            obs, info = one.reset()
+            over = False
+            episodes += 1
+        else:
+            obs, reward, terminated, truncated, info = one.step(actions[0])
+            assert (reward, terminated, truncated) == (rewards[0], ends[0], cuts[0])
+            over = terminated or truncated
+    assert episodes >= 3
+
+
+@pytest.mark.parametrize("name", ["Rectangle", "RectangleWheels"])
+def test_rollouts_repeat_in_fresh_arrays_and_copies_go_on_alike(name: Any) -> None:
+    def roll(env: Any, steps: Any) -> Any:
+        return [env.step(env.action_space.sample()) for _ in range(steps)]
+
+    env = _make(name)
+    assert EnvSpec.from_json(env.spec.to_json()).kwargs == json.loads(env.spec.to_json())["kwargs"]
+    runs = []
+    for _ in range(2):
+        env.reset(seed=2)
+        env.action_space.seed(2)
+        runs.append(roll(env, 30))
+    for a, b in zip(*runs, strict=True):
+        assert _same(a[0], b[0])
+        assert a[1:4] == b[1:4]
+        assert _same(a[4], b[4])
+    arrays = [v for step in runs[0][:3] for v in (*step[0].values(), step[4]["pose"]) if v.ndim]
+    for i, array in enumerate(arrays):
+        assert not any(np.shares_memory(array, other) for other in arrays[:i])
+    twins = [pickle.loads(pickle.dumps(env)), copy.deepcopy(env)]
+    expected = roll(env, 10)
+    for twin in twins:
+        for a, b in zip(expected, roll(twin, 10), strict=True):
+            assert _same(a[0], b[0])
+
+
+def test_given_places_and_seeds() -> None:
+    env = _make("Rectangle", noise=Noise.none())
+    options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
+    obs, info = env.reset(options=options)
+    assert info["pose"].tolist() == [20.0, 60.0, 90.0]
+    assert obs["robot_food_distance"].tolist() == [45]
+    poses = [env.reset(seed=seed)[1]["pose"].tolist() for seed in (1, 2, 1)] + [
+        env.reset()[1]["pose"].tolist()
+    ]
+    assert poses[0] == poses[2]
+    assert len({tuple(pose) for pose in poses}) == 3
+
+
+def test_pictures_show_the_true_world() -> None:
+    env = _make("Corridor", noise=Noise.none(), render_mode="rgb_array")
+    _, info = env.reset(seed=3)
+    first = env.render()
+    over = False
+    pictures, seen = [first], set()
+    while not over:
+        executed = info["correct_behaviour"]
+        _, _, terminated, truncated, info = env.step(executed)
+        over = terminated or truncated
+        view = env.unwrapped.view()
+        (robot,), (food,) = view.robots, view.foods
+        assert robot.pose[:2] == pytest.approx(info["pose"][:2] * 5.0)
+        assert (view.step, view.delivered) == (info["steps"], info["delivered"])
+        assert (robot.state, robot.executed) == (info["state"], executed)
+        seen.add((food.lifted, food.delivered))
+    pictures.append(env.render())
+    assert pictures[0].shape == pictures[1].shape
+    assert pictures[0].dtype == np.uint8
+    assert not np.array_equal(*pictures)
+    assert seen == {(False, False), (True, False), (False, True)}
+    env.close()
+
+
+def test_bad_input_is_quoted() -> None:
+    env = _make(limit=2)
+    with pytest.raises(ResetNeeded):
+        env.unwrapped.step(0)
+    with pytest.raises(ResetNeeded):
+        env.unwrapped.view()
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="action is 10; allowed: a whole number from 0 to 9"):
+        env.step(10)
+    with pytest.raises(ValueError, match="reset option 'sart' is unknown"):
+        env.reset(options={"sart": 1})
+    env.step(0)
+    assert env.step(0)[3]
+    with pytest.raises(ResetNeeded, match="ended after 2 steps"):
+        env.step(0)
+    wheels = _make("CorridorWheels")
+    wheels.reset(seed=0)
+    with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
+        wheels.step(np.full(4, 1.5))
+    with pytest.raises(ValueError, match="render_mode is 'ascii'"):
+        CompiledBehavioursEnv(render_mode="ascii")
+    with pytest.raises(ValueError, match="foods is 17"):
+        _make(foods=17)
+    corners = (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180))
+    box = Arena("box", corners, Point(90, 90), 80, Pose(90, 90, 0), (Point(30, 30),))
+    small = _make(arena=box)
+    with pytest.raises(ValueError, match="no room for a robot and 1 food"):
+        small.reset(seed=0)
+
+
+def test_the_physics_are_two(monkeypatch: Any) -> None:
+    with pytest.raises(ValueError, match="physics is 'bach'; allowed: 'pymunk', 'batch'"):
+        gym.make("khepera_forage/Corridor-v0", physics="bach")
+    with pytest.raises(ValueError, match="physics is 'bach'; allowed: 'pymunk', 'batch'"):
+        gym.make_vec("khepera_forage/Corridor-v0", num_envs=2, physics="bach")
+    plain = gym.make_vec("khepera_forage/Corridor-v0", num_envs=2, physics="pymunk")
+    assert isinstance(plain, gym.vector.SyncVectorEnv)
+    plain.close()
+    monkeypatch.setattr(physics, "find_spec", lambda name: None)
+    with pytest.raises(ImportError, match=r"needs numba: pip install 'khepera-forage\[fast\]'"):
+        _make()
+
+
+def test_a_kernel_at_another_width_leaves_the_other_lanes_alone() -> None:
+    narrow = at_width(decide, 8)
+    assert narrow is not decide
+    assert at_width(towards, 8) is towards
+    tasks, robots = np.zeros(8 * 37), np.zeros(8 * at.ROBOT_ROWS)
+    narrow(tasks, robots)
+    assert (tasks.reshape(-1, 8)[20:22] == 1.0).all()
+    assert tasks.sum() == 16

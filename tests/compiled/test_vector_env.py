@@ -1,0 +1,174 @@
+"""`gym.make_vec` over the batch: Gymnasium's forms, seeds, resets and errors."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs import vector_entry_points as vectorized
+from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv, WheelsVectorEnv
+from khepera_forage.noise import Noise
+
+NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
+
+
+def _make(name: Any = "Corridor", num_envs: Any = 5, **kwargs: Any) -> Any:
+    return gym.make_vec(f"khepera_forage/{name}-v0", num_envs=num_envs, **kwargs)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_spaces_forms_and_infos_are_those_of_the_single_environment_side_by_side(name: Any) -> None:
+    batch, plain = _make(name), _make(name, vectorization_mode="sync")
+    assert isinstance(batch, BehavioursVectorEnv | WheelsVectorEnv)
+    assert batch.observation_space == plain.observation_space
+    assert batch.action_space == plain.action_space
+    batch.action_space.seed(0)
+    (obs, infos), (_, plain_infos) = batch.reset(seed=1), plain.reset(seed=1)
+    assert obs in batch.observation_space
+    for _ in range(4):
+        actions = batch.action_space.sample()
+        obs, rewards, terminated, truncated, infos = batch.step(actions)
+        _, plain_rewards, plain_terminated, _, plain_infos = plain.step(actions)
+        assert obs in batch.observation_space
+        assert rewards.dtype == plain_rewards.dtype
+        assert terminated.dtype == truncated.dtype == plain_terminated.dtype
+        assert set(infos) == set(plain_infos)
+        for key in infos:
+            assert infos[key].shape == plain_infos[key].shape, key
+            assert infos[key].dtype.kind == plain_infos[key].dtype.kind, key
+    assert batch.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
+    plain.close()
+    batch.close()
+
+
+def _roll(env: Any, steps: Any, seed: Any = 3) -> Any:
+    _, infos = env.reset(seed=seed)
+    out = []
+    for _ in range(steps):
+        obs, rewards, terminated, truncated, infos = env.step(infos["correct_behaviour"])
+        out.append((obs, rewards, terminated, truncated, infos))
+    return out
+
+
+def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_whatever_the_number_of_worlds() -> None:
+    one, two, three = (
+        _roll(_make(num_envs=6), 150),
+        _roll(_make(num_envs=6), 150),
+        _roll(_make(num_envs=200), 150),
+    )
+    for a, b, c in zip(one, two, three, strict=True):
+        for key in a[0]:
+            assert np.array_equal(a[0][key], b[0][key])
+            assert np.array_equal(a[0][key], c[0][key][:6])
+        for part in (1, 2, 3):
+            assert np.array_equal(a[part], c[part][:6])
+    assert not np.shares_memory(one[0][0]["robot_home_distance"], one[1][0]["robot_home_distance"])
+    assert any(a[2].any() for a in one)
+
+
+def test_the_next_step_begins_a_new_episode_where_one_has_ended() -> None:
+    before = None
+    episodes = 0
+    for obs, rewards, terminated, truncated, infos in _roll(_make("Rectangle", 40, limit=60), 130):
+        if before is not None:
+            assert (infos["steps"][before] == 0).all()
+            assert (rewards[before] == 0).all()
+            assert not (terminated | truncated)[before].any()
+        before = terminated | truncated
+        episodes += before.sum()
+        assert (infos["steps"][truncated] == 60).all()
+        assert (obs["robot_home_distance"] > 0).all()
+    assert episodes >= 80
+
+
+def test_same_step_shows_the_last_of_one_episode_beside_the_first_of_the_next() -> None:
+    ended = 0
+    for _, _, terminated, truncated, infos in _roll(_make(num_envs=30, autoreset_mode="SameStep"), 120):
+        over = terminated | truncated
+        if over.any():
+            assert np.array_equal(infos["_final_info"], over)
+            assert (infos["final_info"]["steps"][over] > 20).all()
+            assert (infos["final_info"]["delivered"][terminated] == 1).all()
+            assert (infos["steps"][over] == 0).all()
+            assert set(infos["final_obs"][np.flatnonzero(over)[0]]) == set(_make().single_observation_space)
+            ended += over.sum()
+    assert ended > 10
+
+
+def test_disabled_waits_for_a_reset_mask_that_touches_no_other_world() -> None:
+    env = _make(num_envs=8, autoreset_mode="Disabled")
+    _, infos = env.reset(seed=0)
+    over = np.zeros(8, np.bool_)
+    while not over.any():
+        obs, _, terminated, truncated, infos = env.step(infos["correct_behaviour"])
+        over = terminated | truncated
+    with pytest.raises(ResetNeeded, match="has ended"):
+        env.step(infos["correct_behaviour"])
+    again, fresh = env.reset(options={"reset_mask": over})
+    assert np.array_equal(fresh["_steps"], over)
+    for key in obs:
+        assert np.array_equal(obs[key][~over], again[key][~over])
+    env.step(np.zeros(8, np.int64))
+
+
+def test_seeds_of_single_worlds_and_given_places() -> None:
+    env = _make("Rectangle", 3, noise=Noise.none())
+    env.reset(seed=[5, 6, 5])
+    poses = env.reset(seed=[5, 6, 5])[1]["pose"]
+    assert np.array_equal(poses[0], poses[2])
+    assert not np.array_equal(poses[0], poses[1])
+    options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
+    obs, infos = env.reset(options=options)
+    assert infos["pose"].tolist() == [[20.0, 60.0, 90.0]] * 3
+    assert obs["robot_food_distance"].ravel().tolist() == [45] * 3
+
+
+def test_bad_input_is_quoted() -> None:
+    env = _make()
+    with pytest.raises(ResetNeeded):
+        env.step(np.zeros(5, np.int64))
+    with pytest.raises(ResetNeeded, match="reset_mask"):
+        env.reset(options={"reset_mask": np.ones(5, np.bool_)})
+    env.reset(seed=0)
+    for actions in (np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)):
+        with pytest.raises(ValueError, match="allowed: 5 whole numbers from 0 to 9"):
+            env.step(actions)
+    with pytest.raises(ValueError, match="reset_mask is"):
+        env.reset(options={"reset_mask": np.zeros(5, np.bool_)})
+    with pytest.raises(ValueError, match="reset option 'sart' is unknown"):
+        env.reset(options={"sart": 1})
+    with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
+        env.reset(seed=[1, 2, 3, 4])
+    with pytest.raises(ValueError, match="render_mode is 'human'"):
+        BehavioursVectorEnv(2, render_mode="human")  # type: ignore[arg-type]
+    wheels = _make("CorridorWheels", 2)
+    wheels.reset(seed=0)
+    with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
+        wheels.step(np.full((2, 4), 1.5))
+
+
+def test_an_arena_with_no_room_says_so() -> None:
+    from khepera_forage.sim.arena import Arena, Point, Pose
+
+    box = Arena(
+        "box",
+        (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180)),
+        Point(90, 90),
+        80,
+        Pose(90, 90, 0),
+        (Point(30, 30),),
+    )
+    with pytest.raises(ValueError, match="no room for a robot and 1 food"):
+        BehavioursVectorEnv(2, arena=box).reset(seed=0)
+
+
+def test_without_numba_worlds_stand_side_by_side_and_a_warning_says_so(monkeypatch: Any) -> None:
+    monkeypatch.setattr(vectorized, "find_spec", lambda name: None)
+    with pytest.warns(UserWarning, match="numba is not installed"):
+        env = _make(num_envs=2)
+    assert isinstance(env, gym.vector.SyncVectorEnv)
+    env.close()

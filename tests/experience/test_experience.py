@@ -1,0 +1,246 @@
+"""Experience in memory, saved and loaded, and written as it happens."""
+
+import contextlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
+from khepera_forage.task.states import Behaviour, FoodType, StateVector
+
+DISTANCES = st.one_of(st.integers(0, 177), st.integers(0, 2**31 - 1))
+EMPTY_HANDED = st.builds(
+    StateVector, st.integers(0, 1), DISTANCES, st.just(0), st.integers(215, 255), DISTANCES
+)
+WITH_FOOD = st.builds(StateVector, st.just(1), DISTANCES, st.integers(0, 3), st.integers(215, 255), DISTANCES)
+ROWS = st.lists(st.tuples(st.one_of(EMPTY_HANDED, WITH_FOOD), st.integers(0, 9)), max_size=30)
+NAMES = st.text(min_size=1, max_size=20).filter(lambda text: text == text.strip() and text.isprintable())
+
+
+SEEDS = st.one_of(st.none(), st.integers(), st.integers(0, 2**128))
+EXPERIENCES = st.builds(
+    lambda rows, *about: Experience([row[0] for row in rows], [row[1] for row in rows], *about),
+    *(ROWS, NAMES, SEEDS, st.integers(1, 100)),
+)
+SEARCH = StateVector(0, 52, 0, 215, 28)
+HOME = StateVector(1, 48, FoodType.PICKABLE, 215, 14)
+
+
+@settings(deadline=None)
+@given(EXPERIENCES)
+def test_what_is_saved_loads_equal(experience: Experience) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "g1.csv")
+        experience.save(path)
+        loaded = Experience.load(path, arena=experience.arena)
+        assert loaded == experience
+        assert list(loaded) == list(experience)
+        assert os.listdir(folder) == ["g1.csv"]
+        with ExperienceWriter(
+            path, experience.arena, experience.seed, experience.episodes, overwrite=True
+        ) as writer:
+            for vector, behaviour in experience:
+                writer.append(vector, behaviour)
+        assert Experience.load(str(path)) == experience
+
+
+def test_a_file_that_a_person_can_read(tmp_path: Path) -> None:
+    Experience([SEARCH, HOME], [0, 7], seed=7).save(tmp_path / "g1.csv")
+    lines = (tmp_path / "g1.csv").read_text().splitlines()
+    assert lines[0] == "# khepera_forage experience, version 1"
+    assert lines[1].startswith("# package: ")
+    assert lines[2:] == [
+        "# arena: corridor",
+        "# seed: 7",
+        "# episodes: 1",
+        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
+        "object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour",
+        "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD",
+        "1,48,PICKABLE,215,14,GO_HOME",
+        "# complete: 2 vectors",
+    ]
+
+
+def test_arrays() -> None:
+    experience = Experience([SEARCH, HOME], [0, 7])
+    vectors, behaviours = experience.arrays()
+    assert vectors.dtype == behaviours.dtype == np.dtype(np.int64)
+    assert vectors.tolist() == [list(SEARCH), list(HOME)]
+    assert behaviours.tolist() == [0, 7]
+    vectors[:] = 1  # a fresh array: the experience stays as it is
+    assert experience.arrays()[0].tolist() == [list(SEARCH), list(HOME)]
+    assert Experience(*experience.arrays()) == experience
+    assert [part.shape for part in Experience([], []).arrays()] == [(0, 5), (0,)]
+
+
+def test_files_are_put_together(tmp_path: Path) -> None:
+    parts = [Experience([SEARCH] * n, [0] * n, seed=seed) for n, seed in [(1, 4), (2, 4), (3, 5)]]
+    paths = [tmp_path / f"g{n}.csv" for n in (1, 2, 3)]
+    for part, path in zip(parts, paths, strict=True):
+        part.save(path)
+    assert (
+        Experience.load(*paths[:2])
+        == parts[0] + parts[1]
+        == Experience([SEARCH] * 3, [0] * 3, seed=4, episodes=2)
+    )
+    g123 = Experience.load(*paths)
+    assert (len(g123), g123.seed, g123.episodes) == (6, None, 3)
+    assert pickle.loads(pickle.dumps(g123)) == g123
+    assert repr(g123) == "<Experience: 6 vectors, arena='corridor', seed=None, episodes=3>"
+
+
+def test_experience_of_two_arenas_is_not_put_together(tmp_path: Path) -> None:
+    corridor, rectangle = Experience([SEARCH], [0]), Experience([SEARCH], [0], arena="rectangle")
+    corridor.save(tmp_path / "c.csv")
+    rectangle.save(tmp_path / "r.csv")
+    with pytest.raises(
+        ExperienceError, match=r"r\.csv, line 3: arena is 'rectangle'; allowed: 'corridor', that of .*c\.csv"
+    ):
+        Experience.load(tmp_path / "c.csv", tmp_path / "r.csv")
+    with pytest.raises(
+        ExperienceError, match=r"c\.csv, line 3: arena is 'corridor'; allowed: 'rectangle', asked for"
+    ):
+        Experience.load(tmp_path / "c.csv", arena="rectangle")
+    with pytest.raises(
+        ExperienceError, match="'rectangle' added to experience of 'corridor'; allowed: the same"
+    ):
+        corridor + rectangle
+    assert corridor != rectangle
+    with pytest.raises(TypeError, match="unsupported operand"):
+        corridor + 1  # type: ignore[operator]
+
+
+def test_nothing_to_load(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="no path to load"):
+        Experience.load()
+    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
+        Experience.load(tmp_path / "g1.csv")
+
+
+BAD_ROWS: list[tuple[Any, Any, str]] = [
+    ((2, 52, 0, 215, 28), 0, "object_presence is 2; allowed: 0 or 1"),
+    ((0, -1, 0, 215, 28), 0, "robot_home_distance is -1; allowed: 0 to"),
+    ((0, 52, 0, 215, 2**31), 0, "robot_food_distance is 2147483648; allowed: 0 to 2147483647 pixels"),
+    ((0, 52, 0, 214, 28), 0, "arms_height is 214; allowed: 215 to 255"),
+    ((0, 52, 0, 256, 28), 0, "arms_height is 256; allowed: 215 to 255"),
+    ((1, 52, 4, 215, 28), 0, "food_type is 4; allowed: 0 to 3"),
+    ((0, 52, 1, 215, 28), 0, "food_type is PICKABLE without an object; allowed: UNKNOWN"),
+    (SEARCH, Behaviour.WAIT, "behaviour is WAIT, which is silence; allowed: what was heard"),
+    (SEARCH, 11, r"behaviour 11; allowed: five integers with a behaviour, 0 to 9"),
+    ((0, 52, 0, 215), 0, r"\(0, 52, 0, 215\) with behaviour 0; allowed: five integers"),
+    ((0, 52.5, 0, 215, 28), 0, r"\(0, 52\.5, 0, 215, 28\) with behaviour 0; allowed: five integers"),
+]
+
+
+@pytest.mark.parametrize(("vector", "behaviour", "message"), BAD_ROWS)
+def test_what_no_learner_can_have_recorded(vector: Any, behaviour: Any, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ExperienceError, match=f"experience vector 1: .*{message}"):
+        Experience([SEARCH, vector], [0, behaviour])
+    with ExperienceWriter(tmp_path / "g1.csv", "corridor") as writer:
+        writer.append(SEARCH, 0)
+        with pytest.raises(ExperienceError, match=message):
+            writer.append(vector, behaviour)
+    assert Experience.load(tmp_path / "g1.csv") == Experience([SEARCH], [0])
+
+
+BAD_HEADERS: list[tuple[dict[str, Any], str]] = [
+    ({"arena": ""}, "arena is ''; allowed: a printable name on one line"),
+    ({"arena": "a\nb"}, r"arena is 'a\\nb'; allowed"),
+    ({"arena": " a"}, "arena is ' a'; allowed"),
+    ({"arena": "a", "seed": 0.5}, "seed is 0.5, episodes 1; allowed: integers"),
+    ({"arena": "a", "seed": 10**100}, "seed has more than 100 digits"),
+    ({"arena": "a", "episodes": 0}, "episodes is 0; allowed: at least 1"),
+]
+
+
+@pytest.mark.parametrize(("about", "message"), BAD_HEADERS)
+def test_what_no_header_can_say(about: dict[str, Any], message: str, tmp_path: Path) -> None:
+    with pytest.raises(ExperienceError, match=message):
+        Experience([SEARCH], [0], **about)
+    with pytest.raises(ExperienceError, match=message):
+        ExperienceWriter(tmp_path / "g1.csv", **about)
+    assert not list(tmp_path.iterdir())
+
+
+def test_as_many_behaviours_as_vectors() -> None:
+    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: as many"):
+        Experience([SEARCH, HOME], [0])
+
+
+def test_a_writer_overwrites_only_when_told(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    path.write_text("precious")
+    with pytest.raises(FileExistsError, match=r"g1\.csv exists; overwrite=True replaces it"):
+        ExperienceWriter(path, "corridor")
+    assert path.read_text() == "precious"
+    with ExperienceWriter(path, "corridor", overwrite=True) as writer:
+        writer.append(SEARCH, 0)
+    writer.close()
+    assert writer.count == len(Experience.load(path)) == 1
+    with pytest.raises(ExperienceError, match=r"g1\.csv is closed"):
+        writer.append(SEARCH, 0)
+
+
+def test_an_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
+        writer.append(SEARCH, 0)
+        raise KeyboardInterrupt
+    with pytest.raises(ExperienceError, match="1 whole rows, no cut line; recover=True keeps the whole rows"):
+        Experience.load(path)
+    with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
+        assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
+
+
+def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "g1.csv"
+    Experience([SEARCH], [0]).save(path)
+
+    def full(descriptor: int) -> None:
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="no space"):
+        Experience([HOME], [7]).save(path)
+    assert Experience.load(path) == Experience([SEARCH], [0])
+    assert os.listdir(tmp_path) == ["g1.csv"]
+
+
+RECORDER = """
+import sys
+from khepera_forage.experience import ExperienceWriter
+writer = ExperienceWriter(sys.argv[1], "corridor", seed=1)
+for number in range(10**9):
+    writer.append((0, number % 1000, 0, 215, 28), number % 10)
+    print(number + 1, flush=True)
+"""
+
+
+@pytest.mark.parametrize("lines", [1, 20, 500])
+def test_a_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    with subprocess.Popen(
+        [sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True
+    ) as recorder:
+        assert recorder.stdout is not None
+        for _ in range(lines):
+            recorder.stdout.readline()
+        recorder.send_signal(signal.SIGKILL)
+        said = [lines, *map(int, recorder.stdout.read().split("\n")[:-1])]
+    with pytest.raises(ExperienceError, match="recover=True"):
+        Experience.load(path)
+    with pytest.warns(ExperienceWarning, match="cut off before its closing line"):
+        kept = Experience.load(path, recover=True)
+    # What append had returned for is there; the row it was at may be there too.
+    assert said[-1] <= len(kept) <= said[-1] + 1
+    assert list(kept) == [((0, n % 1000, 0, 215, 28), n % 10) for n in range(len(kept))]

@@ -1,0 +1,159 @@
+"""Experience as a Minari data set, and back."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.experience import Experience, ExperienceError
+from khepera_forage.experience.minari import from_minari, to_minari
+from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
+from khepera_forage.task.states import StateVector
+
+VECTORS = st.builds(
+    lambda home, thing, arm, food: StateVector(int(thing > 0), home, max(thing - 1, 0), arm, food),
+    st.integers(0, 138),
+    st.integers(0, 4),
+    st.integers(215, 255),
+    st.integers(0, 138),
+)
+EXPERIENCE = st.builds(
+    lambda rows, seed, episodes: Experience(
+        [vector for vector, _ in rows], [heard for _, heard in rows], "corridor", seed, episodes
+    ),
+    st.lists(st.tuples(VECTORS, st.integers(0, 9)), min_size=1, max_size=12),
+    st.none() | st.integers(-(10**30), 10**30),
+    st.integers(1, 9),
+)
+SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2], "corridor", 7)
+# Minari asks its user for these, with a warning.
+ABOUT: dict[str, Any] = dict.fromkeys(
+    ("author", "author_email", "code_permalink", "algorithm_name", "description"), "nobody"
+)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    pytest.importorskip("minari")
+    pytest.importorskip("h5py")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    return tmp_path
+
+
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(EXPERIENCE, min_size=1, max_size=4))
+def test_out_and_back(parts: list[Experience]) -> None:
+    minari = import_module("minari")
+    dataset = to_minari(parts, "khepera/back-v0")
+    try:
+        assert dataset.total_episodes == len(parts)
+        assert dataset.total_steps == sum(map(len, parts))
+        assert from_minari(dataset) == parts
+        assert from_minari("khepera/back-v0") == parts
+    finally:
+        minari.delete_dataset("khepera/back-v0")
+
+
+def test_it_is_what_minari_takes_for_a_data_set() -> None:
+    """Every episode has the shapes, types and spaces of the environment that the data set names."""
+    other = Experience([(1, 60, 1, 215, 40)], [7], "corridor")
+    dataset = to_minari([SOME, other], "khepera/corridor-v0", author="somebody", description="two episodes")
+    env = dataset.recover_environment()
+    assert env.spec.id == "khepera_forage/Corridor-v0"
+    assert dataset.observation_space == env.observation_space
+    assert dataset.action_space == env.action_space
+    assert dataset.storage.metadata["author"] == {"somebody"}
+    for episode, part in zip(dataset.iterate_episodes(), [SOME, other], strict=True):
+        assert len(episode.actions) == len(episode.rewards) == len(part)
+        assert episode.terminations.tolist() == [False] * (len(part) - 1) + [True]
+        assert not episode.truncations.any()
+        for i in range(len(part) + 1):
+            shown = {
+                key: values[i] if values.ndim > 1 else np.int64(values[i])
+                for key, values in episode.observations.items()
+            }
+            assert env.observation_space.contains(shown)
+            assert state_vector_of(shown) == part.vectors[min(i, len(part) - 1)]
+        assert all(env.action_space.contains(action) for action in episode.actions)
+    env.close()
+
+
+def test_what_was_recorded_elsewhere_is_read_too() -> None:
+    """An episode of the teacher in the rectangle, recorded step by step, trains the imitator."""
+    minari = import_module("minari")
+    env = gym.make("khepera_forage:khepera_forage/Rectangle-v0")
+    observation, _ = env.reset(seed=2)
+    shown, done = [observation], []
+    for _ in range(40):
+        done.append(int(Teacher().act(shown[-1])))
+        shown.append(env.step(done[-1])[0])
+    buffer = minari.data_collector.EpisodeBuffer(
+        observations={key: [one[key] for one in shown] for key in observation},
+        actions=done,
+        rewards=[0.0] * 40,
+        terminations=[False] * 40,
+        truncations=[False] * 39 + [True],
+    )
+    minari.create_dataset_from_buffers(
+        dataset_id="elsewhere-v0", buffer=[buffer], env=env, eval_env="khepera_forage/Rectangle-v0", **ABOUT
+    )
+    (part,) = from_minari("elsewhere-v0")
+    assert part.arena == "rectangle"
+    assert list(part) == [(state_vector_of(one), heard) for one, heard in zip(shown, done, strict=False)]
+    imitator = NearestNeighbourImitator(diagonal=177).fit(*part.arrays())
+    assert imitator.act(shown[0], np.random.default_rng(0)) == done[0]
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ([], r"\[\] experience vectors; allowed: at least one in each"),
+        (
+            [SOME, Experience([], [], "corridor")],
+            r"\[2, 0\] experience vectors; allowed: at least one in each",
+        ),
+        (
+            [SOME, Experience([SOME.vectors[0]], [0], "rectangle")],
+            "allowed: one arena, corridor or rectangle",
+        ),
+        ([Experience([SOME.vectors[0]], [0], "garden")], r"\['garden'\]; allowed: one arena"),
+        (
+            [Experience([(0, 177, 0, 215, 1)], [0], "corridor")],
+            r"robot_home_distance is 177\.\.177; allowed: 0\.\.138",
+        ),
+    ],
+)
+def test_what_minari_is_not_given(parts: list[Experience], message: str) -> None:
+    with pytest.raises(ExperienceError, match=message):
+        to_minari(parts, "khepera/bad-v0")
+
+
+def test_what_is_no_experience() -> None:
+    minari = import_module("minari")
+    buffer = minari.data_collector.EpisodeBuffer(
+        observations=np.zeros((3, 4), np.float32),
+        actions=np.zeros(2, np.int64),
+        rewards=[0.0] * 2,
+        terminations=[False] * 2,
+        truncations=[False, True],
+    )
+    dataset = minari.create_dataset_from_buffers(
+        dataset_id="no-v0", buffer=[buffer], env="CartPole-v1", eval_env="CartPole-v1", **ABOUT
+    )
+    with pytest.raises(ExperienceError, match="episode 0: the data set tells no arena; give one"):
+        from_minari(dataset)
+    with pytest.raises(ExperienceError, match="episode 0 holds no state vectors"):
+        from_minari(dataset, arena="corridor")
+
+
+def test_without_minari_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "minari", None)
+    with pytest.raises(ImportError, match=r"pip install 'khepera-forage\[minari\]'"):
+        to_minari([SOME], "khepera/none-v0")

@@ -1,0 +1,182 @@
+"""Reading `lab.toml`: every mistake is named by its key."""
+
+import math
+import re
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.lab.settings import LabSettings, RobotSettings
+from khepera_forage.lab.settings_file import LabFileError, load, parse, sample
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Point
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+LEAST = """
+[camera]
+source = 0
+[[robots]]
+port = "/dev/ttyUSB0"
+[[robots]]
+port = "/dev/ttyUSB1"
+offset = [0, 300]
+"""
+
+OWN = """
+[arena]
+name = "den"
+walls = [[0, 0], [700, 0], [700, 500], [0, 500]]
+home = [550, 250]
+home_radius = 100
+start = [100, 250, 90]
+foods = [[350, 200], [350, 300]]
+obstacles = [[[200, 20], [240, 20], [240, 60], [200, 60]]]
+"""
+
+
+def test_the_least_file_fills_in_the_rest() -> None:
+    settings = parse(LEAST)
+    assert settings.robots == (
+        RobotSettings("/dev/ttyUSB0", "teacher", 38400, 1),
+        RobotSettings("/dev/ttyUSB1", "learner_0", 38400, 2, Point(0, 300)),
+    )
+    assert settings.arenas == (CORRIDOR, CORRIDOR.shifted(0, 300))
+    assert settings == LabSettings(settings.arena, settings.robots, settings.camera), (
+        "defaults are the dataclass' own"
+    )
+    assert settings.period == 0.1
+    assert settings.camera.calibration is None
+
+
+def test_every_key() -> None:
+    settings = parse(
+        'safe_speed = 12\nperiod = 0.2\n[arena]\nname = "rectangle"\n'
+        '[[robots]]\nname = "Ada"\nport = "socket://127.0.0.1:5000"\nbaud = 9600\nholes = 2\noffset = [10.5, 20]\n'
+        '[camera]\nsource = "rtsp://camera"\ncalibration = "c.toml"\noldest = 1\n'
+        "[tracker]\ncontrast = 1.7\nfeatureless = true\n"
+        "[tolerance]\nposition = 20\nheading = 5\n",
+        Path("lab"),
+    )
+    assert settings.safe_speed == 12
+    assert settings.period == 0.2
+    assert settings.arena == RECTANGLE
+    assert settings.robots == (RobotSettings("socket://127.0.0.1:5000", "Ada", 9600, 2, Point(10.5, 20.0)),)
+    assert settings.camera.source == "rtsp://camera"
+    assert settings.camera.calibration == Path("lab/c.toml")
+    assert settings.camera.oldest == 1.0
+    assert settings.tracker == TrackerSettings(contrast=1.7, featureless=True)
+    assert (settings.tolerance.position, settings.tolerance.heading) == (20.0, 5.0)
+
+
+def test_one_robot_alone_is_a_laboratory_too() -> None:
+    assert len(parse('[camera]\nsource = "film.avi"\n[[robots]]\nport = "COM3"').robots) == 1
+
+
+def test_an_arena_of_ones_own() -> None:
+    arena = parse(OWN + LEAST.replace("300", "600")).arena
+    assert arena.name == "den"
+    assert arena.start == (100, 250, math.pi / 2)
+    assert arena.foods == ((350, 200), (350, 300))
+    assert len(arena.obstacles[0]) == 4
+
+
+def test_the_sample_is_a_laboratory_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
+    settings = parse(sample())
+    assert len(settings.robots) == 2
+    # Every commented key, taken in, changes nothing but where calibration is looked for and the arena's obstacle.
+    text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
+    text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
+    assert parse(text) == settings
+    told = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
+    assert told["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
+    (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
+    assert load(tmp_path / "lab.toml") == settings
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("offset =", "baud = 38401\noffset =", "robots[1].baud is 38401; allowed: 9600, 19200, 38400, 57600, 115200"),
+        ("offset =", 'baud = "9600"\noffset =', "robots[1].baud is '9600'; allowed: 9600,"),
+        ("offset =", "holes = 3\noffset =", "robots[1].holes is 3; allowed: 1, 2"),
+        ("offset =", "holes = true\noffset =", "robots[1].holes is True; allowed: 1, 2"),
+        ("offset = [0, 300]", "offset = [0]", "robots[1].offset is [0]; allowed: [x mm, y mm]"),
+        ("offset = [0, 300]", 'offset = [0, "a"]', "robots[1].offset is [0, 'a']; allowed: [x mm, y mm]"),
+        ("offset = [0, 300]", "offset = [0, nan]", "robots[1].offset is [0, nan]; allowed"),
+        ("offset = [0, 300]", "offset = [0, 200]", "robots[1].offset is [0.0, 200.0]: its arena overlaps"),
+        ("offset = [0, 300]", "offset = [0, 2300]", "robots[1].offset is [0.0, 2300.0]: arenas reach"),
+        ("offset = [0, 300]", "", "robots[1].offset is [0.0, 0.0]: its arena overlaps that of robots[0]"),
+        ("ttyUSB1", "ttyUSB0", "robots[1].port is '/dev/ttyUSB0', as robots[0].port"),
+        ('port = "/dev/ttyUSB1"', 'name = "b"', "robots[1].port is missing"),
+        ('port = "/dev/ttyUSB1"', 'port = ""', "robots[1].port is ''; allowed: a text that is not empty"),
+        ("offset =", 'name = "teacher"\noffset =', "robots[1].name is 'teacher', as robots[0].name"),
+        ("offset =", "ofset =", "robots[1].ofset is unknown; allowed: baud, holes, name, offset, port"),
+        ("source = 0", "", "camera.source is missing"),
+        ("source = 0", "source = -1", "camera.source is -1; allowed: the number of a device"),
+        ("source = 0", "source = 0\noldest = 99", "camera.oldest is 99; allowed: 0.05 to 10 seconds"),
+        ("[camera]", "safe_speed = 21\n[camera]", "safe_speed is 21; allowed: 1, 2, 3"),
+        ("[camera]", "period = 0\n[camera]", "period is 0; allowed: 0.05 to 1 seconds"),
+        ("[camera]", "speed = 5\n[camera]", "speed is unknown; allowed: arena, camera, period"),
+        ("[camera]", '[arena]\nname = "cave"\n[camera]', "arena.name is 'cave' and there are no walls; allowed"),
+        ("[camera]", "[arena]\nhome = [1, 2]\n[camera]", "arena.home is unknown; allowed: name, walls"),
+        ("[camera]", "[tolerance]\nposition = 0\n[camera]", "tolerance.position is 0; allowed: 1 to 100 mm"),
+        ("[camera]", "[tracker]\ncontrast = 0.5\n[camera]", "tracker contrast is 0.5; allowed: above 1"),
+        ("[camera]", "[tracker]\ncontrast = true\n[camera]", "tracker.contrast is True; allowed: a number"),
+        ("[camera]", "[tracker]\nfeatureless = 1\n[camera]", "tracker.featureless is 1; allowed"),
+        ("[camera]", 'tracker = 3\n[camera]', "tracker is 3; allowed: a table of keys and values"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_named_by_key(old: str, new: str, told: str) -> None:
+    assert old in LEAST
+    with pytest.raises(LabFileError, match=re.escape(told)):
+        parse(LEAST.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[[0, 0], [700, 0], [700, 500], [0, 500]]", "[]", "arena.walls is []; allowed: a list that is not empty"),
+        ("[700, 0]", "[700]", "arena.walls[1] is [700]; allowed: [x mm, y mm]"),
+        ("[100, 250, 90]", "[100, 250]", "arena.start is [100, 250]; allowed: [x mm, y mm, heading degrees]"),
+        ("[100, 250, 90]", "[10, 250, 90]", "arena: den: start at (10, 250) mm is 10 mm from a wall"),
+        ("home_radius = 100", "home_radius = 200", "arena: den: home (550.0, 250.0) with radius 200 mm"),
+        ("home_radius = 100", "", "arena.home_radius is missing"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_an_arena(old: str, new: str, told: str) -> None:
+    with pytest.raises(LabFileError, match=re.escape(told)):
+        parse(OWN.replace(old, new) + LEAST.replace("300", "600"))
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"robots = [\n", "not TOML: "),
+        (b"[camera]\nsource = 0\nsource = 1\n", "line 3"),
+        (b"\xff", "not UTF-8"),
+        (b"[camera]\nsource = 0\n", "robots is empty; allowed: at least one table [[robots]]"),
+        (b"robots = 3\n", "robots is 3; allowed: one or more tables [[robots]]"),
+        (b"robots = [3]\n", "robots[0] is 3; allowed: a table"),
+    ],
+)
+def test_a_broken_file_is_named(content: bytes, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "lab.toml"
+    path.write_bytes(content)
+    with pytest.raises(LabFileError, match=re.escape(told)) as failure:
+        load(path)
+    assert str(failure.value).startswith(f"{path}: ")
+
+
+def test_calibration_is_looked_for_beside_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "lab.toml"
+    path.write_text(LEAST.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
+    assert load(path).camera.calibration == tmp_path / "c.toml"
+    with pytest.raises(OSError, match=r"none\.toml"):
+        load(tmp_path / "none.toml")
+
+
+def test_the_documentation_shows_a_laboratory() -> None:
+    documentation = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```toml\n(.*?)```", documentation, flags=re.DOTALL)
+    assert len(parse(shown).robots) == 2

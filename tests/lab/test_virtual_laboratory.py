@@ -1,0 +1,219 @@
+"""The whole chain without hardware: repeatable, and like the bodies alone."""
+
+import math
+import os
+import signal
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.lab.settings_file import parse
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.rollouts import training
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.vision.rendering.frames import CameraLook
+
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+
+def trained(env: TrainingEnv, seed: int) -> list[Any]:
+    """Everything that an attempt showed anybody."""
+    shown: list[Any] = []
+
+    def watch() -> None:
+        shown.append(
+            (
+                [env.observe(agent).tolist() for agent in env.possible_agents],
+                {agent: dict(info) for agent, info in env.infos.items()},
+                [forager.senses._replace(left_pulses=0, right_pulses=0) for forager in env.foragers],
+                env.world.camera.look(),
+                env.world.poses(),
+                env.world.food_places(),
+            )
+        )
+
+    shown.append(training.attempt(env, seed, lambda v, b: shown.append((v, b)), watch=watch))
+    return shown
+
+
+def test_the_same_seed_the_same_rollout_bit_for_bit() -> None:
+    """Again in the same laboratory, whatever happened in between, and in another one."""
+    runs = []
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        env = TrainingEnv(world=lab, noise=Noise.none())
+        runs.append(trained(env, 5))
+        env.reset(seed=9)
+        for _ in range(33):
+            env.step(2)
+        runs.append(trained(env, 5))
+    with VirtualLaboratory.of("corridor", 2) as lab:
+        runs.append(trained(TrainingEnv(world=lab, noise=Noise.none()), 5))
+        other = trained(TrainingEnv(world=lab, noise=Noise.none()), 6)
+    assert runs[0] == runs[1] == runs[2]
+    assert runs[0] != other
+    assert len(runs[0]) > 60
+
+
+@pytest.mark.parametrize("seed", [60, 63, 83, 101])
+def test_a_robot_whose_marker_reaches_over_a_wall_is_seen_where_it_is(seed: int) -> None:
+    with VirtualLaboratory.of("corridor", 1) as lab:
+        BehavioursEnv(world=lab).reset(seed=seed)
+        (body,), (seen,) = lab.bodies.poses(), lab.poses()
+        assert lab.arenas[0].clearance(body) < 45
+        assert math.dist(body[:2], seen[:2]) < 5
+        assert abs(math.remainder(body.heading - seen.heading, math.tau)) < math.radians(3)
+
+
+def test_without_trouble_it_goes_as_with_the_bodies_alone() -> None:
+    """Bytes and pixels change little: the same forage takes about as many rounds."""
+    options = {"start": (90, 115, 0), "foods": [(370, 115)]}
+    counts = []
+    with VirtualLaboratory.of(CORRIDOR, 1, noise=Noise.none(), look=CameraLook.none()) as lab:
+        for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
+            teacher = Teacher(env.home_radius)
+            observation, info = env.reset(seed=1, options=options)
+            over = False
+            while not over:
+                observation, _, terminated, truncated, info = env.step(int(teacher.act(observation)))
+                over = terminated or truncated
+            assert info["delivered"] == 1
+            counts.append(info["steps"])
+    assert abs(counts[0] - counts[1]) <= 10
+
+
+def test_disturbed_lines_lose_no_experience() -> None:
+    """What the learner records is what its robot senses in that round, however its line is."""
+    faults = Faults(drop=0.002, garble=0.005, duplicate=0.01)
+    with VirtualLaboratory.of("corridor", 2, faults=faults, fault_seed=4) as lab:
+        env = TrainingEnv(world=lab, noise=Noise.none())
+        recorded: list[tuple[int, int]] = []
+        true: list[tuple[int, int]] = []
+
+        def record(vector: StateVector, behaviour: Behaviour) -> None:
+            senses = lab.bodies.robots[1].sense()
+            recorded.append((vector.object_presence, vector.arms_height))
+            true.append((int(senses.object_presence > 0), senses.arm))
+
+        result = training.attempt(env, 1, record)
+        assert recorded == true
+        assert result.reason != training.ROBOT_LOST
+        assert sum(port.counts.disturbed for port in lab.ports) > 5
+        assert len(recorded) >= result.rounds - 5
+
+
+def test_several_learners() -> None:
+    with VirtualLaboratory.of("corridor", 4) as lab:
+        assert lab.markers == (1, 2, 2, 2)
+        assert [robot.name for robot in lab.settings.robots] == [
+            "teacher",
+            "learner_0",
+            "learner_1",
+            "learner_2",
+        ]
+        env = TrainingEnv(num_learners=3, world=lab, noise=Noise.none())
+        result = training.attempt(env, 2, lambda v, b: None)
+        assert result.rounds > 50
+
+
+def test_nothing_is_left_open() -> None:
+    lab = VirtualLaboratory.of("corridor", 2)
+    ports = list(lab.ports)
+    lab.close()
+    assert not any(port.plugged for port in ports)
+    for robot in lab.robots:
+        with pytest.raises(ConnectionError):
+            robot.transmit()
+
+
+def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "experience"
+    assert main(["train", "--lab", "virtual", "--episodes", "1", "--out", str(folder), "--seed", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "virtual laboratory: robots at /dev/" in said
+    assert "0 over their time" in said
+    rows = read_rows(folder / "attempts.csv", TrainingRow)
+    experience = Experience.load(folder / "g1.csv")
+    assert len(experience) == rows[-1].vectors
+    assert experience.arena == "corridor"
+    assert experience.seed == rows[-1].seed
+    out = tmp_path / "rows.csv"
+    recall = [
+        "recall",
+        "--lab",
+        "virtual",
+        "--experience",
+        str(folder / "g1.csv"),
+        "--episodes",
+        "1",
+        "--out",
+        str(out),
+    ]
+    assert main(recall) == 0
+    assert read_rows(out, RecallRow)[0].experience_size == len(experience)
+    assert "mean score" in capsys.readouterr().out
+    film = tmp_path / "film.gif"
+    assert main(["watch", "recall", "--lab", "virtual", "--out", str(film), "--every", "50"]) == 0
+    assert film.read_bytes().startswith(b"GIF")
+
+
+def test_an_interrupt_stops_everything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupt() -> None:
+        while not (tmp_path / "e" / "g1.csv").exists():
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    hand = threading.Thread(target=interrupt)
+    hand.start()
+    command = ["train", "--lab", "virtual", "--episodes", "500", "--out", str(tmp_path / "e")]
+    assert main(command) == 130
+    hand.join()
+    assert "stopped" in capsys.readouterr().err
+    left = [thread.name for thread in threading.enumerate() if thread.name.startswith(("khepera", "port"))]
+    assert left == []
+
+
+def test_mistakes_in_the_file_are_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "lab.toml"
+    path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nbaud = 1\n')
+    for command in (["train", "--out", str(tmp_path)], ["recall", "--out", str(tmp_path / "r.csv")]):
+        assert main([*command, "--episodes", "1", "--lab", str(path)]) == 2
+        said = capsys.readouterr().err
+        assert f"{path}: robots[0].baud is 1; allowed: 9600" in said
+    path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
+    assert main(["train", "--out", str(tmp_path), "--episodes", "1", "--lab", str(path)]) == 2
+    assert "robots has one entry; allowed: a teacher and at least one learner" in capsys.readouterr().err
+
+
+def test_a_longer_period_moves_the_bodies_on_by_as_much() -> None:
+    file = parse('period = 0.2\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n')
+    with VirtualLaboratory(file, noise=Noise.none(), look=CameraLook.none()) as lab:
+        start = lab.arenas[0].start
+        lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
+        lab.robots[0].drive(Motors(5, 5, 215, 200))
+        for _ in range(5):
+            lab.advance()
+        assert lab.bodies.poses()[0].x == pytest.approx(start.x + 40)
+    with pytest.raises(ValueError, match="multiples of"):
+        VirtualLaboratory(replace(file, period=0.15))
+    with pytest.raises(ValueError, match="2 faults for 1 robots"):
+        VirtualLaboratory(file, faults=[None, None])

@@ -1,0 +1,80 @@
+"""DAgger: the teacher is asked exactly about what the learner comes to."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from sklearn.tree import DecisionTreeClassifier
+
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.policies import UniformPolicy, state_vector_of
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
+from khepera_forage.policies.measure import coded
+from khepera_forage.rollouts.dagger import dagger
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.task.states import Behaviour, behaviour_for, classify
+
+
+@pytest.fixture(scope="module")
+def env() -> BehavioursEnv:
+    return recall_env("corridor")
+
+
+def make() -> Any:
+    return DecisionTreeClassifier(random_state=0)
+
+
+def test_every_query_is_a_state_vector_with_the_teachers_word(env: BehavioursEnv) -> None:
+    out = dagger(make, env, 230, 5, queries_a_round=100)
+    assert [r.queries for r in out.rounds] == [100, 100, 30]
+    assert out.vectors.shape == (230, 5)
+    for row, said in zip(out.vectors, out.behaviours, strict=True):
+        assert said == behaviour_for(classify(state_vector_of(row), env.home_radius))
+    assert out.rounds[0].agreed == 100, "the teacher itself drives first"
+    assert out.rounds[1].agreed < 100
+
+
+def test_it_comes_to_agree_with_the_teacher_and_forages(env: BehavioursEnv) -> None:
+    out = dagger(make, env, 2_000, 7)
+    assert min(r.agreed for r in out.rounds[1:]) < 60, "where it got by itself, it did not know what to do"
+    assert min(r.agreed for r in out.rounds[-5:]) > 90
+    assert sum(recall(env, out.policy, seed).delivered for seed in range(8)) >= 7
+
+
+def test_same_seed_same_queries(env: BehavioursEnv) -> None:
+    first, second, other = (dagger(make, env, 150, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.vectors, second.vectors)
+    assert first.rounds == second.rounds
+    assert not np.array_equal(first.vectors, other.vectors)
+
+
+def test_experience_to_start_from_is_learned_from_and_not_asked_about(env: BehavioursEnv) -> None:
+    start = np.array([[0, 90, 0, 215, 60], [0, 60, 0, 255, 18]]), np.array([7, 7])
+    out = dagger(make, env, 40, 3, queries_a_round=40, start=start)
+    np.testing.assert_array_equal(out.vectors[:2], start[0])
+    assert out.behaviours[:2].tolist() == [7, 7]
+    assert len(out.vectors) == 42
+    assert out.rounds[0].agreed < 40, "it drives home from the first step, which is wrong"
+
+
+def test_another_expert_is_asked(env: BehavioursEnv) -> None:
+    out = dagger(make, env, 60, 3, expert=UniformPolicy())
+    assert len(set(out.behaviours.tolist())) > 5
+
+
+@pytest.mark.parametrize(("queries", "a_round"), [(0, 100), (10, 0)])
+def test_no_queries(env: BehavioursEnv, queries: int, a_round: int) -> None:
+    with pytest.raises(ValueError, match="allowed: at least 1"):
+        dagger(make, env, queries, 0, queries_a_round=a_round)
+
+
+@pytest.mark.parametrize("name", [name for name, one in LEARNERS.items() if isinstance(one, FromQueries)])
+def test_those_of_the_registry(env: BehavioursEnv, name: str) -> None:
+    learner = LEARNERS[name]
+    assert isinstance(learner, FromQueries)
+    inner: FromVectors = learner.learner
+    out = dagger(
+        lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings
+    )
+    assert Behaviour(out.policy.act(out.vectors[0], np.random.default_rng(0))) < Behaviour.WAIT
+    assert coded(out.vectors, 138).shape == (150, 9)

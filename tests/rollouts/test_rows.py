@@ -1,0 +1,228 @@
+"""Rows: what contradicts itself is refused, what is written comes back, what is torn is told apart."""
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.task.states import State
+from tests.thesis.synthetic import attempts, counts, failed, recall, reproduction, training
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"steps": 501}, r"steps is 501; allowed: 1\.\.limit, which is 500"),
+        (
+            {"correct": 201, "wrong_by_state": counts({})},
+            r"correct is 201; allowed: 0\.\.steps, which is 200",
+        ),
+        ({"score": 79.0}, r"score is 79.0; allowed: 80.000000"),
+        ({"food_x": (1.0, 2.0)}, r"food_x is \(1.0, 2.0\); allowed: one value for each of 1 foods"),
+        ({"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, by food_delivered"),
+        (
+            {
+                "wrong_by_state": counts({State.SEARCH: 39}),
+                "steps": 201,
+                "rounds_by_state": (201,) + (0,) * 9,
+            },
+            "wrong_by_state is .* that add up to 41",
+        ),
+        ({"rounds_by_state": (200,) + (0,) * 8}, "rounds_by_state is .*; allowed: 10 counts"),
+        (
+            {
+                "wrong_by_state": counts({State.NEXT_TO_FOOD: 40}),
+                "rounds_by_state": counts({State.SEARCH: 200}),
+            },
+            r"wrong_by_state\[2\] is 40; allowed: at most 0",
+        ),
+        ({"orient_ghost": 41}, r"orient_ghost is 41; allowed: 0\.\.40 wrong rounds"),
+        ({"conflicts": 51}, r"conflicts is 51; allowed: 0\.\.50 ties"),
+    ],
+)
+def test_recall_rows_that_contradict_themselves(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        recall(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"complete": False}, "reason is ''; allowed: empty if and only if complete"),
+        ({"complete": True, "reason": "separated"}, "reason is 'separated'; allowed"),
+        ({"vectors": 121}, r"vectors is 121; allowed: 0\.\.120 rounds"),
+        ({"attempt": 0}, "attempt is 0; allowed: 1 or more"),
+    ],
+)
+def test_training_rows_that_contradict_themselves(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        training(**changes)
+
+
+def test_what_a_row_tells() -> None:
+    row = failed(
+        food_x=(-30.0,),
+        food_y=(40.0,),
+        wrong_by_state=counts({State.SEARCH: 80, State.NEXT_TO_FOOD: 120}),
+        rounds_by_state=counts({State.SEARCH: 370, State.NEXT_TO_FOOD: 130}),
+    )
+    assert row.food_home_distances == (50.0,)
+    assert row.failed
+    assert row.failure_mode is State.NEXT_TO_FOOD
+    assert (row.orient_wanted, row.orient_missed) == (130, 120)
+    assert recall().failure_mode is None
+    assert failed(correct=500).failure_mode is None
+
+
+def test_rows_come_back_as_they_were(tmp_path: Path) -> None:
+    rows = reproduction(1, np.random.default_rng(1))
+    tries = attempts(1, np.random.default_rng(2), "laboratory", 0.5)
+    write_rows(tmp_path / "recalls.csv", RecallRow, rows)
+    write_rows(tmp_path / "trainings.csv", TrainingRow, tries)
+    assert read_rows(tmp_path / "recalls.csv", RecallRow) == rows
+    assert read_rows(tmp_path / "trainings.csv", TrainingRow) == tries
+
+
+def test_numbers_of_numpy_are_written_as_numbers(tmp_path: Path) -> None:
+    row = recall(
+        score=np.float64(80.0),
+        penalty=20.0 - 20.0,
+        food_x=(np.float32(-36.0),),
+        food_delivered=(np.True_,),
+        seed=np.int64(7),
+    )
+    write_rows(tmp_path / "rows.csv", RecallRow, [row])
+    (back,) = read_rows(tmp_path / "rows.csv", RecallRow)
+    assert back == recall(seed=7)
+    assert type(back.penalty) is int
+
+
+def test_text_with_commas_and_quotes(tmp_path: Path) -> None:
+    row = training(reason='separated, "for good"')
+    write_rows(tmp_path / "rows.csv", TrainingRow, [row])
+    assert read_rows(tmp_path / "rows.csv", TrainingRow) == [row]
+    with (
+        RowWriter(tmp_path / "rows.csv", TrainingRow) as writer,
+        pytest.raises(ValueError, match="text of one line"),
+    ):
+        writer.write(training(reason="two\nlines"))
+
+
+def test_each_row_is_on_disk_when_written(tmp_path: Path) -> None:
+    path = tmp_path / "deep" / "rows.csv"
+    with RowWriter(path, RecallRow) as writer:
+        assert read_rows(path, RecallRow) == []
+        writer.write(recall())
+        assert read_rows(path, RecallRow) == [recall()]
+        writer.write(recall(recall=1), recall(recall=2))
+        assert len(read_rows(path, RecallRow)) == 3
+
+
+def _write_for_ever(path: Path) -> None:
+    with RowWriter(path, RecallRow) as writer:
+        for number in range(10**9):
+            writer.write(recall(recall=number))
+
+
+def test_a_kill_loses_at_most_the_last_row(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    process = multiprocessing.get_context("spawn").Process(target=_write_for_ever, args=(path,))
+    process.start()
+    while not (path.exists() and path.stat().st_size > 20_000):
+        assert process.is_alive()
+    assert process.pid is not None
+    os.kill(process.pid, signal.SIGKILL)
+    process.join()
+    rows = read_rows(path, RecallRow)
+    assert [row.recall for row in rows] == list(range(len(rows)))
+    with RowWriter(path, RecallRow, resume=True) as writer:
+        writer.write(recall(recall=len(rows)))
+    assert len(read_rows(path, RecallRow)) == len(rows) + 1
+
+
+def test_a_torn_line_is_left_out_and_cut_off_on_resuming(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall(), recall(recall=1)])
+    os.truncate(path, path.stat().st_size - 20)
+    assert read_rows(path, RecallRow) == [recall()]
+    with RowWriter(path, RecallRow, resume=True) as writer:
+        writer.write(recall(recall=2))
+    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
+
+
+def test_a_torn_header_is_written_afresh_on_resuming(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    path.write_text("replication,fi")
+    with RowWriter(path, TrainingRow, resume=True) as writer:
+        writer.write(training())
+    assert read_rows(path, TrainingRow) == [training()]
+
+
+def test_without_resume_a_file_starts_afresh(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall()])
+    write_rows(path, RecallRow, [recall(recall=1)])
+    assert read_rows(path, RecallRow) == [recall(recall=1)]
+
+
+def test_no_resuming_with_other_columns(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall()])
+    with pytest.raises(
+        ValueError, match=r"rows.csv:1: header is 'replication,arena.*'; allowed: 'replication,file,"
+    ):
+        RowWriter(path, TrainingRow, resume=True)
+    assert read_rows(path, RecallRow) == [recall()]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda text: text.replace("replication,", "replica,"), r"rows.csv:1: header is 'replica,"),
+        (lambda text: "", r"rows.csv:1: header is ''"),
+        (
+            lambda text: text.replace("\n0,1,1", "\n0,one,1"),
+            r"rows.csv:2: file is 'one'; allowed: a whole number",
+        ),
+        (
+            lambda text: text.replace("\n0,1,1", "\n0, 1,1"),
+            r"rows.csv:2: file is ' 1'; allowed: a whole number",
+        ),
+        (
+            lambda text: text.replace(",1,120,", ",yes,120,"),
+            r"rows.csv:2: complete is 'yes'; allowed: 0 or 1",
+        ),
+        (lambda text: text.replace(",1,120,", ",120,"), r"rows.csv:2: 9 values; allowed: 10"),
+        (
+            lambda text: text.replace(",120,", ",100,"),
+            r"rows.csv:2: vectors is 110; allowed: 0\.\.100 rounds",
+        ),
+        (lambda text: text + text.split("\n")[1] + "\n", r"rows.csv:3: repeats line 2"),
+        (
+            lambda text: text.replace("laboratory", '"laboratory'),
+            r"rows.csv:2: line is .*laboratory.*; allowed: comma-separated values",
+        ),
+    ],
+)
+def test_reading_is_strict(tmp_path: Path, spoil: Callable[[str], str], message: str) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, TrainingRow, [training()])
+    path.write_text(spoil(path.read_text()))
+    with pytest.raises(ValueError, match=message):
+        read_rows(path, TrainingRow)
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "x", ""])
+def test_floats_are_finite_numbers(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall()])
+    path.write_text(path.read_text().replace(",80.0,", f",{text},"))
+    with pytest.raises(ValueError, match=rf"rows.csv:2: score is '{text}'; allowed: a finite number"):
+        read_rows(path, RecallRow)

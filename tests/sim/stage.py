@@ -1,0 +1,103 @@
+"""Worlds in which a test knows what should happen: a wide floor, no noise, food out of the way."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, Senses
+from khepera_forage.sim.arena import CORRIDOR, Arena, Point, Pose
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import FoodPlace, Layout
+
+NONE = Noise.none()
+
+
+def box(length: float, width: float) -> tuple[Point, ...]:
+    return (Point(0, 0), Point(length, 0), Point(length, width), Point(0, width))
+
+
+FIELD = Arena(
+    name="field",
+    walls=box(2000, 2000),
+    home=Point(1800, 1800),
+    home_radius=100,
+    start=Pose(1000, 1000, 0),
+    foods=(Point(100, 100),),
+)
+"""So wide that nothing is hit by chance."""
+
+ELL = Arena(
+    name="ell",
+    walls=(
+        Point(0, 0),
+        Point(700, 0),
+        Point(700, 300),
+        Point(350, 300),
+        Point(350, 700),
+        Point(0, 700),
+    ),
+    home=Point(120, 580),
+    home_radius=100,
+    start=Pose(600, 150, math.pi),
+    foods=(Point(450, 150), Point(170, 300)),
+    obstacles=((Point(150, 90), Point(210, 90), Point(210, 150), Point(150, 150)),),
+)
+"""A user's arena: a corner to drive round and a block on the floor."""
+
+
+def stage(
+    start: Pose,
+    *foods: tuple[float, float],
+    arena: Arena = FIELD,
+    noise: Noise = NONE,
+    seed: int = 0,
+) -> PymunkWorld:
+    """A world with one robot, after its reset."""
+    world = PymunkWorld([arena], (2,), noise)
+    world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
+    return world
+
+
+def crowd(arena: Arena, *starts: Pose) -> PymunkWorld:
+    """Several robots in one arena, without food."""
+    world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE)
+    world.reset(np.random.default_rng(0), Layout(starts, ()))
+    return world
+
+
+def run(
+    world: PymunkWorld,
+    rounds: int,
+    left: float = 0,
+    right: float = 0,
+    arm: int = ARM_RAISED,
+    jaw: int = JAW_OPEN,
+    robot: int = 0,
+) -> Senses:
+    """So many rounds under one command; returns what the robot senses then."""
+    for _ in range(rounds):
+        world.robots[robot].drive(Motors(left, right, arm, jaw))
+        world.advance()
+    return world.robots[robot].sense()
+
+
+def holding(start: Pose = FIELD.start, *others: tuple[float, float], arena: Arena = FIELD) -> PymunkWorld:
+    """A robot that holds food number 0 in its raised gripper."""
+    ahead = start.x + 57 * math.cos(start.heading), start.y + 57 * math.sin(start.heading)
+    world = stage(start, ahead, *others, arena=arena)
+    run(world, 12, arm=ARM_DOWN)
+    run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
+    assert world.food_places()[0].lifted
+    return world
+
+
+def apart(a: Pose | FoodPlace | Point, b: Pose | FoodPlace | Point) -> float:
+    return math.dist(a[:2], b[:2])
+
+
+def narrow(length: float) -> Arena:
+    """The corridor, but so long."""
+    return replace(CORRIDOR, walls=box(length, 230))

@@ -1,0 +1,178 @@
+"""Arenas: the thesis' own, copies of them, and what cannot be an arena."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.sim.arena import ARENAS, CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from tests.sim.stage import ELL, FIELD
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
+ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]
+offsets = st.floats(-3000, 3000)
+
+
+# ---------------------------------------------------------------- the thesis' arenas
+
+
+def test_sizes_are_those_of_section_3_1() -> None:
+    assert CORRIDOR.bounds == (0, 0, 650, 230)
+    assert RECTANGLE.bounds == (0, 0, 650, 600)
+    assert CORRIDOR.diagonal == pytest.approx(math.hypot(650, 230))
+    assert (len(CORRIDOR.foods), len(RECTANGLE.foods)) == (1, 2)
+    assert ARENAS == {"corridor": CORRIDOR, "rectangle": RECTANGLE}
+
+
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE])
+def test_food_lies_between_robot_and_home_and_nearer_home(arena: Arena) -> None:
+    for food in arena.foods:
+        assert arena.start.x < food.x < arena.home.x
+        assert math.dist(food, arena.home) < math.dist(food, arena.start[:2])
+        assert math.dist(food, arena.home) > arena.home_radius
+    assert math.dist(arena.start[:2], arena.home) > arena.home_radius + RADIUS
+
+
+@pytest.mark.parametrize("arena", ALL)
+def test_walls_enclose_the_floor(arena: Arena) -> None:
+    ends = {s[:2] for s in arena.segments}
+    assert ends == {s[2:] for s in arena.segments}
+    assert ends == {tuple(c) for corners in (arena.walls, *arena.obstacles) for c in corners}
+
+
+# ---------------------------------------------------------------- clearance
+
+
+@given(st.floats(-100, 800), st.floats(-100, 800))
+@PROPERTY
+def test_clearance_in_a_rectangle_is_the_nearest_of_four(x: float, y: float) -> None:
+    if 0 < x < 650 and 0 < y < 600:
+        assert RECTANGLE.clearance(Point(x, y)) == pytest.approx(min(x, 650 - x, y, 600 - y))
+    else:
+        outside = math.hypot(max(-x, 0, x - 650), max(-y, 0, y - 600))
+        assert RECTANGLE.clearance(Point(x, y)) == pytest.approx(-outside)
+
+
+def test_clearance_is_negative_in_an_obstacle_and_beyond_a_corner() -> None:
+    assert ELL.clearance(Point(180, 120)) == pytest.approx(-30)
+    assert ELL.clearance(Point(240, 120)) == pytest.approx(30)
+    assert ELL.clearance(Point(400, 350)) == pytest.approx(-50)
+    assert ELL.clearance(Point(320, 270)) == pytest.approx(math.hypot(30, 30))
+
+
+# ---------------------------------------------------------------- copies
+
+
+@given(st.sampled_from(ALL), offsets, offsets, st.floats(0, 700), st.floats(0, 700))
+@PROPERTY
+def test_a_copy_differs_only_in_where_it_stands(
+    arena: Arena, dx: float, dy: float, x: float, y: float
+) -> None:
+    copy = arena.shifted(dx, dy)
+    assert copy.clearance(Point(x + dx, y + dy)) == pytest.approx(arena.clearance(Point(x, y)), abs=1e-6)
+    assert (copy.name, copy.home_radius, copy.start.heading) == (
+        arena.name,
+        arena.home_radius,
+        arena.start.heading,
+    )
+    assert copy.diagonal == pytest.approx(arena.diagonal)
+    pairs = zip(
+        (*copy.walls, copy.home, copy.start, *copy.foods, *(c for o in copy.obstacles for c in o)),
+        (*arena.walls, arena.home, arena.start, *arena.foods, *(c for o in arena.obstacles for c in o)),
+        strict=True,
+    )
+    for there, here in pairs:
+        assert (there[0] - dx, there[1] - dy) == pytest.approx(here[:2], abs=1e-6)
+
+
+@given(st.sampled_from(ALL[:3]), st.integers(1, 9), st.floats(0, 300))
+@PROPERTY
+def test_copies_stand_apart_by_the_gap(arena: Arena, count: int, gap: float) -> None:
+    group = copies(arena, count, gap)
+    assert len(group) == count
+    assert group[0] == arena
+    for i, a in enumerate(group):
+        moved = a.start.x - arena.start.x, a.start.y - arena.start.y
+        for here, there in zip((*arena.walls, *arena.foods), (*a.walls, *a.foods), strict=True):
+            assert (there.x - moved[0], there.y - moved[1]) == pytest.approx(here, abs=1e-6)
+        between = []
+        for b in group[:i]:
+            (ax1, ay1, ax2, ay2), (bx1, by1, bx2, by2) = a.bounds, b.bounds
+            between.append(max(ax1 - bx2, bx1 - ax2, ay1 - by2, by1 - ay2))
+        assert i == 0 or min(between) == pytest.approx(gap, abs=1e-6)
+
+
+def test_a_pair_of_corridors_lies_side_by_side() -> None:
+    _, other = copies(CORRIDOR, 2)
+    assert other.bounds == (0, 300, 650, 530)
+    assert copies(replace(CORRIDOR, walls=RECTANGLE.walls), 2)[1].bounds == (0, 670, 650, 1270)
+
+
+@pytest.mark.parametrize(("count", "gap"), [(0, 70.0), (-1, 70.0), (2, -1.0), (2, math.nan)])
+def test_no_copies_of_that_kind(count: int, gap: float) -> None:
+    with pytest.raises(ValueError, match=rf"{count if count < 1 else gap}.*allowed: at least"):
+        copies(CORRIDOR, count, gap)
+
+
+# ---------------------------------------------------------------- what is no arena
+
+BLOCK = (Point(340, 80), Point(400, 80), Point(400, 150), Point(340, 150))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"home_radius": -1.0}, r"home_radius is -1\.0"),
+        ({"home_radius": 0.0}, r"home_radius is 0\.0"),
+        ({"home_radius": math.nan}, "home_radius is nan"),
+        ({"home_radius": math.inf}, "home_radius is inf"),
+        ({"home_radius": 101.0}, "radius 101 mm.*at most 100"),
+        ({"home": Point(700, 115)}, r"home at \(700, 115\).*outside the walls"),
+        ({"home": Point(math.nan, 115)}, "home at .*nan"),
+        ({"home": Point(580, 115)}, "radius 100 mm.*at most 70"),
+        ({"foods": ()}, "foods is empty"),
+        ({"foods": (Point(370, 115), Point(10, 115))}, r"food at \(10, 115\) mm is 10 mm from a wall"),
+        ({"foods": (Point(370, 240),)}, r"food at \(370, 240\).*outside"),
+        ({"foods": (Point(math.inf, 115),)}, "food at .*inf"),
+        ({"obstacles": (BLOCK,)}, r"food at \(370, 115\) mm is inside a wall"),
+        ({"obstacles": (BLOCK,), "foods": (Point(325, 115),)}, "food.* 15 mm from a wall"),
+        ({"obstacles": ((Point(500, 100), Point(550, 100), Point(550, 150)),)}, "home"),
+        ({"obstacles": ((Point(200, 20), Point(250, 20)),)}, "2 corners"),
+        ({"obstacles": ((Point(200, 20), Point(250, 20), Point(math.nan, 50)),)}, "nan"),
+        (
+            {"obstacles": ((Point(200, 420), Point(250, 420), Point(225, 480)),)},
+            r"obstacle \[\(200, 420\).* stands outside the walls; allowed: on the floor",
+        ),
+        ({"start": Pose(20, 115, 0)}, r"start at \(20, 115\) mm is 20 mm from a wall"),
+        ({"start": Pose(-20, 115, 0)}, "start.*outside"),
+        ({"start": Pose(math.nan, 115, 0)}, "start.*nan"),
+        ({"start": Pose(90, 115, math.nan)}, "start.*nan"),
+        ({"walls": CORRIDOR.walls[:2]}, "2 corners"),
+        ({"walls": (*CORRIDOR.walls[:3], Point(0, math.nan))}, "nan"),
+        ({"walls": (Point(0, 0), Point(650, 230), Point(650, 0), Point(0, 231))}, "cross"),
+        ({"walls": tuple(Point(x, 0) for x in (0, 300, 650))}, "no area"),
+    ],
+)
+def test_what_is_no_arena_says_so_with_its_name(change: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(ValueError, match=rf"corridor: .*{complaint}"):
+        replace(CORRIDOR, **change)
+
+
+def test_food_just_fits_at_its_radius_from_a_wall() -> None:
+    replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),))
+    replace(CORRIDOR, start=Pose(RADIUS, 115, 0))
+
+
+@pytest.mark.parametrize(
+    "obstacle",
+    [
+        (Point(200, -20), Point(250, -20), Point(225, 40)),  # leans in over a wall
+        (Point(195, -20), Point(205, -20), Point(205, 250), Point(195, 250)),  # has no corner on the floor
+    ],
+)
+def test_an_obstacle_may_reach_over_the_walls(obstacle: tuple[Point, ...]) -> None:
+    assert replace(CORRIDOR, obstacles=(obstacle,)).obstacles == (obstacle,)

@@ -1,0 +1,123 @@
+"""Same generator state, layout and commands: the same world, bit for bit, in this process and in another."""
+
+import hashlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.sim.stage import ELL
+
+ROUNDS = 150
+LAYOUTS = {
+    "corridor": ((CORRIDOR,), Layout((CORRIDOR.start,), CORRIDOR.foods)),
+    "rectangle": ((RECTANGLE,), Layout((RECTANGLE.start,), RECTANGLE.foods)),
+    "ell": ((ELL,), Layout((ELL.start,), ELL.foods)),
+    "pair": (
+        copies(CORRIDOR, 2),
+        Layout((CORRIDOR.start, CORRIDOR.start._replace(y=415)), (Point(370, 115), Point(370, 415))),
+    ),
+}
+
+
+def world_for(name: str, noise: Noise | None = None) -> PymunkWorld:
+    arenas: tuple[Arena, ...] = LAYOUTS[name][0]
+    return PymunkWorld(arenas, tuple(2 - i for i in range(len(arenas))), noise)
+
+
+def rounds(world: PymunkWorld, name: str, seed: int, count: int = ROUNDS) -> Iterator[str]:
+    """Everything that can be known after each round, to the last bit."""
+    world.reset(np.random.default_rng(seed), LAYOUTS[name][1])
+    commands = np.random.default_rng(seed + 1000)
+    for i in range(count):
+        if i % 6 == 0:
+            for robot in world.robots:
+                left, right = commands.integers(-20, 21, 2).tolist()
+                arm, jaw = int(commands.choice([215, 255])), int(commands.choice([0, 200]))
+                robot.drive(Motors(left, right, arm, jaw))
+        world.advance()
+        senses = [robot.sense() for robot in world.robots]
+        yield repr((senses, world.camera.look(), world.poses(), world.food_places()))
+
+
+def digest(name: str, seed: int) -> str:
+    return hashlib.sha256("\n".join(rounds(world_for(name), name, seed)).encode()).hexdigest()
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_the_same_again_and_another_seed_something_else(name: str) -> None:
+    assert digest(name, 5) == digest(name, 5)
+    assert digest(name, 5) != digest(name, 6)
+
+
+def test_the_same_in_another_process() -> None:
+    code = f"from tests.sim.test_determinism import *\nfor name in {list(LAYOUTS)}: print(digest(name, 11))"
+    tests = Path(__file__).parents[2]
+    there = subprocess.run(
+        [sys.executable, "-c", code], cwd=tests, check=True, capture_output=True, text=True, timeout=60
+    )
+    assert there.stdout.split() == [digest(name, 11) for name in LAYOUTS]
+
+
+def test_a_world_that_was_used_before_is_as_good_as_new() -> None:
+    used = world_for("rectangle")
+    for seed in (1, 2):
+        list(rounds(used, "rectangle", seed))
+    assert list(rounds(used, "rectangle", 7)) == list(rounds(world_for("rectangle"), "rectangle", 7))
+
+
+def test_worlds_side_by_side_do_not_mind_each_other() -> None:
+    alone = list(rounds(world_for("pair"), "pair", 3))
+    beside = rounds(world_for("pair"), "pair", 4)
+    assert [line for line, _ in zip(rounds(world_for("pair"), "pair", 3), beside, strict=True)] == alone
+
+
+def test_looking_and_sensing_draw_nothing() -> None:
+    watched, unwatched = world_for("corridor"), world_for("corridor")
+    for world in (watched, unwatched):
+        world.reset(np.random.default_rng(0), LAYOUTS["corridor"][1])
+        world.robots[0].drive(Motors(10, 9, 215, 200))
+    for _ in range(40):
+        watched.advance()
+        unwatched.advance()
+        for _ in range(3):
+            assert watched.robots[0].sense() == watched.robots[0].sense()
+            assert watched.camera.look() == watched.camera.look()
+    assert watched.robots[0].sense() == unwatched.robots[0].sense()
+    assert watched.camera.look() == unwatched.camera.look()
+
+
+def test_one_source_of_noise_does_not_shift_another() -> None:
+    """Camera and sensors draw the same whether wheels slip or not: with a robot that stands still, all is equal."""
+    layout = LAYOUTS["rectangle"][1]
+    seen = []
+    for slip in (0.0, 0.05):
+        world = world_for("rectangle", replace(Noise.laboratory(), wheel_slip=slip, wheel_bias=slip))
+        world.reset(np.random.default_rng(8), layout)
+        for _ in range(60):
+            world.advance()
+        seen.append((world.robots[0].sense(), world.camera.look()))
+    assert seen[0] == seen[1]
+
+
+def test_a_bias_stays_the_same_robot_by_robot() -> None:
+    """The first robot's wheels do not depend on how much food lies about."""
+    ends = []
+    for foods in ((), (Point(600, 60),), (Point(600, 60), Point(600, 540))):
+        world = world_for("rectangle", replace(Noise.none(), wheel_bias=0.05))
+        world.reset(np.random.default_rng(8), Layout((Pose(90, 300, 0),), foods))
+        world.robots[0].drive(Motors(10, 10, 215, 200))
+        for _ in range(20):
+            world.advance()
+        ends.append(world.poses()[0])
+    assert ends[0] == ends[1] == ends[2]
+    assert abs(ends[0].heading) > 1e-4

@@ -1,0 +1,168 @@
+"""Food on the floor: pushed by contact, slowed by friction; and what of it a robot senses."""
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import pytest
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, JAW_CLOSED, RADIUS
+from khepera_forage.sim.arena import Arena, Point, Pose
+from tests.sim.stage import apart, box, crowd, holding, narrow, run, stage
+
+CENTRE = Pose(1000, 1000, 0)
+CLOSED = narrow(650)
+
+# ---------------------------------------------------------------- pushing
+
+
+def test_food_that_nothing_touches_lies_still() -> None:
+    world = stage(CENTRE, (1100, 1200), (1200, 1000))
+    run(world, 50, 9, 11)
+    assert [f[:2] for f in world.food_places()] == [(1100, 1200), (1200, 1000)]
+
+
+@pytest.mark.parametrize("speed", [5, 10, 20])
+def test_pushed_food_keeps_ahead_and_stops_soon_after(speed: int) -> None:
+    world = stage(CENTRE, (1080, 1000))
+    run(world, 20, speed, speed)
+    food, robot = world.food_places()[0], world.poses()[0]
+    assert robot.x > 1080 - RADIUS
+    assert RADIUS + FOOD_RADIUS - 1 < apart(food, robot) < RADIUS + FOOD_RADIUS + 5
+    run(world, 10)
+    slid = world.food_places()[0].x - food.x
+    # v^2 / 2a at 0.3 g: 0.3, 1.1 and 4.3 mm, and what the last steps of the push add.
+    assert 0 <= slid < (8 * speed) ** 2 / (2 * 0.3 * 9810) + 8 * speed * 0.03
+    rest = world.food_places()[0]
+    run(world, 20)
+    assert apart(rest, world.food_places()[0]) < 1e-3
+
+
+def test_a_row_of_food_is_pushed_along_without_overlapping() -> None:
+    world = stage(CENTRE, (1080, 1000), (1116, 1000), (1152, 1000))
+    run(world, 25, 12, 12)
+    places = [food.x for food in world.food_places()]
+    assert places[0] > 1080 + 100
+    assert places[1] - places[0] >= 2 * FOOD_RADIUS - 1
+    assert places[2] - places[1] >= 2 * FOOD_RADIUS - 1
+
+
+@pytest.mark.parametrize("speed", [5, 12, 20])
+@pytest.mark.parametrize("arm", [215, 255])
+def test_a_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) -> None:
+    world = stage(Pose(380, 115, 0), (540, 115), (580, 116), (620, 114), arena=CLOSED)
+    run(world, 12, arm=arm)
+    for _ in range(60):
+        run(world, 1, speed, speed, arm=arm)
+        for food in world.food_places():
+            assert CLOSED.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+        first, second, third = world.food_places()
+        assert min(apart(first, second), apart(second, third)) >= 2 * FOOD_RADIUS - 1.5
+        assert CLOSED.clearance(world.poses()[0]) >= RADIUS - 1
+
+
+def sweeps() -> Iterator[tuple[Pose, tuple[float, float], int]]:
+    """Starts from which a turn on the spot sweeps food, 45 or 80 mm from the wall, past or towards it."""
+    for degrees, turn, room in product(range(0, 360, 15), (1, -1), (45, 80)):
+        heading = math.radians(degrees)
+        food = 300.0, 230.0 - room
+        place = heading + 0.9 * turn
+        start = Pose(food[0] - 75 * math.cos(place), food[1] - 75 * math.sin(place), heading)
+        tips = [
+            Point(
+                start.x + 75 * math.cos(heading) - side * math.sin(heading),
+                start.y + 75 * math.sin(heading) + side * math.cos(heading),
+            )
+            for side in (-32, 32)
+        ]
+        if CLOSED.clearance(start) > RADIUS and min(map(CLOSED.clearance, tips)) > 0:
+            yield start, food, turn
+
+
+def test_food_swept_by_swinging_fingers_stays_inside() -> None:
+    cases = list(sweeps())
+    assert len(cases) > 40
+    moved = 0
+    for start, food, turn in cases:
+        world = stage(start, food, arena=CLOSED)
+        run(world, 11, arm=ARM_DOWN)
+        for _ in range(12):
+            run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
+            swept = world.food_places()[0]
+            assert CLOSED.clearance(Point(swept.x, swept.y)) >= FOOD_RADIUS - 1, start
+        moved += apart(swept, Point(*food)) > 20
+    assert moved > len(cases) / 2
+
+
+def test_another_robot_pushed_against_a_wall_stays_inside() -> None:
+    world = crowd(CLOSED, Pose(450, 115, 0), Pose(560, 116, 1))
+    for _ in range(50):
+        run(world, 1, 20, 20)
+        for pose in world.poses():
+            assert CLOSED.clearance(pose) >= RADIUS - 1
+        assert apart(*world.poses()) >= 2 * RADIUS - 1.5
+
+
+# ---------------------------------------------------------------- the optical barrier
+
+
+@pytest.mark.parametrize(
+    ("ahead", "aside", "present"),
+    [
+        (BARRIER, 0, True),
+        (BARRIER + FOOD_RADIUS - 0.5, 0, True),
+        (BARRIER + FOOD_RADIUS + 0.5, 0, False),
+        (64.0, 8, True),
+        (64.0, -8, True),
+        (90.0, 0, False),
+        (60.0, 60, False),
+    ],
+)
+def test_the_barrier_is_crossed_by_food_between_the_fingers(
+    ahead: float, aside: float, present: bool
+) -> None:
+    # The palm just clears food at the barrier: half a millimetre further out than it would push.
+    world = stage(CENTRE, (1000 + max(ahead, 54.0), 1000 + aside))
+    assert run(world, 1).object_presence == 0, "above it, a raised arm sees nothing"
+    senses = run(world, 12, arm=ARM_DOWN)
+    assert (senses.arm, senses.object_presence) == (255, 255 if present else 0)
+    assert run(world, 12).object_presence == 0
+
+
+def test_nothing_crosses_a_closed_jaw() -> None:
+    world = stage(CENTRE, (1100, 1000))
+    run(world, 8, jaw=JAW_CLOSED)
+    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert run(world, 10, 4, 4, arm=ARM_DOWN, jaw=JAW_CLOSED).object_presence == 0
+    assert apart(world.food_places()[0], CENTRE) > 1
+
+
+# ---------------------------------------------------------------- infra-reds
+
+
+@pytest.mark.parametrize("noise", [Noise.none(), Noise.laboratory()])
+def test_a_lowered_arm_hides_the_front_infra_reds_and_not_the_back(noise: Noise) -> None:
+    tight = Arena("tight", box(400, 120), Point(300, 60), 50, Pose(200, 60, 0), (Point(360, 60),))
+    world = stage(Pose(45, 60, 0), (360, 60), arena=tight, noise=noise)
+    up = run(world, 1).proximity
+    down = run(world, 12, arm=ARM_DOWN).proximity
+    assert all(1015 <= reading <= 1022 for reading in down[:6])
+    assert max(up[1:5]) < 500
+    assert min(up[6:]) > 300
+    assert all(0.75 < b / a < 1.35 for a, b in zip(up[6:], down[6:], strict=True))
+
+
+def test_the_front_infra_reds_see_again_once_the_arm_is_off_the_floor() -> None:
+    world = stage(CENTRE, (100, 100))
+    readings = [run(world, 1, arm=ARM_DOWN) for _ in range(10)]
+    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
+    readings = [run(world, 1) for _ in range(10)]
+    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
+
+
+def test_food_ahead_is_seen_and_lifted_food_is_not() -> None:
+    world = stage(CENTRE, (1070, 1000))
+    left, right = world.robots[0].sense().proximity[2:4]
+    assert left == right > 100
+    assert holding().robots[0].sense().proximity[2:4] == (0, 0)

@@ -1,0 +1,206 @@
+"""What becomes of food between the fingers, and of a robot whose fingers meet a wall."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_CLOSED,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    Motors,
+)
+from khepera_forage.sim.arena import Point, Pose
+from tests.sim.stage import FIELD, apart, holding, narrow, run, stage
+
+CENTRE = Pose(1000, 1000, 0)
+FAR = (100.0, 100.0)
+JAW_STEP = 34
+"""Positions that the jaw can move in a round: 200 in 0.6 s."""
+
+# ---------------------------------------------------------------- gripping
+
+
+def test_a_jaw_that_closes_on_food_stops_there_and_holds_it() -> None:
+    world = stage(CENTRE, (1057, 1000))
+    assert run(world, 12, arm=ARM_DOWN).object_presence == 255
+    senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert senses.jaw == round(JAW_ON_FOOD)
+    assert senses.object_presence == 255
+    food = world.food_places()[0]
+    assert food[:2] == pytest.approx((1057, 1000), abs=1)
+    assert not food.lifted
+    run(world, 10, -8, -8, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert apart(world.poses()[0], world.food_places()[0]) == pytest.approx(57, abs=1)
+
+
+def test_a_jaw_that_closes_on_nothing_closes() -> None:
+    world = stage(CENTRE, FAR)
+    run(world, 12, arm=ARM_DOWN)
+    senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert (senses.jaw, senses.object_presence) == (0, 0)
+
+
+@pytest.mark.parametrize("aside", [-9.0, -3.0, 2.0, 9.0])
+def test_the_fingers_shift_food_to_the_middle_at_their_own_speed(aside: float) -> None:
+    world = stage(CENTRE, (1057, 1000 + aside))
+    run(world, 12, arm=ARM_DOWN)
+    before = world.food_places()[0]
+    for _ in range(20):
+        run(world, 1, arm=ARM_DOWN, jaw=JAW_CLOSED)
+        after = world.food_places()[0]
+        assert apart(before, after) < 8  # 4.5 mm a round, and what it slides on
+        before = after
+    run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
+    assert world.food_places()[0].lifted
+    food, (x, y, heading) = world.food_places()[0], world.poses()[0]
+    assert (food.y - y) * math.cos(heading) - (food.x - x) * math.sin(heading) == pytest.approx(0, abs=1)
+
+
+def test_a_raised_arm_lifts_food_and_it_travels_along() -> None:
+    world = holding()
+    for left, right, rounds in [(10, 10, 10), (-5, 5, 12), (12, 8, 15), (-10, -10, 8)]:
+        run(world, rounds, left, right, jaw=JAW_CLOSED)
+        x, y, heading = world.poses()[0]
+        food = world.food_places()[0]
+        assert food.lifted
+        assert food[:2] == pytest.approx((x + 57 * math.cos(heading), y + 57 * math.sin(heading)), abs=2)
+    assert world.robots[0].sense().object_presence == 255
+    assert world.robots[0].sense().proximity[:6] == (0,) * 6  # lifted food hides no infra-red
+
+
+@pytest.mark.parametrize("arm", [ARM_DOWN, ARM_RAISED])
+def test_opening_sets_food_down_where_it_is(arm: int) -> None:
+    world = holding()
+    run(world, 12, arm=arm, jaw=JAW_CLOSED)
+    before = world.food_places()[0]
+    run(world, 8, arm=arm, jaw=JAW_OPEN)
+    after = world.food_places()[0]
+    assert not after.lifted
+    assert apart(before, after) < 0.5
+    run(world, 10, -8, -8, arm=arm, jaw=JAW_OPEN)
+    assert apart(after, world.food_places()[0]) < 0.5
+
+
+# ---------------------------------------------------------------- lifted food and what is in its way
+
+
+def test_lifted_food_passes_above_other_food_and_is_set_down_on_none() -> None:
+    world = holding(CENTRE, (1150, 1000))
+    other = world.food_places()[1]
+    while world.food_places()[0].x < other.x - 3:
+        run(world, 1, 5, 5, jaw=JAW_CLOSED)
+    assert apart(world.food_places()[1], other) < 0.01
+    # Above it, the jaw does not let go, and the arm does not come down.
+    assert run(world, 10, jaw=JAW_OPEN).jaw == round(JAW_ON_FOOD)
+    assert world.food_places()[0].lifted
+    assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm < ARM_ON_FLOOR
+    assert apart(world.food_places()[1], other) < 0.01
+    # Back from it they do.
+    run(world, 12, -5, -5, jaw=JAW_CLOSED)
+    assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm == ARM_DOWN
+    run(world, 8, arm=ARM_DOWN, jaw=JAW_OPEN)
+    first, second = world.food_places()
+    assert apart(first, second) >= 2 * FOOD_RADIUS - 0.1
+
+
+@pytest.mark.parametrize("between", [34.0, 20.0, -20.0, -34.0])
+def test_lifted_food_is_not_set_down_half_on_other_food(between: float) -> None:
+    world = holding(CENTRE, (1150, 1000))
+    while world.food_places()[0].x < 1150 - between - 0.5:
+        run(world, 1, 1, 1, jaw=JAW_CLOSED)
+    assert run(world, 10, jaw=JAW_OPEN).jaw == round(JAW_ON_FOOD)
+    assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm < ARM_ON_FLOOR
+    assert world.food_places()[0].lifted
+
+
+def test_lifted_food_stops_at_a_post_that_fits_between_the_fingers() -> None:
+    post = (Point(600, 95), Point(640, 95), Point(640, 105), Point(600, 105))
+    arena = replace(narrow(900), obstacles=(post,), home=Point(790, 115), foods=(Point(300, 60),))
+    world = holding(Pose(300, 100, 0), arena=arena)
+    for _ in range(50):
+        run(world, 1, 8, 8, jaw=JAW_CLOSED)
+        food = world.food_places()[0]
+        assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+    assert world.food_places()[0].x > 560
+
+
+def test_lifted_food_does_not_pass_through_a_wall() -> None:
+    world = holding(Pose(300, 100, 0.4), arena=narrow(650))
+    for _ in range(60):
+        run(world, 1, 15, 15, jaw=JAW_CLOSED)
+        food = world.food_places()[0]
+        assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+    run(world, 10, jaw=JAW_OPEN)
+    food = world.food_places()[0]
+    assert not food.lifted
+    assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+
+
+# ---------------------------------------------------------------- nothing jumps
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_food_beside_a_closing_finger_is_not_taken_for_food_between_them(side: int) -> None:
+    world = stage(CENTRE, (1057, 1000 + side * 27.2), FAR)
+    run(world, 8, jaw=JAW_CLOSED)
+    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    before = run(world, 1, arm=ARM_DOWN, jaw=JAW_OPEN).jaw
+    food = world.food_places()[0]
+    for _ in range(5):
+        jaw = run(world, 1, arm=ARM_DOWN, jaw=JAW_CLOSED).jaw
+        assert before - JAW_STEP <= jaw <= before
+        before = jaw
+    assert apart(world.food_places()[0], food) < 1
+
+
+@pytest.mark.parametrize("degrees", range(10, 90, 10))
+@pytest.mark.parametrize("wheels", [(-20, 10), (-10, 10), (-5, 10), (0, 10), (5, 10), (10, 10)])
+@pytest.mark.parametrize("closing", [3, 5])
+def test_a_finger_that_works_against_a_wall_throws_no_robot_about(
+    degrees: int, wheels: tuple[int, int], closing: int
+) -> None:
+    heading = math.radians(degrees)
+    tip = (FINGER_TIP + 2) * math.sin(heading) + 31.5 * math.cos(heading)
+    corridor = narrow(650)
+    world = stage(Pose(300, 230 - tip - 0.5, heading), (60, 60), arena=corridor)
+    pose = world.poses()[0]
+    for i in range(closing + 5):
+        if i < closing:
+            run(world, 1, *wheels, jaw=JAW_CLOSED)
+        else:
+            run(world, 1, jaw=JAW_OPEN)
+        after = world.poses()[0]
+        assert apart(pose, after) < 16.5
+        assert abs(after.heading - pose.heading) < 0.65  # 2 x 160 mm/s over 53 mm, for 0.1 s, and little more
+        pose = after
+
+
+def test_food_let_go_and_gripped_again_at_once_stays_put() -> None:
+    world = holding()
+    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    food = world.food_places()[0]
+    for _ in range(5):
+        run(world, 1, arm=ARM_DOWN, jaw=JAW_OPEN)
+        run(world, 3, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert apart(world.food_places()[0], food) < 2
+    run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
+    assert world.food_places()[0].lifted
+
+
+def test_a_stopped_robot_keeps_its_grip() -> None:
+    world = holding()
+    world.robots[0].drive(Motors(10, 10, ARM_RAISED, JAW_CLOSED))
+    world.advance()
+    world.robots[0].stop()
+    for _ in range(10):
+        world.advance()
+    senses = world.robots[0].sense()
+    assert (senses.arm, senses.jaw, senses.object_presence) == (ARM_RAISED, round(JAW_ON_FOOD), 255)
+    assert FIELD.clearance(world.poses()[0]) > 0

@@ -1,0 +1,69 @@
+"""What holds in every state that random driving can reach."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.task.placement import random_layout
+
+WITH_BLOCK = Arena(
+    name="block",
+    walls=(Point(0, 0), Point(600, 0), Point(600, 300), Point(350, 300), Point(350, 600), Point(0, 600)),
+    home=Point(120.0, 480.0),
+    home_radius=100.0,
+    start=Pose(500.0, 150.0, 3.0),
+    foods=(Point(200.0, 120.0),),
+    obstacles=((Point(250, 120), Point(310, 130), Point(280, 190)),),
+)
+COMMANDS = st.tuples(
+    st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
+    st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
+    st.sampled_from((215, 255)),
+    st.sampled_from((0, 200)),
+    st.integers(1, 15),
+)
+TOUCH = 1.0
+
+
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, WITH_BLOCK], ids=lambda a: a.name)
+@settings(max_examples=60, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
+@given(seed=st.integers(0, 10_000), commands=st.lists(COMMANDS, min_size=10, max_size=25))
+def test_nothing_leaves_the_walls_overlaps_vanishes_or_teleports(
+    arena: Arena, seed: int, commands: list[tuple[float, float, int, int, int]]
+) -> None:
+    rng = np.random.default_rng(seed)
+    layout = random_layout(arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, rng)
+    world = PymunkWorld([arena], (2,), Noise.laboratory())
+    world.reset(rng, layout)
+    pose, places = layout.starts[0], list(layout.foods)
+    for left, right, arm, jaw, rounds in commands:
+        world.robots[0].drive(Motors(left, right, arm, jaw))
+        for _ in range(rounds):
+            world.advance()
+            x, y, heading = world.poses()[0]
+            assert math.isfinite(x + y + heading)
+            foods = world.food_places()
+            assert len(foods) == len(layout.foods), "food is conserved"
+            assert arena.clearance(Point(x, y)) >= RADIUS - TOUCH
+            for food in foods:
+                assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - TOUCH
+            # Wheels at most 160 mm/s, with five standard deviations of slip and bias: nothing teleports.
+            assert math.dist((x, y), pose[:2]) <= 21.0
+            assert abs(heading - pose.heading) <= 0.8
+            now = [Point(food.x, food.y) for food in foods]
+            for before, after in zip(places, now, strict=True):
+                # A finger's tip sweeps at 7 rad/s and 80 mm, and the jaw adds 4.5 mm.
+                assert math.dist(before, after) <= 65.0
+            pose, places = world.poses()[0], now
+            on_floor = [food for food in foods if not food.lifted]
+            for i, food in enumerate(on_floor):
+                assert math.dist((food.x, food.y), (x, y)) > RADIUS + FOOD_RADIUS - 5.0
+                for other in on_floor[:i]:
+                    assert math.dist(food[:2], other[:2]) > 2 * FOOD_RADIUS - 5.0

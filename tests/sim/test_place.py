@@ -1,0 +1,65 @@
+"""An operator takes a robot up and puts it down elsewhere."""
+
+import math
+
+import numpy as np
+import pytest
+
+from khepera_forage.robots.khepera import JAW_CLOSED
+from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.sim.stage import NONE, holding, run, stage
+
+CENTRE = Pose(1000, 1000, 0)
+
+
+def test_an_operator_puts_a_robot_down_with_what_it_holds() -> None:
+    world = holding()
+    world.place(0, Pose(500, 600, math.pi / 2))
+    x, y, _ = world.poses()[0]
+    run(world, 3, jaw=JAW_CLOSED)
+    assert (x, y) == (500, 600)
+    assert world.food_places()[0][:2] == pytest.approx((500, 657), abs=2)
+    assert world.food_places()[0].lifted
+    with pytest.raises(ValueError, match=r"robot at \(10, 600\)"):
+        world.place(0, Pose(10, 600, 0))
+    assert world.poses()[0][:2] == pytest.approx((500, 600), abs=0.1)
+
+
+def test_an_operator_is_told_of_a_place_that_is_taken_or_none() -> None:
+    world = stage(CENTRE, (1500, 1500))
+    for pose in (Pose(1500, 1470, 0), Pose(500, 500, math.nan)):
+        with pytest.raises(ValueError, match="robot at"):
+            world.place(0, pose)
+        assert world.poses()[0] == CENTRE
+
+
+def test_a_robot_stays_in_its_own_enclosure() -> None:
+    """Its food and its walls are those of the arena it was reset in."""
+    arenas = copies(CORRIDOR, 2)
+    world = PymunkWorld(arenas, (1, 2), NONE)
+    starts = CORRIDOR.start, arenas[1].start
+    world.reset(np.random.default_rng(0), Layout(starts, (Point(370, 115), Point(370, 415))))
+    with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):
+        world.place(0, Pose(200, 415, 0))
+    assert world.poses() == starts
+
+
+def test_a_robot_that_was_put_down_drives_on_from_there() -> None:
+    world = stage(CENTRE, (100, 100))
+    run(world, 5, 20, 20)
+    world.place(0, Pose(400, 400, math.pi / 2))
+    assert world.poses()[0] == (400, 400, math.pi / 2)
+    run(world, 1)
+    assert world.poses()[0] == pytest.approx((400, 400, math.pi / 2), abs=0.01)
+    run(world, 10, 10, 10)
+    assert world.poses()[0] == pytest.approx((400, 480, math.pi / 2), abs=2)
+
+
+def test_a_robot_that_was_put_down_sees_what_is_there() -> None:
+    world = stage(CENTRE, (100, 100))
+    assert world.robots[0].sense().proximity == (0,) * 8
+    world.place(0, Pose(1955, 1000, math.pi))
+    back = world.robots[0].sense().proximity[6:]
+    assert min(back) > 200

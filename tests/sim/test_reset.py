@@ -1,0 +1,173 @@
+"""What a world can be made of, and what its reset refuses."""
+
+import math
+
+import numpy as np
+import pytest
+
+from khepera_forage.robots.khepera import RADIUS
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.sim.stage import ELL, FIELD, NONE, apart, run, stage
+
+START = CORRIDOR.start
+FOOD = Point(370, 115)
+
+
+def pair() -> PymunkWorld:
+    return PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE)
+
+
+def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...] = (FOOD,)) -> None:
+    world.reset(np.random.default_rng(0), Layout(starts, foods))
+
+
+# ---------------------------------------------------------------- making one
+
+
+@pytest.mark.parametrize(
+    ("arenas", "markers", "complaint"),
+    [
+        ([], (2,), "no arena"),
+        ([CORRIDOR], (), r"markers \(\)"),
+        ([CORRIDOR], (3,), r"markers \(3,\)"),
+        ([CORRIDOR], (1, 0), r"markers \(1, 0\)"),
+        ([CORRIDOR.shifted(-1, 0)], (2,), r"\(-1, 0\).*allowed"),
+        ([CORRIDOR, CORRIDOR.shifted(3000, 0)], (2,), "3650.*allowed"),
+    ],
+)
+def test_what_is_no_world(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        PymunkWorld(arenas, markers, NONE)
+
+
+def test_the_laboratory_noise_is_the_default() -> None:
+    assert PymunkWorld([CORRIDOR]).noise.wheel_slip > 0
+
+
+def test_nothing_moves_before_the_first_reset() -> None:
+    with pytest.raises(RuntimeError, match="reset"):
+        PymunkWorld([CORRIDOR]).advance()
+
+
+# ---------------------------------------------------------------- resets that are refused
+
+
+@pytest.mark.parametrize("starts", [(), (START,), (START, START, START)])
+def test_one_start_a_robot(starts: tuple[Pose, ...]) -> None:
+    with pytest.raises(ValueError, match=rf"{len(starts)} starts for 2 robots"):
+        reset(pair(), starts)
+
+
+@pytest.mark.parametrize(
+    ("start", "complaint"),
+    [
+        (Pose(10, 115, 0), r"robot at \(10, 115\) mm is 10 mm from a wall"),
+        (Pose(-50, 115, 0), "robot.*outside the walls"),
+        (Pose(325, 265, 0), "robot.*outside the walls"),
+        (Pose(math.nan, 115, 0), "robot.*nan"),
+        (Pose(90, math.inf, 0), "robot.*inf"),
+        (Pose(90, 115, math.nan), "robot.*nan"),
+        (Pose(340, 115, 0), r"food at \(370, 115\) mm overlaps robot at \(340, 115\)"),
+    ],
+)
+def test_a_robot_stands_on_the_free_floor(start: Pose, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        reset(pair(), (start, START._replace(y=415)))
+
+
+@pytest.mark.parametrize("start", [Pose(300, 202, math.pi / 2), Pose(300, 170, 1.2), Pose(600, 115, 0.0)])
+def test_a_gripper_does_not_stand_in_a_wall(start: Pose) -> None:
+    """It would be stuck there, or be thrown out of it."""
+    with pytest.raises(ValueError, match=rf"robot at \({start.x:g}, {start.y:g}\)"):
+        reset(pair(), (start, START._replace(y=415)))
+
+
+def test_two_robots_do_not_stand_in_one_place() -> None:
+    world = PymunkWorld([RECTANGLE], (1, 2), NONE)
+    with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at \(100, 300\)"):
+        reset(world, (Pose(100, 300, 0), Pose(154, 300, 0)), (Point(400, 300),))
+    reset(world, (Pose(100, 300, 0), Pose(155, 300, 0)), (Point(400, 300),))
+
+
+@pytest.mark.parametrize(
+    ("food", "complaint"),
+    [
+        (Point(370, 5), "food.* 5 mm from a wall"),
+        (Point(370, -40), "food.*outside"),
+        (Point(math.nan, 0), "food.*nan"),
+        (Point(390, 115), r"food at \(390, 115\) mm overlaps food at \(370, 115\)"),
+        (Point(120, 115), r"food at \(120, 115\) mm overlaps robot"),
+    ],
+)
+def test_food_lies_on_the_free_floor(food: Point, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        reset(pair(), (START, START._replace(y=415)), (FOOD, food))
+
+
+def test_nothing_stands_in_an_obstacle() -> None:
+    world = PymunkWorld([ELL], (2,), NONE)
+    with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
+        reset(world, (ELL.start,), (Point(180, 120),))
+    with pytest.raises(ValueError, match=r"ell: robot.* 20 mm from a wall"):
+        reset(world, (Pose(230, 120, 0),), (Point(450, 150),))
+
+
+# ---------------------------------------------------------------- a user's arena
+
+
+def test_a_robot_sees_an_obstacle_and_stops_at_it() -> None:
+    world = stage(Pose(300, 120, math.pi), (450, 150), arena=ELL)
+    assert max(world.robots[0].sense().proximity[:6]) == 0
+    # Its raised fingers touch the block first: the body stays their length away.
+    senses = run(world, 40, 10, 10)
+    x, y, heading = world.poses()[0]
+    assert 210 + RADIUS <= x < 300 - 5
+    assert y == pytest.approx(120, abs=1)
+    assert heading == pytest.approx(math.pi, abs=0.02)
+    assert senses.left_pulses == 40 * 100
+
+
+def test_an_obstacle_beside_a_robot_is_seen_on_that_side() -> None:
+    world = stage(Pose(180, 190, 0), (450, 150), arena=ELL)
+    proximity = world.robots[0].sense().proximity
+    assert proximity[5] > 400
+    assert proximity[:3] == (0, 0, 0)
+
+
+def test_a_corner_is_driven_round() -> None:
+    world = stage(Pose(500, 200, math.pi), (450, 60), arena=ELL)
+    run(world, 30, 10, 10)
+    run(world, 4, 13, -13)  # to the right: north, into the other leg
+    run(world, 30, 10, 10)
+    x, y, _ = world.poses()[0]
+    assert x < 350
+    assert y > 300
+
+
+# ---------------------------------------------------------------- and again
+
+
+def test_a_reset_leaves_nothing_of_the_last_episode() -> None:
+    world = PymunkWorld([FIELD], (2,), NONE)
+    layout = Layout((Pose(1000, 1000, 0.3),), (Point(1057 * 1.0, 1018),))
+    world.reset(np.random.default_rng(3), layout)
+    fresh = world.robots[0].sense(), world.camera.look(), world.poses(), world.food_places()
+    run(world, 15, arm=255)
+    run(world, 30, 8, 12, arm=255, jaw=0)
+    assert apart(world.poses()[0], layout.starts[0]) > 50
+    world.reset(np.random.default_rng(3), layout)
+    assert (world.robots[0].sense(), world.camera.look(), world.poses(), world.food_places()) == fresh
+    run(world, 3)
+    assert world.poses()[0] == pytest.approx(layout.starts[0])
+
+
+def test_numbers_of_food_may_change_from_reset_to_reset() -> None:
+    world = pair()
+    starts = START, START._replace(y=415)
+    for count in (3, 0, 1):
+        reset(world, starts, tuple(Point(250 + 60 * i, 60) for i in range(count)))
+        world.advance()
+        assert len(world.food_places()) == count
+        assert sum(region.holes == 0 for region in world.camera.look().regions) == count

@@ -1,0 +1,156 @@
+"""The tree of figure 4.2 against table 4.2, which is written here apart, from the thesis."""
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.task.states import (
+    CARRY_HEIGHT,
+    CLOSE_TO_FOOD,
+    NEXT_TO_FOOD,
+    Behaviour,
+    FoodType,
+    State,
+    StateVector,
+    behaviour_for,
+    classify,
+)
+
+HOME_RADIUS = 20
+
+Row = Callable[[StateVector], bool]
+TABLE: dict[State, Row] = {
+    State.SEARCH: lambda v: (
+        not v.object_presence
+        and v.robot_home_distance > HOME_RADIUS
+        and v.robot_food_distance > CLOSE_TO_FOOD
+    ),
+    State.CLOSE_TO_FOOD: lambda v: (
+        not v.object_presence
+        and v.robot_home_distance > HOME_RADIUS
+        and v.robot_food_distance > NEXT_TO_FOOD
+        and v.robot_food_distance < CLOSE_TO_FOOD
+    ),
+    State.NEXT_TO_FOOD: lambda v: (
+        not v.object_presence
+        and v.robot_home_distance > HOME_RADIUS
+        and v.robot_food_distance < NEXT_TO_FOOD
+        and v.food_type == FoodType.UNKNOWN
+    ),
+    State.ORIENTED_WITH_FOOD: lambda v: (
+        bool(v.object_presence) and v.robot_home_distance > HOME_RADIUS and v.food_type == FoodType.UNKNOWN
+    ),
+    # The table leaves the arm out here; with it alone the row is kept apart from FOOD IN HAND.
+    State.READY_TO_PICK_UP_FOOD: lambda v: (
+        bool(v.object_presence)
+        and v.robot_home_distance > HOME_RADIUS
+        and v.food_type == FoodType.PICKABLE
+        and v.arms_height > CARRY_HEIGHT
+    ),
+    State.READY_TO_PUSH_FOOD: lambda v: (
+        bool(v.object_presence) and v.robot_home_distance > HOME_RADIUS and v.food_type == FoodType.PUSHABLE
+    ),
+    State.MUST_AVOID_FOOD: lambda v: (
+        bool(v.object_presence) and v.robot_home_distance > HOME_RADIUS and v.food_type == FoodType.POISONOUS
+    ),
+    State.FOOD_IN_HAND: lambda v: (
+        bool(v.object_presence)
+        and v.robot_home_distance > HOME_RADIUS
+        and v.food_type == FoodType.PICKABLE
+        and v.arms_height <= CARRY_HEIGHT
+    ),
+    State.AT_HOME_NO_FOOD: lambda v: not v.object_presence and v.robot_home_distance < HOME_RADIUS,
+    State.AT_HOME_WITH_FOOD: lambda v: bool(v.object_presence) and v.robot_home_distance < HOME_RADIUS,
+}
+
+VECTORS = st.builds(
+    StateVector,
+    object_presence=st.integers(0, 1),
+    robot_home_distance=st.integers(0, 60) | st.sampled_from((HOME_RADIUS - 1, HOME_RADIUS, HOME_RADIUS + 1)),
+    food_type=st.integers(0, 3),
+    arms_height=st.integers(215, 255) | st.sampled_from((CARRY_HEIGHT, CARRY_HEIGHT + 1)),
+    robot_food_distance=st.integers(0, 60)
+    | st.sampled_from((NEXT_TO_FOOD - 1, NEXT_TO_FOOD, NEXT_TO_FOOD + 1, CLOSE_TO_FOOD, CLOSE_TO_FOOD + 1)),
+)
+
+
+def perceivable(vector: StateVector) -> bool:
+    """FoodType reads UNKNOWN unless an object is present."""
+    return bool(vector.object_presence) or vector.food_type == FoodType.UNKNOWN
+
+
+@given(VECTORS.filter(perceivable))
+def test_every_row_implies_its_leaf_and_rows_exclude_each_other(vector: StateVector) -> None:
+    rows = [state for state, row in TABLE.items() if row(vector)]
+    assert len(rows) <= 1
+    if rows:
+        assert classify(vector, HOME_RADIUS) == rows[0]
+
+
+@given(VECTORS.filter(perceivable))
+def test_only_equal_distances_match_no_row_and_go_to_the_nearer_state(vector: StateVector) -> None:
+    if any(row(vector) for row in TABLE.values()):
+        return
+    home, food = vector.robot_home_distance, vector.robot_food_distance
+    assert home == HOME_RADIUS or food in (NEXT_TO_FOOD, CLOSE_TO_FOOD)
+    if home == HOME_RADIUS:
+        nearer = vector._replace(robot_home_distance=home - 1)
+    else:
+        nearer = vector._replace(robot_food_distance=food - 1)
+    assert classify(vector, HOME_RADIUS) == classify(nearer, HOME_RADIUS)
+
+
+@pytest.mark.parametrize(
+    ("vector", "state"),
+    [
+        (StateVector(0, HOME_RADIUS, 0, 215, 50), State.AT_HOME_NO_FOOD),
+        (StateVector(1, HOME_RADIUS, 1, 215, 50), State.AT_HOME_WITH_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD), State.NEXT_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD + 1), State.CLOSE_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD), State.CLOSE_TO_FOOD),
+        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD + 1), State.SEARCH),
+        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT, 9), State.FOOD_IN_HAND),
+        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT + 1, 9), State.READY_TO_PICK_UP_FOOD),
+    ],
+)
+def test_ties_go_to_the_nearer_state(vector: StateVector, state: State) -> None:
+    assert classify(vector, HOME_RADIUS) == state
+
+
+@given(VECTORS)
+def test_the_unknown_state_cannot_be_reached(vector: StateVector) -> None:
+    assert classify(vector, HOME_RADIUS) != State.UNKNOWN
+
+
+def test_every_state_can_be_reached() -> None:
+    reached = {
+        classify(StateVector(presence, home, food_type, arm, food), HOME_RADIUS)
+        for presence in (0, 1)
+        for home in (5, 50)
+        for food_type in range(4)
+        for arm in (215, 255)
+        for food in (10, 25, 50)
+    }
+    assert reached == set(State) - {State.UNKNOWN}
+
+
+@pytest.mark.parametrize(
+    ("state", "behaviour"),
+    [
+        (State.SEARCH, "SEARCH_FOR_FOOD"),
+        (State.CLOSE_TO_FOOD, "MOVE_SLOWLY"),
+        (State.NEXT_TO_FOOD, "ORIENT_WITH_FOOD"),
+        (State.ORIENTED_WITH_FOOD, "EXPLORE_FOOD"),
+        (State.READY_TO_PICK_UP_FOOD, "PICK_UP_FOOD"),
+        (State.READY_TO_PUSH_FOOD, "PUSH_FOOD"),
+        (State.MUST_AVOID_FOOD, "AVOID_FOOD"),
+        (State.FOOD_IN_HAND, "GO_HOME"),
+        (State.AT_HOME_NO_FOOD, "AVOID_HOME"),
+        (State.AT_HOME_WITH_FOOD, "RELEASE_FOOD"),
+    ],
+)
+def test_states_and_behaviours_stand_one_to_one_as_in_table_4_1(state: State, behaviour: str) -> None:
+    assert behaviour_for(state).name == behaviour
+    assert int(state) == int(Behaviour[behaviour])

@@ -1,0 +1,355 @@
+"""The rule that turns detections into tracks, on its own: it decides outcomes."""
+
+import random
+from collections.abc import Callable, Sequence
+from unittest.mock import patch
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.vision import association as retracking
+from khepera_forage.vision.association import GATE, Detection, Tracks
+from khepera_forage.vision.scene import Region, Scene
+
+Visible = Callable[[float, float], bool]
+
+
+def seen(x: float, y: float, holes: int = 0, orientation: int = 0) -> Detection:
+    return Detection(x, y, holes, orientation, False, x, y + 3, 40.0, 22.0, 12.1)
+
+
+def everywhere(x: float, y: float) -> bool:
+    return True
+
+
+def nowhere(x: float, y: float) -> bool:
+    return False
+
+
+def never_asked(x: float, y: float) -> bool:
+    raise AssertionError(f"visible({x}, {y}) was asked")
+
+
+def as_detection(region: Region) -> Detection:
+    return Detection(*region[1:5], region.edge, *region[7:])
+
+
+def label_at(scene: Scene, x: float, y: float) -> int:
+    (label,) = [r.label for r in scene.regions if (r.x, r.y) == (x, y)]
+    return label
+
+
+coordinates = st.floats(0, 640, allow_subnormal=False) | st.integers(0, 40).map(float)
+detections = st.builds(seen, coordinates, coordinates, st.sampled_from([0, 0, 1, 2]), st.integers(0, 359))
+frames = st.lists(detections, max_size=6)
+# A frame, and the part of the floor that can be seen in it: everything right of a line.
+films = st.lists(st.tuples(frames, st.sampled_from([0.0, 20.0, 300.0, 641.0])), max_size=8)
+
+
+def right_of(line: float) -> Visible:
+    return lambda x, y: x >= line
+
+
+# ---------------------------------------------------------------- the rule, for any film at all
+
+
+@given(films)
+def test_found_regions_are_the_detections(film: Sequence[tuple[list[Detection], float]]) -> None:
+    tracks = Tracks()
+    for frame, line in film:
+        scene = tracks.update(frame, right_of(line))
+        assert sorted(as_detection(r) for r in scene.regions if r.found) == sorted(frame)
+
+
+@given(films)
+def test_labels_are_never_reused_and_keep_their_holes(film: Sequence[tuple[list[Detection], float]]) -> None:
+    tracks = Tracks()
+    holes: dict[int, int] = {}
+    gone: set[int] = set()
+    for frame, line in film:
+        scene = tracks.update(frame, right_of(line))
+        labels = [r.label for r in scene.regions]
+        assert labels == sorted(set(labels))
+        assert not gone & set(labels)
+        gone |= holes.keys() - set(labels)
+        new = [label for label in labels if label not in holes]
+        assert new == list(range(len(holes), len(holes) + len(new)))
+        for region in scene.regions:
+            assert holes.setdefault(region.label, region.holes) == region.holes
+
+
+@given(films)
+def test_what_is_not_shown_keeps_all_but_its_status_or_was_dropped(
+    film: Sequence[tuple[list[Detection], float]],
+) -> None:
+    tracks, before = Tracks(), Scene(())
+    for frame, line in film:
+        visible = right_of(line)
+        scene = tracks.update(frame, visible)
+        now = {r.label: r for r in scene.regions}
+        for old in before.regions:
+            if old.label not in now:
+                assert old.holes == 0, "a marker was dropped"
+                assert visible(old.x, old.y), "food was dropped though its place was hidden"
+            elif not now[old.label].found:
+                assert now[old.label] == old._replace(found=False)
+                assert old.holes > 0 or not visible(old.x, old.y), "visible and empty, yet kept"
+        before = scene
+
+
+@given(films)
+def test_food_moves_no_further_than_the_gate(film: Sequence[tuple[list[Detection], float]]) -> None:
+    tracks, before = Tracks(), Scene(())
+    for frame, line in film:
+        scene = tracks.update(frame, right_of(line))
+        places = {r.label: r for r in before.regions}
+        for region in scene.regions:
+            if region.holes == 0 and region.label in places:
+                old = places[region.label]
+                assert (region.x - old.x) ** 2 + (region.y - old.y) ** 2 <= GATE**2
+        before = scene
+
+
+@given(films)
+def test_with_everything_visible_only_lost_markers_outnumber_the_detections(
+    film: Sequence[tuple[list[Detection], float]],
+) -> None:
+    tracks = Tracks()
+    for frame, _ in film:
+        regions = tracks.update(frame, everywhere).regions
+        assert len(regions) == len(frame) + sum(not r.found for r in regions)
+        assert all(r.holes > 0 for r in regions if not r.found)
+
+
+@given(films)
+def test_there_are_never_more_markers_of_a_kind_than_one_frame_showed(
+    film: Sequence[tuple[list[Detection], float]],
+) -> None:
+    tracks, most = Tracks(), {1: 0, 2: 0}
+    for frame, line in film:
+        regions = tracks.update(frame, right_of(line)).regions
+        for holes in most:
+            most[holes] = max(most[holes], sum(d.holes == holes for d in frame))
+            assert sum(r.holes == holes for r in regions) == most[holes]
+
+
+@given(films, st.randoms(use_true_random=False))
+def test_the_order_of_detections_does_not_matter(
+    film: Sequence[tuple[list[Detection], float]], shuffler: random.Random
+) -> None:
+    one, other = Tracks(), Tracks()
+    for frame, line in film:
+        shuffled = shuffler.sample(frame, len(frame))
+        assert one.update(frame, right_of(line)) == other.update(shuffled, right_of(line))
+
+
+@given(films)
+def test_the_short_way_for_common_frames_comes_to_the_same(
+    film: Sequence[tuple[list[Detection], float]],
+) -> None:
+    short, general = Tracks(), Tracks()
+    for frame, line in film:
+        for moved in (frame, [d._replace(x=d.x + 1) for d in frame]):
+            scene = short.update(moved, right_of(line))
+            with patch.object(retracking, "_obvious", return_value=None):
+                assert general.update(moved, right_of(line)) == scene
+
+
+steps = st.tuples(st.floats(-2, 2), st.floats(-2, 2))
+
+
+@given(st.lists(st.tuples(st.lists(steps, min_size=5, max_size=5), st.sets(st.integers(0, 4))), max_size=12))
+def test_regions_apart_keep_their_labels_whatever_is_lost(
+    film: Sequence[tuple[list[tuple[float, float]], set[int]]],
+) -> None:
+    """The teacher, two learners and two foods, each in its own quarter, nothing visible while it is lost."""
+    kinds = [1, 2, 2, 0, 0]
+    homes = [(100.0 * i + 50, 90.0 * i + 40) for i in range(5)]
+    tracks = Tracks()
+    scene = tracks.update([seen(x, y, k) for (x, y), k in zip(homes, kinds, strict=True)], never_asked)
+    labels = [label_at(scene, *home) for home in homes]
+    for offsets, lost in film:
+        places = [(x + dx, y + dy) for (x, y), (dx, dy) in zip(homes, offsets, strict=True)]
+        frame = [seen(*places[i], kinds[i]) for i in range(5) if i not in lost]
+        scene = tracks.update(frame, nowhere)
+        regions = {r.label: r for r in scene.regions}
+        assert sorted(regions) == sorted(labels)
+        for i, label in enumerate(labels):
+            assert regions[label].found == (i not in lost)
+            if i not in lost:
+                assert (regions[label].x, regions[label].y) == places[i]
+
+
+# ---------------------------------------------------------------- single cases, as a reader would ask them
+
+
+def test_first_frame_is_numbered_in_reading_order() -> None:
+    scene = Tracks().update([seen(5, 10), seen(90, 300, 2), seen(20, 300, 1), seen(50, 200)], never_asked)
+    assert [(r.label, r.x, r.y) for r in scene.regions] == [
+        (0, 20, 300),
+        (1, 90, 300),
+        (2, 50, 200),
+        (3, 5, 10),
+    ]
+    assert all(r.found for r in scene.regions)
+
+
+def test_all_that_was_seen_is_reported() -> None:
+    detection = Detection(10.5, 20.25, 1, 270, True, 9.0, 24.0, 368.0, 80.0, 17.4)
+    (region,) = Tracks().update([detection], never_asked).regions
+    assert region == Region(0, 10.5, 20.25, 1, 270, True, True, 9.0, 24.0, 368.0, 80.0, 17.4)
+
+
+def test_hidden_food_keeps_its_place_until_it_can_be_seen_to_be_gone() -> None:
+    tracks = Tracks()
+    (first,) = tracks.update([seen(50.125, 60.375)], never_asked).regions
+    for _ in range(1000):
+        assert tracks.update([], nowhere).regions == (first._replace(found=False),)
+    asked = []
+
+    def watched(x: float, y: float) -> bool:
+        asked.append((x, y))
+        return True
+
+    assert tracks.update([], watched).regions == ()
+    assert asked == [(50.125, 60.375)]
+
+
+def test_food_is_dropped_in_the_very_frame_that_shows_its_place_empty() -> None:
+    tracks = Tracks()
+    tracks.update([seen(50, 60)], never_asked)
+    assert tracks.update([], everywhere).regions == ()
+
+
+def test_food_that_reappears_near_its_last_place_is_the_same() -> None:
+    tracks = Tracks()
+    tracks.update([seen(50, 60)], never_asked)
+    tracks.update([], nowhere)
+    (region,) = tracks.update([seen(50 + GATE, 60)], never_asked).regions
+    assert (region.label, region.found, region.x) == (0, True, 50 + GATE)
+
+
+def test_food_that_reappears_elsewhere_is_new_and_the_hidden_one_stays() -> None:
+    tracks = Tracks()
+    tracks.update([seen(50, 60)], never_asked)
+    tracks.update([], nowhere)
+    old, new = tracks.update([seen(50 + GATE + 0.01, 60)], nowhere).regions
+    assert (old.label, old.found, old.x) == (0, False, 50)
+    assert (new.label, new.found, new.x) == (1, True, 50 + GATE + 0.01)
+
+
+def test_food_carried_off_is_a_new_track_where_it_is_put_down() -> None:
+    tracks = Tracks()
+    tracks.update([seen(50, 60)], never_asked)
+    tracks.update([], nowhere)
+    assert [r.label for r in tracks.update([seen(50, 160)], everywhere).regions] == [1]
+
+
+@pytest.mark.parametrize("holes", [1, 2])
+def test_the_only_marker_of_its_kind_is_known_again_anywhere(holes: int) -> None:
+    tracks = Tracks()
+    tracks.update([seen(10, 10, holes, 30)], never_asked)
+    for _ in range(3):
+        (lost,) = tracks.update([], everywhere).regions
+        assert (lost.label, lost.found, lost.x, lost.y, lost.orientation) == (0, False, 10, 10, 30)
+    (back,) = tracks.update([seen(600, 400, holes, 90)], never_asked).regions
+    assert (back.label, back.found, back.x, back.y, back.orientation) == (0, True, 600, 400, 90)
+    (jumped,) = tracks.update([seen(20, 400, holes)], never_asked).regions
+    assert (jumped.label, jumped.x) == (0, 20)
+
+
+def test_markers_of_different_kinds_are_not_mixed_up_when_both_jump() -> None:
+    tracks = Tracks()
+    scene = tracks.update([seen(10, 10, 1), seen(200, 10, 2)], never_asked)
+    teacher, learner = label_at(scene, 10, 10), label_at(scene, 200, 10)
+    tracks.update([], everywhere)
+    scene = tracks.update([seen(200, 10, 1), seen(10, 10, 2)], never_asked)
+    assert (label_at(scene, 200, 10), label_at(scene, 10, 10)) == (teacher, learner)
+
+
+def test_several_lost_learners_are_each_taken_for_the_nearest() -> None:
+    tracks = Tracks()
+    scene = tracks.update([seen(10, 90, 2), seen(100, 80, 2), seen(200, 70, 2)], never_asked)
+    assert [r.x for r in scene.regions] == [10, 100, 200]
+    tracks.update([], everywhere)
+    scene = tracks.update([seen(185, 90, 2), seen(120, 80, 2)], never_asked)
+    assert [(r.x, r.found) for r in scene.regions] == [(10, False), (120, True), (185, True)]
+
+
+def test_a_lost_learner_does_not_take_the_marker_of_one_that_passes_its_last_place() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90, 2), seen(117, 89, 2)], never_asked)
+    tracks.update([seen(117, 89, 2)], everywhere)
+    for x in range(113, 80, -4):
+        scene = tracks.update([seen(x, 89, 2)], everywhere)
+        assert [(r.label, r.x, r.found) for r in scene.regions] == [(0, 100, False), (1, x, True)]
+
+
+def test_nor_in_a_frame_that_shows_something_new_as_well() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90, 2), seen(105, 89, 2)], never_asked)
+    tracks.update([seen(105, 89, 2)], everywhere)
+    scene = tracks.update([seen(101, 89, 2), seen(300, 300)], everywhere)
+    assert [(r.label, r.x, r.found) for r in scene.regions] == [
+        (0, 100, False),
+        (1, 101, True),
+        (2, 300, True),
+    ]
+
+
+def test_a_learner_that_reappears_is_not_taken_for_one_that_was_just_lost() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90, 2), seen(200, 80, 2)], never_asked)
+    tracks.update([seen(200, 80, 2)], everywhere)
+    scene = tracks.update(
+        [seen(170, 90, 2)], everywhere
+    )  # nearer to 200 than to 100, but not within a frame's reach
+    assert [(r.label, r.x, r.found) for r in scene.regions] == [(0, 170, True), (1, 200, False)]
+
+
+def test_touching_foods_are_not_taken_for_each_other() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90), seen(107, 90)], never_asked)
+    left, right = tracks.update([seen(107, 90)], nowhere).regions
+    assert (left.found, left.x, right.found, right.x) == (False, 100, True, 107)
+    assert [r.label for r in tracks.update([seen(107, 90)], everywhere).regions] == [1]
+
+
+def test_food_beside_the_place_of_hidden_food_is_another() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 90)], never_asked)
+    tracks.update([], nowhere)
+    regions = tracks.update([seen(107, 90)], nowhere).regions
+    assert [(r.label, r.x, r.found) for r in regions] == [(0, 100, False), (1, 107, True)]
+
+
+def test_two_candidates_within_the_gate_go_to_the_nearest() -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 100), seen(104, 90)], never_asked)
+    scene = tracks.update([seen(101, 100), seen(104, 91)], never_asked)
+    assert [(r.label, r.x, r.y) for r in scene.regions] == [(0, 101, 100), (1, 104, 91)]
+
+
+@pytest.mark.parametrize(("x", "label"), [(101, 0), (103, 1)])
+def test_one_candidate_for_two_tracks_continues_the_nearest(x: float, label: int) -> None:
+    tracks = Tracks()
+    tracks.update([seen(100, 100), seen(104, 100)], never_asked)
+    assert [(r.label, r.x) for r in tracks.update([seen(x, 100)], everywhere).regions] == [(label, x)]
+
+
+def test_reset_forgets_everything() -> None:
+    tracks = Tracks()
+    tracks.update([seen(10, 10), seen(20, 20, 1)], never_asked)
+    tracks.reset()
+    assert tracks.update([], nowhere).regions == ()
+    assert [r.label for r in tracks.update([seen(10, 10)], never_asked).regions] == [0]
+
+
+def test_a_scene_once_returned_does_not_change() -> None:
+    tracks = Tracks()
+    scene = tracks.update([seen(10, 10), seen(20, 20, 1)], never_asked)
+    copy = Scene(tuple(Region(*r) for r in scene.regions))
+    tracks.update([], everywhere)
+    tracks.reset()
+    assert scene == copy
