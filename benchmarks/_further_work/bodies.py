@@ -22,7 +22,7 @@ from _further_work.rows import Done, Lesson, Recalled, Unit
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Teacher
-from khepera_forage.robots.parameters import Body
+from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import HopelessTraining
 from khepera_forage.sim.arena import ARENAS as FLOORS
@@ -33,13 +33,13 @@ from khepera_forage.thesis.claims.claim import Unit as Scale
 from khepera_forage.thesis.statistics import UNKNOWN
 
 BODIES = {
-    "the teacher's own": Body(),
-    "infra-reds at 30 %": Body(infra_reds=0.3),
-    "blind infra-reds": Body(infra_reds=0.0),
-    "left wheel 20 % lazy": Body(left_wheel=-0.2),
-    "left wheel 30 % lazy": Body(left_wheel=-0.3),
-    "fingers of 30 mm": Body(fingers=30.0),
-    "arm reads 231 when raised": Body(arm_reading=0.6),
+    "the teacher's own": RobotParameters(),
+    "infra-reds at 30 %": RobotParameters(infra_red_gain=0.3),
+    "blind infra-reds": RobotParameters(infra_red_gain=0.0),
+    "left wheel 20 % lazy": RobotParameters(left_wheel_error=-0.2),
+    "left wheel 30 % lazy": RobotParameters(left_wheel_error=-0.3),
+    "fingers of 30 mm": RobotParameters(finger_length=30.0),
+    "arm reads 231 when raised": RobotParameters(arm_reading_scale=0.6),
 }
 _points = Scale("points of food delivered", "+.1f")
 _percent = Scale("%", ".1f")
@@ -48,7 +48,9 @@ _percent = Scale("%", ".1f")
 def run(unit: Unit) -> Done:
     """Forage with the teacher's program in this body; take lessons in it, and forage with what they left."""
     body = BODIES[unit.condition]
-    env = TrainingEnv(world=PymunkWorld(copies(CORRIDOR, 2), (1, 2), bodies=(Body(), body)))
+    env = TrainingEnv(
+        world=PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(), body))
+    )
     lessons: list[Lesson] = []
     files: list[Experience] = []
     try:
@@ -60,7 +62,7 @@ def run(unit: Unit) -> Done:
     env.close()
     recalls: list[Recalled] = []
     for arena in ARENAS:
-        alone = recall_env(arena, world=PymunkWorld([FLOORS[arena]], (2,), bodies=(body,)))
+        alone = recall_env(arena, world=PymunkWorld([FLOORS[arena]], (2,), robot_parameters=(body,)))
         recalls += recall_all(alone, Teacher(alone.home_radius), unit, 0)
         for amount in (n for n in unit.size.amounts if n <= len(files)):
             learner = imitator(files[:amount], alone.diagonal)

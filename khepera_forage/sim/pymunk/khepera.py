@@ -24,7 +24,7 @@ from khepera_forage.robots.khepera import (
     Senses,
     applicable,
 )
-from khepera_forage.robots.parameters import Body
+from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.robots.proximity import cast, measured
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.broad_phase import WallWatch
@@ -57,7 +57,7 @@ class PymunkKhepera:
         walls: Segments of its own enclosure, which it senses and keeps an eye on.
         noise: Its troubles.
         bias: Lasting share by which the left and the right wheel travel too far.
-        build: Its peculiarities.
+        parameters: Its constant deviations.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class PymunkKhepera:
         walls: Sequence[Segment],
         noise: Noise,
         bias: tuple[float, float],
-        build: Body,
+        parameters: RobotParameters,
     ) -> None:
         self.body = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
         self.body.position = pose[:2]
@@ -83,13 +83,16 @@ class PymunkKhepera:
         pull.max_bias = twist.max_bias = 0
         pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
         space.add(self.body, shape, self._wheels, pull, twist)
-        self.gripper = PymunkGripper(space, self.body, build.fingers)
+        self.gripper = PymunkGripper(space, self.body, parameters.finger_length)
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
         self._walls = WallWatch(walls)
         self._noise = noise
-        self._infra_reds, self._arm_reading = build.infra_reds, build.arm_reading
-        self._left_share, self._right_share = 1.0 + (bias[0] + build.left_wheel), 1.0 + bias[1]
+        self._infra_red_gain, self._arm_reading_scale = (
+            parameters.infra_red_gain,
+            parameters.arm_reading_scale,
+        )
+        self._left_share, self._right_share = 1.0 + (bias[0] + parameters.left_wheel_error), 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._left_pulses = self._right_pulses = 0.0
         self._senses: Senses | None = None
@@ -229,8 +232,8 @@ class PymunkKhepera:
         walls = self._walls.near
         if walls or discs:
             clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
-            if self._infra_reds != 1.0:
-                clean = [self._infra_reds * reading for reading in clean]
+            if self._infra_red_gain != 1.0:
+                clean = [self._infra_red_gain * reading for reading in clean]
         else:
             clean = [0.0] * 8
         return Senses(
@@ -239,7 +242,7 @@ class PymunkKhepera:
             ),
             int(self._left_pulses),
             int(self._right_pulses),
-            int(ARM_DOWN - self._arm_reading * (ARM_DOWN - gripper.arm) + 0.5),
+            int(ARM_DOWN - self._arm_reading_scale * (ARM_DOWN - gripper.arm) + 0.5),
             int(gripper.jaw + 0.5),
             PRESENT if gripper.interrupted(self.foods) else 0,
         )

@@ -8,7 +8,7 @@ import pymunk
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
-from khepera_forage.robots.parameters import Body
+from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import (
     arena_of,
@@ -33,10 +33,10 @@ class PymunkWorld:
         arenas: The enclosures, in one frame of millimetres.
         markers: Number of holes of each robot's marker, 1 or 2; one robot each.
         noise: The laboratory's troubles.
-        bodies: Peculiarities of each robot; none by default.
+        robot_parameters: Deviations of each robot; none by default.
 
     Raises:
-        ValueError: No arena, no robot, a marker with another number of holes, or not a body a robot.
+        ValueError: No arena, no robot, a marker with another number of holes, or not one `RobotParameters` per robot.
     """
 
     def __init__(
@@ -44,16 +44,20 @@ class PymunkWorld:
         arenas: Sequence[Arena],
         markers: Sequence[int] = (2,),
         noise: Noise | None = None,
-        bodies: Sequence[Body] | None = None,
+        robot_parameters: Sequence[RobotParameters] | None = None,
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
         check_seen(arenas)
         if not markers or any(holes not in (1, 2) for holes in markers):
             raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
-        if bodies is not None and len(bodies) != len(markers):
-            raise ValueError(f"{len(bodies)} bodies given; allowed: {len(markers)}, one a robot")
-        self.bodies = (Body(),) * len(markers) if bodies is None else tuple(bodies)
+        if robot_parameters is not None and len(robot_parameters) != len(markers):
+            raise ValueError(
+                f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot"
+            )
+        self.robot_parameters = (
+            (RobotParameters(),) * len(markers) if robot_parameters is None else tuple(robot_parameters)
+        )
         self.arenas = tuple(arenas)
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
@@ -101,8 +105,10 @@ class PymunkWorld:
         space.add(*walls)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
         self.robots = tuple(
-            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), build)
-            for start, arena, b, build in zip(layout.starts, homes, bias, self.bodies, strict=True)
+            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), parameters)
+            for start, arena, b, parameters in zip(
+                layout.starts, homes, bias, self.robot_parameters, strict=True
+            )
         )
         for robot, home in zip(self.robots, homes, strict=True):
             robot.foods = [food for food, plate in zip(self.foods, plates, strict=True) if plate is home]

@@ -1,0 +1,122 @@
+"""RobotParameters: the effect of each deviation, and none by default."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    BARRIER,
+    FINGER_TIP,
+    JAW_CLOSED,
+    JAW_OPEN,
+    JAW_ROOT,
+    PRESENT,
+    Motors,
+    Senses,
+)
+from khepera_forage.robots.parameters import RobotParameters
+from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.sim.stage import FIELD, NONE
+
+HERE = Pose(1000, 1000, 0)
+
+
+def stand(
+    parameters: RobotParameters, start: Pose = HERE, food: Point = Point(100, 100), arena: Any = FIELD
+) -> PymunkWorld:  # noqa: B008
+    world = PymunkWorld([arena], (2,), NONE, robot_parameters=(parameters,))
+    world.reset(np.random.default_rng(0), Layout((start,), (food,)))
+    return world
+
+
+def run(world: PymunkWorld, motors: Motors, rounds: int) -> Senses:
+    for _ in range(rounds):
+        world.robots[0].drive(motors)
+        world.advance()
+    return world.robots[0].sense()
+
+
+def test_a_slow_left_wheel_turns_the_robot_left() -> None:
+    straight, slow = stand(RobotParameters()), stand(RobotParameters(left_wheel_error=-0.2))
+    for world in (straight, slow):
+        run(world, Motors(10, 10, ARM_RAISED, JAW_OPEN), 10)
+    assert straight.poses()[0].heading == 0.0
+    assert slow.poses()[0].heading == pytest.approx(0.2 * 80 / 53, rel=1e-6)
+    travel = math.dist(slow.poses()[0][:2], HERE[:2])
+    assert travel < math.dist(straight.poses()[0][:2], HERE[:2])
+
+
+def test_infra_red_gain_scales_the_readings() -> None:
+    near_wall = Pose(40, 115, math.pi / 2)
+    full, weak, blind = (
+        stand(RobotParameters(infra_red_gain=gain), near_wall, Point(400, 115), CORRIDOR)
+        .robots[0]
+        .sense()
+        .proximity
+        for gain in (1.0, 0.3, 0.0)
+    )
+    assert max(full) > 300
+    for clear, faint in zip(full, weak, strict=True):
+        assert abs(faint - 0.3 * clear) <= 1
+    assert set(blind) == {0}
+
+
+def test_arm_reading_scale_shortens_the_reported_travel() -> None:
+    world = stand(RobotParameters(arm_reading_scale=0.6))
+    assert world.robots[0].sense().arm == 231
+    assert run(world, Motors(0, 0, ARM_DOWN, JAW_OPEN), 12).arm == ARM_DOWN
+
+
+@pytest.mark.parametrize(("finger_length", "grips"), [(FINGER_TIP - JAW_ROOT, True), (25.0, False)])
+def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(
+    finger_length: float, grips: bool
+) -> None:
+    world = stand(RobotParameters(finger_length=finger_length), food=Point(HERE.x + BARRIER + 16, HERE.y))
+    lowered = run(world, Motors(0, 0, ARM_DOWN, JAW_OPEN), 12)
+    assert lowered.object_presence == PRESENT
+    run(world, Motors(0, 0, ARM_DOWN, JAW_CLOSED), 10)
+    assert (world.robots[0].gripper.held is not None) is grips
+
+
+def test_default_parameters_equal_no_parameters() -> None:
+    layout = Layout(
+        tuple(arena.start for arena in copies(CORRIDOR, 2)), tuple(a.foods[0] for a in copies(CORRIDOR, 2))
+    )
+    histories = []
+    for robot_parameters in (None, (RobotParameters(), RobotParameters())):
+        world = PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=robot_parameters)
+        world.reset(np.random.default_rng(3), layout)
+        history = []
+        for turn in range(40):
+            for robot in world.robots:
+                robot.drive(Motors(12, 12 - turn % 5, ARM_DOWN if turn > 20 else ARM_RAISED, JAW_OPEN))
+            world.advance()
+            history.append((world.poses(), [robot.sense() for robot in world.robots]))
+        histories.append(history)
+    assert histories[0] == histories[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"left_wheel_error": -1.0}, "left_wheel_error is -1.0; allowed: a finite number above -1"),
+        ({"infra_red_gain": -0.1}, "infra_red_gain is -0.1; allowed: a finite number >= 0"),
+        ({"infra_red_gain": math.nan}, "infra_red_gain is nan"),
+        ({"arm_reading_scale": 0.0}, "arm_reading_scale is 0.0; allowed: above 0, at most 1"),
+        ({"finger_length": 50.0}, "finger_length is 50.0; allowed: 20 to 37 mm"),
+    ],
+)
+def test_values_out_of_range_are_rejected(change: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        RobotParameters(**change)
+
+
+def test_a_wrong_number_of_parameters_is_rejected() -> None:
+    with pytest.raises(ValueError, match="1 robot_parameters given; allowed: 2, one per robot"):
+        PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(),))
