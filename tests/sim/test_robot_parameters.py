@@ -25,11 +25,12 @@ from khepera_forage.sim.world import Layout
 from tests.sim.stage import FIELD, NONE
 
 HERE = Pose(1000, 1000, 0)
+FAR_AWAY = Point(100, 100)
 
 
 def stand(
-    parameters: RobotParameters, start: Pose = HERE, food: Point = Point(100, 100), arena: Any = FIELD
-) -> PymunkWorld:  # noqa: B008
+    parameters: RobotParameters, start: Pose = HERE, food: Point = FAR_AWAY, arena: Any = FIELD
+) -> PymunkWorld:
     world = PymunkWorld([arena], (2,), NONE, robot_parameters=(parameters,))
     world.reset(np.random.default_rng(0), Layout((start,), (food,)))
     return world
