@@ -2,7 +2,7 @@
 
 import math
 
-from khepera_forage.vision.association import Detection, FeaturelessTracks, Tracks
+from khepera_forage.vision.association import Detection, Tracks
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.detector import Finder
 from khepera_forage.vision.detection.floor_visibility import FloorWatch
@@ -57,7 +57,7 @@ class Tracker:
         self._segmenter = Segmenter(settings.contrast)
         self._finder = Finder(settings, self.calibration, scale)
         self._floor = FloorWatch(settings, self.calibration)
-        self._tracks = FeaturelessTracks() if settings.featureless else Tracks()
+        self._tracks = Tracks(by_place=settings.featureless)
         self._scene = Scene(())
 
     @property

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision import association as retracking
+from khepera_forage.vision import association
 from khepera_forage.vision.association import GATE, Detection, Tracks
 from khepera_forage.vision.scene import Region, Scene
 
@@ -145,14 +145,14 @@ def test_the_order_of_detections_does_not_matter(
 
 
 @given(films)
-def test_the_short_way_for_common_frames_comes_to_the_same(
+def test_match_obvious_agrees_with_match_by_cost(
     film: Sequence[tuple[list[Detection], float]],
 ) -> None:
-    short, general = Tracks(), Tracks()
+    obvious, general = Tracks(), Tracks()
     for frame, line in film:
         for moved in (frame, [d._replace(x=d.x + 1) for d in frame]):
-            scene = short.update(moved, right_of(line))
-            with patch.object(retracking, "_obvious", return_value=None):
+            scene = obvious.update(moved, right_of(line))
+            with patch.object(association, "_match_obvious", return_value=False):
                 assert general.update(moved, right_of(line)) == scene
 
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.association import GATE, Detection, FeaturelessTracks
+from khepera_forage.vision.association import GATE, Detection, Tracks
 
 
 def seen(x: float, y: float, holes: int = 0) -> Detection:
@@ -24,7 +24,7 @@ frames = st.lists(st.builds(seen, coordinates, coordinates, st.sampled_from([0, 
 
 @given(st.lists(frames, max_size=6))
 def test_found_regions_are_the_detections_and_nothing_jumps(film: list[list[Detection]]) -> None:
-    tracks = FeaturelessTracks()
+    tracks = Tracks(by_place=True)
     places: dict[int, tuple[float, float]] = {}
     for frame in film:
         scene = tracks.update(frame, nowhere)
@@ -40,14 +40,14 @@ def test_found_regions_are_the_detections_and_nothing_jumps(film: list[list[Dete
 
 
 def test_a_wrong_number_of_holes_does_not_end_a_track() -> None:
-    tracks = FeaturelessTracks()
+    tracks = Tracks(by_place=True)
     for holes in (2, 1, 0, 2):
         (region,) = tracks.update([seen(10, 10, holes)], nowhere).regions
         assert (region.label, region.holes) == (0, holes)
 
 
 def test_a_marker_that_reappears_elsewhere_is_another() -> None:
-    tracks = FeaturelessTracks()
+    tracks = Tracks(by_place=True)
     tracks.update([seen(10, 10, 1)], nowhere)
     tracks.update([], nowhere)
     regions = tracks.update([seen(10 + GATE + 1, 10, 1)], nowhere).regions
@@ -56,14 +56,14 @@ def test_a_marker_that_reappears_elsewhere_is_another() -> None:
 
 def test_two_that_meet_can_be_mistaken_for_each_other() -> None:
     """What feature-based tracking is preferred for (3.5): after a jump, places alone swap teacher and learner."""
-    tracks = FeaturelessTracks()
+    tracks = Tracks(by_place=True)
     tracks.update([seen(10, 10, 1), seen(14, 10, 2)], nowhere)
     regions = tracks.update([seen(14, 10, 1), seen(10, 10, 2)], nowhere).regions
     assert sorted((r.label, r.holes) for r in regions) == [(0, 2), (1, 1)]
 
 
 def test_a_lost_marker_is_dropped_like_food() -> None:
-    tracks = FeaturelessTracks()
+    tracks = Tracks(by_place=True)
     tracks.update([seen(10, 10, 1)], nowhere)
     assert [r.found for r in tracks.update([], nowhere).regions] == [False]
     assert tracks.update([], everywhere).regions == ()
