@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.rendering.frames import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.shapes import FOOD_FEATURES, MARKER_FEATURES, PICTURE_HEIGHT
 
-_LOOK = CameraLook.laboratory()
+_LOOK = CameraAppearance.laboratory()
 LEVEL = (_LOOK.floor + _LOOK.white) / 2
 """Halfway between floor and white in the middle of the picture."""
 _MARKER = 0.5 * MARKER_FEATURES[2].area

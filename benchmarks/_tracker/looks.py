@@ -9,13 +9,14 @@ import numpy as np
 
 from _tracker.sights import TRACKER, Sight, sights
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.simulated_camera import Truth
 from khepera_forage.vision.tracker import Tracker
 
-_LAB = CameraLook.laboratory()
+_LAB = CameraAppearance.laboratory()
 _HEIGHT = 2700.0
 """mm of a camera above the floor that sees 3.2 x 2.4 m through a lens of 60 degrees."""
 _MIDDLE = (PICTURE_WIDTH * MM_PER_PIXEL / 2, PICTURE_HEIGHT * MM_PER_PIXEL / 2)
@@ -32,12 +33,12 @@ class Condition:
     """How frames look, and what the tracker knows of it."""
 
     name: str
-    look: CameraLook
+    look: CameraAppearance
     corrected: bool = False
 
 
 CONDITIONS = (
-    Condition("nothing but quantisation", CameraLook.none()),
+    Condition("nothing but quantisation", CameraAppearance.none()),
     Condition("laboratory", _LAB),
     Condition("laboratory, no cables", replace(_LAB, cable_width=0.0)),
     Condition("blur 1.2 pixels", replace(_LAB, blur=1.2)),

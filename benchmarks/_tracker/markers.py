@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from khepera_forage.thesis.statistics import Estimate, wilson
 from khepera_forage.thesis.tables import Column, Table, Value
-from khepera_forage.vision.rendering.canvas import Place, draw
-from khepera_forage.vision.rendering.frames import CameraLook, marker_parts
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.canvas import ImagePose, draw_shapes
+from khepera_forage.vision.rendering.frames import marker_shapes
 from khepera_forage.vision.rendering.light import Light
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import MARKER_HOLES, PICTURE_HEIGHT, PICTURE_WIDTH
@@ -59,7 +60,7 @@ class Places:
         shares = []
         for blur in BLURS:
             rng = np.random.default_rng(self.seed)
-            look = replace(CameraLook.laboratory(), blur=blur)
+            look = replace(CameraAppearance.laboratory(), blur=blur)
             light = Light(look, rng)
             right = sum(_right(light, look, holes, rng, float(i)) for i in range(self.pictures))
             shares.append(
@@ -93,21 +94,23 @@ def table(results: list[tuple[str, list[Estimate]]]) -> Table:
 
 def _right(
     light: Light,
-    look: CameraLook,
+    look: CameraAppearance,
     holes: tuple[tuple[float, float], ...],
     rng: np.random.Generator,
     seconds: float,
 ) -> int:
     """Of the markers in one picture, times the thresholds, those whose holes are counted right."""
     picture = np.full((int(PICTURE_HEIGHT), int(PICTURE_WIDTH)), round(look.floor), np.uint8)
-    parts = marker_parts(look, holes)
+    parts = marker_shapes(look, holes)
     xs = np.linspace(_BORDER, PICTURE_WIDTH - _BORDER, _TILES)
     ys = np.linspace(_BORDER, PICTURE_HEIGHT - _BORDER, _TILES)
     for x in xs.tolist():
         for y in ys.tolist():
             dx, dy = rng.uniform(-0.5, 0.5, 2).tolist()
             turn = float(rng.uniform(-math.pi, math.pi))
-            draw(picture, Place(x + dx, y + dy, math.cos(turn), math.sin(turn), 1 / MM_PER_PIXEL), parts)
+            draw_shapes(
+                picture, ImagePose(x + dx, y + dy, math.cos(turn), math.sin(turn), 1 / MM_PER_PIXEL), parts
+            )
     frame = light.expose(picture, seconds)
     return sum(_counts(frame > level).count(len(holes)) for level in _THRESHOLDS)
 

@@ -17,7 +17,7 @@ from khepera_forage.lab.virtual_laboratory import VirtualBeat, VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.rollouts.training import train
-from khepera_forage.vision.rendering.frames import RenderedSource
+from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
@@ -27,7 +27,7 @@ _METHODS: tuple[tuple[str, type, str], ...] = (
     ("wait", WallBeat, "wait"),
     ("physics", VirtualBeat, "wait"),
     ("receive", Fleet, "receive"),
-    ("render", RenderedSource, "newest"),
+    ("render", RenderedFrameSource, "newest"),
     ("track", Tracker, "update"),
 )
 """A part's name, and the method whose time is its, without the parts that it calls."""
@@ -125,5 +125,5 @@ class Timing:
 
             with suppress(_Enough):
                 for seed in np.random.SeedSequence(self.seed).spawn(self.rounds):
-                    train(env, seed, watch=note)
+                    train(env, seed, callback=note)
         return rows

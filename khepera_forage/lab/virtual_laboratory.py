@@ -24,7 +24,8 @@ from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer, RenderedSource
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -66,7 +67,7 @@ class VirtualLaboratory(Laboratory):
         settings: LabSettings,
         *,
         noise: Noise | None = None,
-        look: CameraLook | None = None,
+        look: CameraAppearance | None = None,
         paced: bool = False,
         faults: Faults | Sequence[Faults | None] | None = None,
         fault_seed: int = 0,
@@ -74,7 +75,7 @@ class VirtualLaboratory(Laboratory):
         operator: Operator | None = None,
     ) -> None:
         noise = Noise.laboratory() if noise is None else noise
-        look = CameraLook.laboratory() if look is None else look
+        look = CameraAppearance.laboratory() if look is None else look
         arenas = settings.arenas
         self._steps = round(settings.period / CONTROL_PERIOD)
         if not math.isclose(self._steps * CONTROL_PERIOD, settings.period):
@@ -93,7 +94,7 @@ class VirtualLaboratory(Laboratory):
             walls=[wall for arena in arenas for wall in arena.segments],
             period=settings.period,
         )
-        self.frames = RenderedSource(self._renderer)
+        self.frames = RenderedFrameSource(self._renderer)
         self.hand = VirtualOperator(self.bodies, noise, self._attach, self._plug_in)
         each = list(faults) if isinstance(faults, Sequence) else [faults] * len(settings.robots)
         if len(each) != len(settings.robots):

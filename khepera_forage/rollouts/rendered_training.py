@@ -13,7 +13,8 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.sim.arena import CORRIDOR, Arena, copies
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -39,7 +40,7 @@ class RenderedTraining:
     def __init__(
         self,
         seed: int,
-        look: CameraLook | None = None,
+        look: CameraAppearance | None = None,
         noise: Noise | None = None,
         paced: bool = False,
         anchor: tuple[float, float] | None = None,

@@ -14,7 +14,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import RECTANGLE, Point, Pose
 from khepera_forage.sim.world import Layout
-from khepera_forage.vision.rendering.frames import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 
@@ -28,7 +28,7 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
     noise = (
         Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     )
-    look = CameraLook.none() if quiet else CameraLook.laboratory()
+    look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
     with VirtualLaboratory.of(RECTANGLE, 1, noise=noise, look=look) as world:
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
         world.reset(np.random.default_rng(3), layout)

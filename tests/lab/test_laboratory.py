@@ -18,7 +18,7 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.virtual.line_faults import Faults
 from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
 from khepera_forage.sim.world import Layout
-from khepera_forage.vision.rendering.frames import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.video import CameraLost
 
 cv2 = pytest.importorskip("cv2")
@@ -49,7 +49,7 @@ class Clumsy:
 
 def laboratory(operator: Clumsy | None = None, real_time: bool = False) -> VirtualLaboratory:
     lab = VirtualLaboratory.of(
-        CORRIDOR, 2, noise=Noise.none(), look=CameraLook.none(), operator=operator, real_time=real_time
+        CORRIDOR, 2, noise=Noise.none(), look=CameraAppearance.none(), operator=operator, real_time=real_time
     )
     if operator is not None:
         operator.lab = lab

@@ -28,7 +28,7 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.states import Behaviour, StateVector
-from khepera_forage.vision.rendering.frames import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -50,7 +50,7 @@ def trained(env: TrainingEnv, seed: int) -> list[Any]:
             )
         )
 
-    shown.append(training.attempt(env, seed, lambda v, b: shown.append((v, b)), watch=watch))
+    shown.append(training.attempt(env, seed, lambda v, b: shown.append((v, b)), callback=watch))
     return shown
 
 
@@ -86,7 +86,7 @@ def test_without_trouble_it_goes_as_with_the_bodies_alone() -> None:
     """Bytes and pixels change little: the same forage takes about as many rounds."""
     options = {"start": (90, 115, 0), "foods": [(370, 115)]}
     counts = []
-    with VirtualLaboratory.of(CORRIDOR, 1, noise=Noise.none(), look=CameraLook.none()) as lab:
+    with VirtualLaboratory.of(CORRIDOR, 1, noise=Noise.none(), look=CameraAppearance.none()) as lab:
         for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
             teacher = Teacher(env.home_radius)
             observation, info = env.reset(seed=1, options=options)
@@ -206,7 +206,7 @@ def test_mistakes_in_the_file_are_told_in_one_line(
 
 def test_a_longer_period_moves_the_bodies_on_by_as_much() -> None:
     file = parse('period = 0.2\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n')
-    with VirtualLaboratory(file, noise=Noise.none(), look=CameraLook.none()) as lab:
+    with VirtualLaboratory(file, noise=Noise.none(), look=CameraAppearance.none()) as lab:
         start = lab.arenas[0].start
         lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
         lab.robots[0].drive(Motors(5, 5, 215, 200))

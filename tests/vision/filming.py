@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.appearance import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import Region, Scene
 from khepera_forage.vision.simulated_camera import Truth
@@ -23,10 +23,10 @@ class Film:
     """
 
     def __init__(
-        self, look: CameraLook | None = None, anchor: tuple[float, float] | None = None, seed: int = 0
+        self, look: CameraAppearance | None = None, anchor: tuple[float, float] | None = None, seed: int = 0
     ) -> None:
         self.truth = Truth((), ())
-        self._renderer = FrameRenderer(lambda: self.truth, look or CameraLook.laboratory(), anchor)
+        self._renderer = FrameRenderer(lambda: self.truth, look or CameraAppearance.laboratory(), anchor)
         self._rng = np.random.default_rng(seed)
         self._markers = -1
 

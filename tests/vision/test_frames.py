@@ -11,19 +11,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.frames import CameraLook, FrameRenderer, RenderedSource
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
 from khepera_forage.vision.simulated_camera import Truth
 
 Frame = NDArray[np.uint8]
-NONE, LABORATORY = CameraLook.none(), CameraLook.laboratory()
+NONE, LABORATORY = CameraAppearance.none(), CameraAppearance.laboratory()
 PAIR = Truth(((400.0, 300.0, 0.5, 1), (900.0, 700.0, 2.0, 2)), ((400.0, 700.0), (900.0, 300.0)))
 ROW, COLUMN = np.mgrid[:480, :640] + 0.5
 
 
 def rendered(
     truth: Truth,
-    look: CameraLook = NONE,
+    look: CameraAppearance = NONE,
     frames: int = 1,
     seed: int = 0,
     anchor: tuple[float, float] | None = None,
@@ -33,7 +34,7 @@ def rendered(
     return [renderer.frame() for _ in range(frames)]
 
 
-def one(truth: Truth, look: CameraLook = NONE, anchor: tuple[float, float] | None = None) -> Frame:
+def one(truth: Truth, look: CameraAppearance = NONE, anchor: tuple[float, float] | None = None) -> Frame:
     return rendered(truth, look, anchor=anchor)[0]
 
 
@@ -219,7 +220,9 @@ def test_parallax_moves_what_is_high_outwards_and_leaves_the_floor() -> None:
 # ---------------------------------------------------------------- cables
 
 
-def difference(truth: Truth, look: CameraLook, anchor: tuple[float, float], frames: int = 1) -> list[Frame]:
+def difference(
+    truth: Truth, look: CameraAppearance, anchor: tuple[float, float], frames: int = 1
+) -> list[Frame]:
     """What the cables change, frame by frame."""
     bare = one(truth, NONE).astype(int)
     return [np.abs(frame - bare) for frame in rendered(truth, look, frames, anchor=anchor)]
@@ -295,7 +298,7 @@ def test_source_hands_out_frames_of_this_moment() -> None:
     truth = [PAIR]
     renderer = FrameRenderer(lambda: truth[0], NONE)
     renderer.reset(np.random.default_rng(0))
-    source = RenderedSource(renderer)
+    source = RenderedFrameSource(renderer)
     first, age = source.newest()
     assert age == 0.0
     truth[0] = Truth((), ())

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.appearance import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.scene import Region
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.filming import Film, Marker, only
@@ -83,7 +83,7 @@ def test_something_else_over_it_hides_it(grey: int) -> None:
 
 
 def test_a_cable_over_the_empty_place_does_not_keep_it() -> None:
-    film, tracker = Film(CameraLook.laboratory()), Tracker()
+    film, tracker = Film(CameraAppearance.laboratory()), Tracker()
     tracker.update(film.shoot((FAR,), (FOOD,)))
     for i in range(3):
         frame = film.shoot((FAR,))

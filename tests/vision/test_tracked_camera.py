@@ -116,10 +116,10 @@ def test_without_opencv_one_reads_what_to_install() -> None:
     program = (
         "import sys; sys.modules['cv2'] = None\n"
         "import khepera_forage\n"
-        "from khepera_forage.vision import calibration, drawing, tracked_camera, video\n"
+        "from khepera_forage.vision import calibration, overlay, tracked_camera, video\n"
         "from khepera_forage.vision.tracker import Tracker, TrackerSettings\n"
         "TrackerSettings(); calibration.Calibration.identity()\n"
-        "for make in (Tracker, lambda: video.VideoSource(0), lambda: drawing.draw_scene(None, None)):\n"
+        "for make in (Tracker, lambda: video.VideoSource(0), lambda: overlay.draw_scene(None, None)):\n"
         "    try:\n"
         "        make()\n"
         "    except ImportError as error:\n"

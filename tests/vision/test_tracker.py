@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from khepera_forage.noise import Noise
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.appearance import CameraLook
-from khepera_forage.vision.rendering.canvas import Box, Disc, Place, draw
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.canvas import Box, Disc, ImagePose, draw_shapes
 from khepera_forage.vision.simulated_camera import OverheadCamera
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.filming import Film, Marker, off, only, turned
 
-LABORATORY = CameraLook.laboratory()
+LABORATORY = CameraAppearance.laboratory()
 LOOKS = {
     "laboratory": LABORATORY,
     "dim": replace(LABORATORY, white=150.0, floor=70.0, wall=55.0, body=30.0, black=18.0),
@@ -71,12 +71,12 @@ def test_centres_have_no_bias() -> None:
 
 
 def test_features_are_those_of_the_shapes() -> None:
-    (marker,) = Tracker().detect(Film(CameraLook.none()).shoot(((1000.0, 1000.0, 0.0, 2),)))
+    (marker,) = Tracker().detect(Film(CameraAppearance.none()).shoot(((1000.0, 1000.0, 0.0, 2),)))
     assert (marker.first_x, marker.first_y) == pytest.approx((188, 208), abs=1)
     assert marker.area == pytest.approx(24 * 16 - 2 * 16, rel=0.1)
     assert marker.perimeter == pytest.approx(80, rel=0.1)
     assert marker.compactness == pytest.approx(80**2 / 352, rel=0.2)
-    (food,) = Tracker().detect(Film(CameraLook.none()).shoot((), ((1000.0, 1000.0),)))
+    (food,) = Tracker().detect(Film(CameraAppearance.none()).shoot((), ((1000.0, 1000.0),)))
     assert (food.x, food.y) == pytest.approx((200, 200), abs=0.05)
     assert food.area == pytest.approx(math.pi * 3.5**2, rel=0.15)
     assert food.compactness == pytest.approx(4 * math.pi, rel=0.3)
@@ -123,7 +123,7 @@ def test_white_walls_paper_lines_and_specks_are_nothing() -> None:
     cv2.circle(frame, (200, 50), 1, 255, cv2.FILLED)
     cv2.ellipse(frame, (300, 440), (12, 3), 20, 0, 360, 230, cv2.FILLED)
     assert Tracker().detect(frame) == []
-    draw(frame, Place(123.5, 314.5, 1, 0, 0.2), [Disc(17.5, 230)])  # food inside the walls
+    draw_shapes(frame, ImagePose(123.5, 314.5, 1, 0, 0.2), [Disc(17.5, 230)])  # food inside the walls
     (food,) = Tracker().detect(frame)
     assert (food.x, food.y) == pytest.approx((123.5, 480 - 165.5), abs=0.2)
 
@@ -272,7 +272,7 @@ def symmetric(x: float, y: float, degrees: float) -> NDArray[np.uint8]:
     """A user's own marker, with its one hole in the middle."""
     frame, heading = floor(), math.radians(degrees)
     parts = (Box(-60, -40, 60, 40, 225), Box(-10, -10, 10, 10, 25))
-    draw(frame, Place(x, y, math.cos(heading), math.sin(heading), 0.2), parts)
+    draw_shapes(frame, ImagePose(x, y, math.cos(heading), math.sin(heading), 0.2), parts)
     return frame
 
 

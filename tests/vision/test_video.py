@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.canvas import Disc, Place, draw
+from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
@@ -207,7 +207,7 @@ def test_a_network_camera_that_falls_silent_is_lost_when_its_last_frame_is_too_o
 
 def test_a_tracked_camera_on_a_film(tmp_path: Path) -> None:
     frame = np.full((480, 640), 100, np.uint8)
-    draw(frame, Place(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])
+    draw_shapes(frame, ImagePose(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])
     path = tmp_path / "food.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 5, (640, 480), True)
     for _ in range(20):

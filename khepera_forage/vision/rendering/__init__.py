@@ -1,1 +1,1 @@
-"""What a rendered frame is drawn with: the look of a camera, its light, pen and cables; and the markers to print."""
+"""Synthetic frames of the overhead camera, and the markers to print."""

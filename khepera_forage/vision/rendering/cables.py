@@ -7,97 +7,107 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.appearance import CameraLook
-from khepera_forage.vision.rendering.canvas import Box, Place, corners_of, pixels
-from khepera_forage.vision.rendering.slow_noise import Slow
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.canvas import Box, ImagePose, box_corners, to_pixels
+from khepera_forage.vision.rendering.slow_noise import SlowNoise
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _PERIOD = 7.0
-"""Typical seconds of a sway."""
-_LOOSE = 400.0
-"""mm from the anchor beyond which a cable bows in full; nearer it hangs more steeply, and less is seen of its bow."""
+"""Typical period of the sway in s."""
+_FULL_SAG_LENGTH = 400.0
+"""mm between anchor and robot from which on a cable sags in full; a nearer cable is steeper and shows less sag."""
 _POINTS = 24
-"""Of the curve that is drawn in straight pieces."""
+"""Points on the polyline that approximates a cable."""
 _LINE_WIDTHS = {1: 1.35, 2: 3.4}
-"""Pixels that OpenCV's smooth lines of thickness 1 and 2 are wide: their coverage summed across, by measurement at
-slopes of 0 to 90 degrees (within 15 % and 4 %)."""
-_BITS = 4
+"""Effective width in pixels of OpenCV's anti-aliased lines of thickness 1 and 2: coverage summed across the line,
+measured at slopes of 0 to 90 degrees (within 15 % and 4 %)."""
+_FRACTIONAL_BITS = 4
 
 
 class Cables:
-    """A cable from one anchor overhead to each robot.
+    """One cable from the overhead anchor to each robot.
 
-    A cable runs out from under its robot's own marker, for its plug is on the robot, so that it lies over other
-    markers and food but never over its own. Seen from above it is a bow, whose belly sways.
+    A cable enters its robot under the marker, for the plug is on the robot. It therefore covers other markers and
+    food, but never its own robot's marker. Seen from above it is a quadratic curve whose middle sways.
 
     Args:
-        look: Grey level, thickness, sag and sway.
+        appearance: Grey level, thickness, sag and sway.
         anchor: Where all cables hang from, in mm as seen from above.
-        rng: Draws to which side each cable hangs, and its waves.
-        count: Of cables.
+        rng: Draws the side to which each cable sags, and its sway.
+        count: Number of cables.
 
     Attributes:
-        curves: Where each hung when last drawn, from the anchor to the middle of its robot's marker: points x
-            to the right and y up, in pixels.
+        curves: The cables as last drawn, from the anchor to the middle of the robot's marker: points in pixels, x to
+            the right and y up.
     """
 
     def __init__(
-        self, look: CameraLook, anchor: tuple[float, float], rng: np.random.Generator, count: int
+        self,
+        appearance: CameraAppearance,
+        anchor: tuple[float, float],
+        rng: np.random.Generator,
+        count: int,
     ) -> None:
-        self._look = look
+        self._appearance = appearance
         self.curves: list[NDArray[np.float64]] = []
-        self._anchor = np.array(pixels(*anchor))
-        self._slow = Slow(rng, count, _PERIOD)
+        self._anchor = np.array(to_pixels(*anchor))
+        self._sway = SlowNoise(rng, count, _PERIOD)
         self._sides = rng.choice((-1.0, 1.0), count)
-        width = look.cable_width / MM_PER_PIXEL
+        width = appearance.cable_width / MM_PER_PIXEL
         self._thickness = min((t for t, w in _LINE_WIDTHS.items() if width <= w), default=2)
         self._coverage = min(1.0, width / _LINE_WIDTHS[self._thickness])
         self._shares = np.linspace(0, 1, _POINTS)[:, None]
 
-    def draw(self, picture: NDArray[np.uint8], markers: Sequence[Place], sheet: Box, seconds: float) -> None:
+    def draw(
+        self, picture: NDArray[np.uint8], markers: Sequence[ImagePose], sheet: Box, seconds: float
+    ) -> None:
         """Draw all cables over a picture.
 
         Args:
             picture: 480 x 640 grey levels, changed in place.
-            markers: Where each robot's marker lies in the picture.
+            markers: Pose of each robot's marker in the picture.
             sheet: Outline of a marker in its own frame, mm.
             seconds: Time since the reset.
         """
-        bows = self._bows(seconds)
-        self.curves = [self._curve(marker, bow) for marker, bow in zip(markers, bows, strict=True)]
+        sags = self._sags(seconds)
+        self.curves = [self._curve(marker, sag) for marker, sag in zip(markers, sags, strict=True)]
         for marker, curve in zip(markers, self.curves, strict=True):
-            self._draw(picture, curve, corners_of(sheet, marker))
+            self._draw(picture, curve, box_corners(sheet, marker))
 
-    def _bows(self, seconds: float) -> list[float]:
-        bows = self._look.cable_sag * self._sides + self._look.cable_sway * self._slow.at(seconds)
-        return [float(bow) / MM_PER_PIXEL for bow in bows]
+    def _sags(self, seconds: float) -> list[float]:
+        """Signed sideways distance in pixels of the middle of each cable from the straight line."""
+        sags = self._appearance.cable_sag * self._sides + self._appearance.cable_sway * self._sway.at(seconds)
+        return [float(sag) / MM_PER_PIXEL for sag in sags]
 
-    def _curve(self, marker: Place, bow: float) -> NDArray[np.float64]:
-        """Points from the anchor to the middle of a marker, in pixels as OpenCV counts them."""
+    def _curve(self, marker: ImagePose, sag: float) -> NDArray[np.float64]:
+        """Points from the anchor to the middle of a marker: pixels, x right and y up."""
         start, end = self._anchor, np.array((marker.x, marker.y))
         along = end - start
         length = math.hypot(*along)
-        aside = np.array((-along[1], along[0])) / max(length, 1e-9)
-        belly = (start + end) / 2 + 2 * bow * min(1.0, length * MM_PER_PIXEL / _LOOSE) * aside
+        normal = np.array((-along[1], along[0])) / max(length, 1e-9)
+        control = (start + end) / 2 + 2 * sag * min(1.0, length * MM_PER_PIXEL / _FULL_SAG_LENGTH) * normal
         s = self._shares
-        curve: NDArray[np.float64] = (1 - s) ** 2 * start + 2 * s * (1 - s) * belly + s**2 * end
+        curve: NDArray[np.float64] = (1 - s) ** 2 * start + 2 * s * (1 - s) * control + s**2 * end
         return curve
 
-    def _draw(self, picture: NDArray[np.uint8], curve: NDArray[np.float64], own: NDArray[np.float64]) -> None:
+    def _draw(
+        self, picture: NDArray[np.uint8], curve: NDArray[np.float64], own_marker: NDArray[np.float64]
+    ) -> None:
+        """Draw one cable, except over its own robot's marker (4 corners, column and row)."""
         height, width = picture.shape
-        spots = np.column_stack((curve[:, 0] - 0.5, height - curve[:, 1] - 0.5))
+        points = np.column_stack((curve[:, 0] - 0.5, height - curve[:, 1] - 0.5))
         reach = self._thickness + 2
-        left, top = np.clip(np.floor(spots.min(axis=0)) - reach, 0, (width, height)).astype(int).tolist()
-        right, bottom = np.clip(np.ceil(spots.max(axis=0)) + reach, 0, (width, height)).astype(int).tolist()
+        left, top = np.clip(np.floor(points.min(axis=0)) - reach, 0, (width, height)).astype(int).tolist()
+        right, bottom = np.clip(np.ceil(points.max(axis=0)) + reach, 0, (width, height)).astype(int).tolist()
         if left >= right or top >= bottom:
             return
-        cover = np.zeros((bottom - top, right - left), np.uint8)
-        line = np.round((spots - (left, top)) * 2**_BITS).astype(np.int32)
-        cv2.polylines(cover, [line], False, 255, self._thickness, cv2.LINE_AA, _BITS)
-        hidden = np.round((own - (left, top)) * 2**_BITS).astype(np.int32)
-        cv2.fillConvexPoly(cover, hidden, 0, cv2.LINE_8, _BITS)
-        rows, columns = cover.nonzero()
-        share = cover[rows, columns] * (self._coverage / 255)
+        coverage = np.zeros((bottom - top, right - left), np.uint8)
+        line = np.round((points - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
+        cv2.polylines(coverage, [line], False, 255, self._thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
+        hidden = np.round((own_marker - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
+        cv2.fillConvexPoly(coverage, hidden, 0, cv2.LINE_8, _FRACTIONAL_BITS)
+        rows, columns = coverage.nonzero()
+        share = coverage[rows, columns] * (self._coverage / 255)
         rows, columns = rows + top, columns + left
         below = picture[rows, columns]
-        picture[rows, columns] = np.rint(below + share * (self._look.cable - below)).astype(np.uint8)
+        picture[rows, columns] = np.rint(below + share * (self._appearance.cable - below)).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""The overhead camera's picture of a simulated world: grey frames for the real tracker to find its regions in."""
+"""Rendered frames: what the overhead camera would show of a simulated world, as input for the real tracker."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -20,9 +20,9 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     half_gap,
 )
-from khepera_forage.vision.rendering.appearance import CameraLook
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.cables import Cables
-from khepera_forage.vision.rendering.canvas import Box, Disc, Place, draw, pixels
+from khepera_forage.vision.rendering.canvas import Box, Disc, ImagePose, draw_shapes, to_pixels
 from khepera_forage.vision.rendering.light import Light
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import (
@@ -34,10 +34,8 @@ from khepera_forage.vision.shapes import (
 )
 from khepera_forage.vision.simulated_camera import Truth
 
-__all__ = ["CameraLook", "FrameRenderer", "RenderedSource", "marker_parts"]
-
 _ROBOT_HEIGHT = 45.0
-"""mm of the body with the gripper turret: what parallax shifts it by."""
+"""Height in mm of the body with the gripper turret, for its parallax."""
 _SHEET = Box(
     -MARKER_LENGTH / 2 - MARKER_FRAME,
     -MARKER_WIDTH / 2 - MARKER_FRAME,
@@ -46,38 +44,41 @@ _SHEET = Box(
     0.0,
 )
 _SHADE, _SHADE_WIDTH = 0.35, 4.0
-"""By what share a wall darkens the floor at its foot, and over how many pixels."""
-_BLOTCH = 9.0
+"""Share by which a wall darkens the floor beside it, and the width of that shadow in pixels."""
+_BLOTCH_SIZE = 9.0
 """Standard deviation in pixels of the blur that makes the floor's blotches."""
 
 Wall = tuple[float, float, float, float]
 
 
 class FrameRenderer:
-    """Frames of 640 x 480 grey pixels, 5 mm each on the floor, whose lower left corner is (0, 0) mm.
+    """Renders frames of 640 x 480 grey pixels, 5 mm each on the floor, whose lower left corner is (0, 0) mm.
 
-    Seen are the floor and its walls, white food, the robots' dark bodies and grippers under their markers
-    (white, 120 x 80 mm, black holes and frame), and over it all the cables; then come light, lens, sensor and
-    grabber. Food under a marker is drawn, and covered. The gripper is drawn lowered and open: what is dark
-    on the floor makes no region.
+    A frame shows, from bottom to top: the floor and its walls, white food, the robots' dark bodies and grippers,
+    their markers (white, 120 x 80 mm, with black holes and frame) and the cables. Light, lens, sensor and frame
+    grabber then disturb the picture. Food under a marker is drawn and covered. Grippers are always drawn lowered and
+    open: dark shapes on the floor make no region.
 
-    Edges are smooth and true to a fiftieth of a pixel before the light falls on them. A frame stands for one
-    moment: nothing is smeared by motion (a robot drives 3 mm in the 20 ms of a frame).
+    Edges are exact to a fiftieth of a pixel before light and noise. A frame shows one instant, without motion blur (a
+    robot drives 3 mm in the 20 ms of a frame).
 
     The same seed and the same truths give the same frames, bit for bit.
 
     Args:
-        truth: Where everything is, called once a frame. The number of markers stays the same between two resets.
-        look: Intensities and troubles.
-        anchor: Where the cables hang from, in mm as seen from above; None hangs no cables.
-        walls: Segments (x1, y1, x2, y2) in mm, as of `Arena.segments`.
+        truth: Gives all true poses, called once a frame. The number of markers stays the same between two resets.
+        appearance: Intensities and disturbances; None for those of the laboratory.
+        anchor: Where the cables hang from, in mm as seen from above; None draws no cables.
+        walls: Segments (x1, y1, x2, y2) in mm, as in `Arena.segments`.
         period: Seconds from one frame to the next, in which light and cables move.
+
+    Raises:
+        ValueError: A period that is negative or not finite.
     """
 
     def __init__(
         self,
         truth: Callable[[], Truth],
-        look: CameraLook | None = None,
+        appearance: CameraAppearance | None = None,
         anchor: tuple[float, float] | None = None,
         *,
         walls: Sequence[Wall] = (),
@@ -86,7 +87,7 @@ class FrameRenderer:
         if not (math.isfinite(period) and period >= 0):
             raise ValueError(f"period of frames is {period!r} s; allowed: a finite number >= 0")
         self._truth = truth
-        self._look = look = CameraLook.laboratory() if look is None else look
+        self._appearance = CameraAppearance.laboratory() if appearance is None else appearance
         self._anchor = anchor
         self._walls = tuple(walls)
         self._period = period
@@ -94,25 +95,31 @@ class FrameRenderer:
         self._light: Light | None = None
         self._cables: Cables | None = None
         self._floor = np.empty((0, 0), np.uint8)
-        self._robot = _robot(look)
-        self._markers = {holes: marker_parts(look, places) for holes, places in MARKER_HOLES.items()}
-        self._food = (Disc(FOOD_RADIUS, look.white),)
+        self._robot = _robot_shapes(self._appearance)
+        self._markers = {
+            holes: marker_shapes(self._appearance, centres) for holes, centres in MARKER_HOLES.items()
+        }
+        self._food = (Disc(FOOD_RADIUS, self._appearance.white),)
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Begin anew at time zero: another floor, other light, other cables; `rng` only spawns others."""
+        """Restart at time zero with another floor, other light and other cables.
+
+        Args:
+            rng: Only used to spawn other generators.
+        """
         floor, light, cables = rng.spawn(3)
         self._frames = 0
-        self._floor = _floor(self._look, self._walls, floor)
-        self._light = Light(self._look, light)
+        self._floor = _draw_floor(self._appearance, self._walls, floor)
+        self._light = Light(self._appearance, light)
         self._cables = None
-        if self._anchor is not None and self._look.cable_width > 0:
-            self._cables = Cables(self._look, self._anchor, cables, len(self._truth().markers))
+        if self._anchor is not None and self._appearance.cable_width > 0:
+            self._cables = Cables(self._appearance, self._anchor, cables, len(self._truth().markers))
 
     def frame(self) -> NDArray[np.uint8]:
-        """The picture of this moment, 480 x 640; row 0 is the top (largest y).
+        """The next frame, 480 x 640; row 0 is the top (largest y).
 
         Raises:
-            RuntimeError: Never reset.
+            RuntimeError: The renderer was never reset.
         """
         if self._light is None:
             raise RuntimeError("frame() before any reset(rng); allowed: after one")
@@ -121,39 +128,39 @@ class FrameRenderer:
         picture = self._floor.copy()
         markers, foods = self._truth()
         for x, y in foods:
-            draw(picture, self._place(x, y, 0.0, FOOD_HEIGHT), self._food)
-        sheets = []
+            draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
+        marker_poses = []
         for x, y, heading, _ in markers:
-            draw(picture, self._place(x, y, heading, _ROBOT_HEIGHT), self._robot)
+            draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), self._robot)
         for x, y, heading, holes in markers:
-            sheets.append(self._place(x, y, heading, self._look.marker_height))
-            draw(picture, sheets[-1], self._markers[holes])
+            marker_poses.append(self._image_pose(x, y, heading, self._appearance.marker_height))
+            draw_shapes(picture, marker_poses[-1], self._markers[holes])
         if self._cables is not None:
-            self._cables.draw(picture, sheets, _SHEET, seconds)
+            self._cables.draw(picture, marker_poses, _SHEET, seconds)
         return self._light.expose(picture, seconds)
 
     @property
     def cables(self) -> list[NDArray[np.float64]]:
-        """Where each robot's cable hung in the newest frame; empty without cables.
+        """Each robot's cable in the newest frame; empty without cables.
 
-        Each is n x 2 points from the anchor to the middle of the marker, under which its end is hidden: pixels, x
-        to the right and y up.
+        Each is n x 2 points in pixels, x right and y up, from the anchor to the middle of the marker, which hides the
+        end of the cable.
         """
         return [] if self._cables is None else [curve.copy() for curve in self._cables.curves]
 
-    def _place(self, x: float, y: float, heading: float, height: float) -> Place:
-        """Where a thing of this height shows."""
-        column, row = pixels(x, y)
-        nearer = 1.0
-        if self._look.height is not None:
-            nearer = self._look.height / (self._look.height - height)
-            column = PICTURE_WIDTH / 2 + (column - PICTURE_WIDTH / 2) * nearer
-            row = PICTURE_HEIGHT / 2 + (row - PICTURE_HEIGHT / 2) * nearer
-        return Place(column, row, math.cos(heading), math.sin(heading), nearer / MM_PER_PIXEL)
+    def _image_pose(self, x: float, y: float, heading: float, height: float) -> ImagePose:
+        """Pose in the picture of an object in mm, shifted by the parallax of its height."""
+        column, row = to_pixels(x, y)
+        magnification = 1.0
+        if self._appearance.height is not None:
+            magnification = self._appearance.height / (self._appearance.height - height)
+            column = PICTURE_WIDTH / 2 + (column - PICTURE_WIDTH / 2) * magnification
+            row = PICTURE_HEIGHT / 2 + (row - PICTURE_HEIGHT / 2) * magnification
+        return ImagePose(column, row, math.cos(heading), math.sin(heading), magnification / MM_PER_PIXEL)
 
 
-class RenderedSource:
-    """A `FrameSource` whose newest frame is always of this moment.
+class RenderedFrameSource:
+    """A `FrameSource` that renders a new frame at every call.
 
     Args:
         renderer: After its reset.
@@ -167,56 +174,59 @@ class RenderedSource:
         return self._renderer.frame(), 0.0
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: there is no device to release."""
 
 
-def _robot(look: CameraLook) -> tuple[Box | Disc, ...]:
-    """Body and open gripper, from above."""
+def _robot_shapes(appearance: CameraAppearance) -> tuple[Box | Disc, ...]:
+    """Body and open gripper from above, lowest first."""
     gap = half_gap(JAW_OPEN)
-    wide = gap + FINGER_THICKNESS
+    outer = gap + FINGER_THICKNESS
     return (
-        Disc(RADIUS, look.body),
-        Box(JAW_ROOT - 7.0, -wide, JAW_ROOT, wide, look.gripper),
-        Box(JAW_ROOT, gap, FINGER_TIP, wide, look.gripper),
-        Box(JAW_ROOT, -wide, FINGER_TIP, -gap, look.gripper),
+        Disc(RADIUS, appearance.body),
+        Box(JAW_ROOT - 7.0, -outer, JAW_ROOT, outer, appearance.gripper),
+        Box(JAW_ROOT, gap, FINGER_TIP, outer, appearance.gripper),
+        Box(JAW_ROOT, -outer, FINGER_TIP, -gap, appearance.gripper),
     )
 
 
-def marker_parts(look: CameraLook, holes: Iterable[tuple[float, float]]) -> tuple[Box, ...]:
-    """Frame, white sheet and holes of a marker, lowest first, for `frame_pen.draw`.
+def marker_shapes(appearance: CameraAppearance, holes: Iterable[tuple[float, float]]) -> tuple[Box, ...]:
+    """Frame, white sheet and holes of a marker, lowest first, for `canvas.draw_shapes`.
 
     Args:
-        look: Grey levels.
-        holes: Their centres in mm in the marker's own frame.
+        appearance: Grey levels.
+        holes: Centres of the holes in mm in the marker's own frame.
     """
     half = HOLE_SIDE / 2
     return (
-        _SHEET._replace(grey=look.black),
-        Box(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2, look.white),
-        *(Box(x - half, y - half, x + half, y + half, look.black) for x, y in holes),
+        _SHEET._replace(grey=appearance.black),
+        Box(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2, appearance.white),
+        *(Box(x - half, y - half, x + half, y + half, appearance.black) for x, y in holes),
     )
 
 
-def _floor(look: CameraLook, walls: Sequence[Wall], rng: np.random.Generator) -> NDArray[np.uint8]:
+def _draw_floor(
+    appearance: CameraAppearance, walls: Sequence[Wall], rng: np.random.Generator
+) -> NDArray[np.uint8]:
     """The empty floor with its walls, under full light."""
     shape = (int(PICTURE_HEIGHT), int(PICTURE_WIDTH))
-    blotches = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), _BLOTCH)
+    blotches = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), _BLOTCH_SIZE)
     grain = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), 0.8)
-    texture = look.texture * (0.85 * blotches / blotches.std() + 0.5 * grain / grain.std())
-    boards = np.zeros(shape, np.uint8)
+    texture = appearance.texture * (0.85 * blotches / blotches.std() + 0.5 * grain / grain.std())
+    wall_mask = np.zeros(shape, np.uint8)
     for x1, y1, x2, y2 in walls:
         length = math.hypot(x2 - x1, y2 - y1)
         if length > 0:
-            half, wide = length / 2, look.wall_width / 2
-            place = Place(
-                *pixels((x1 + x2) / 2, (y1 + y2) / 2),
+            half_length, half_width = length / 2, appearance.wall_width / 2
+            pose = ImagePose(
+                *to_pixels((x1 + x2) / 2, (y1 + y2) / 2),
                 (x2 - x1) / length,
                 (y2 - y1) / length,
                 1 / MM_PER_PIXEL,
             )
-            draw(boards, place, (Box(-half - wide, -wide, half + wide, wide, 255),))
-    board = boards.astype(np.float32) / 255
-    shade = 1 - _SHADE * cv2.GaussianBlur(board, (0, 0), _SHADE_WIDTH) if walls else 1.0
-    floor = (look.floor + texture) * shade
-    whole: NDArray[np.float32] = floor + board * (look.wall + texture - floor)
-    return whole.round().clip(0, 255).astype(np.uint8)
+            box = Box(-half_length - half_width, -half_width, half_length + half_width, half_width, 255)
+            draw_shapes(wall_mask, pose, (box,))
+    coverage = wall_mask.astype(np.float32) / 255
+    shade = 1 - _SHADE * cv2.GaussianBlur(coverage, (0, 0), _SHADE_WIDTH) if walls else 1.0
+    floor = (appearance.floor + texture) * shade
+    picture: NDArray[np.float32] = floor + coverage * (appearance.wall + texture - floor)
+    return picture.round().clip(0, 255).astype(np.uint8)

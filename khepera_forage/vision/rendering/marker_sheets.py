@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 PAGE_WIDTH, PAGE_HEIGHT = 210.0, 297.0
 """A4, upright, in mm."""
 DPI = 600
-"""Of PNG and PDF: a pixel is 0.04 mm."""
+"""Resolution of PNG and PDF: a pixel is 0.04 mm."""
 FORMATS = (".svg", ".png", ".pdf")
 _MIDDLE = PAGE_WIDTH / 2
-_FIRST, _APART = 68.0, 118.0
-"""Where the first marker's middle is, from the top of the page, and how far below it the next is."""
-_RULE = 100.0
-"""Length of the line by which the print's scale is checked."""
+_FIRST_MARKER, _SPACING = 68.0, 118.0
+"""Distance in mm of the first marker's middle from the top of the page, and of the next marker's middle from it."""
+_SCALE_LINE = 100.0
+"""Length in mm of the line that shows whether the page was printed at true size."""
 
 
-class Block(NamedTuple):
-    """A filled rectangle: mm from the page's upper left corner, black or white."""
+class Rectangle(NamedTuple):
+    """A filled rectangle: upper left corner and size in mm from the page's upper left corner, black or white."""
 
     x: float
     y: float
@@ -42,8 +42,8 @@ class Line(NamedTuple):
     y2: float
 
 
-class Words(NamedTuple):
-    """A line of text: middle of its foot in mm, and the height of its letters in mm."""
+class TextLine(NamedTuple):
+    """A line of text: middle of its baseline in mm, and the height of its letters in mm."""
 
     x: float
     y: float
@@ -51,47 +51,47 @@ class Words(NamedTuple):
     text: str
 
 
-Part = Block | Line | Words
+Element = Rectangle | Line | TextLine
 
 
-def parts() -> Iterator[Part]:
-    """All that is on the page, lowest first."""
-    yield Words(
+def elements() -> Iterator[Element]:
+    """Everything on the page, lowest first."""
+    yield TextLine(
         _MIDDLE, 10, 3.2, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:"
     )
     for number, holes in enumerate(sorted(MARKER_HOLES)):
-        yield from _marker(holes, _MIDDLE, _FIRST + number * _APART)
+        yield from _marker(holes, _MIDDLE, _FIRST_MARKER + number * _SPACING)
     foot = PAGE_HEIGHT - 36
-    yield Line(_MIDDLE - _RULE / 2, foot, _MIDDLE + _RULE / 2, foot)
+    yield Line(_MIDDLE - _SCALE_LINE / 2, foot, _MIDDLE + _SCALE_LINE / 2, foot)
     for end in (-1, 1):
-        x = _MIDDLE + end * _RULE / 2
+        x = _MIDDLE + end * _SCALE_LINE / 2
         yield Line(x, foot - 2, x, foot + 2)
-    yield Words(_MIDDLE, foot + 6, 3.2, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
-    yield Words(
+    yield TextLine(_MIDDLE, foot + 6, 3.2, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
+    yield TextLine(
         _MIDDLE,
         foot + 13,
         3.2,
         "Cut along the outer edge of the frame. Mount it level over the gripper,",
     )
-    yield Words(
+    yield TextLine(
         _MIDDLE, foot + 18, 3.2, "its middle over the middle of the robot, its arrow towards the gripper."
     )
 
 
-def _marker(holes: int, x: float, y: float) -> Iterator[Part]:
-    """One marker about a place on the page, its front to the right."""
+def _marker(holes: int, x: float, y: float) -> Iterator[Element]:
+    """One marker centred at (x, y) on the page, its front to the right."""
     for grow, black in ((MARKER_FRAME, True), (0.0, False)):
         length, width = MARKER_LENGTH + 2 * grow, MARKER_WIDTH + 2 * grow
-        yield Block(x - length / 2, y - width / 2, length, width, black)
-    for ahead, left in MARKER_HOLES[holes]:
-        yield Block(x + ahead - HOLE_SIDE / 2, y - left - HOLE_SIDE / 2, HOLE_SIDE, HOLE_SIDE, True)
+        yield Rectangle(x - length / 2, y - width / 2, length, width, black)
+    for forward, left in MARKER_HOLES[holes]:
+        yield Rectangle(x + forward - HOLE_SIDE / 2, y - left - HOLE_SIDE / 2, HOLE_SIDE, HOLE_SIDE, True)
     front = x + MARKER_LENGTH / 2 + MARKER_FRAME + 3
     yield Line(front, y, front + 12, y)
     for side in (-1, 1):
         yield Line(front + 12, y, front + 8, y + side * 3)
-    yield Words(front + 7, y + 9, 3.2, "front")
+    yield TextLine(front + 7, y + 9, 3.2, "front")
     name = "1 hole" if holes == 1 else f"{holes} holes"
-    yield Words(x, y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, 4.2, name)
+    yield TextLine(x, y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, 4.2, name)
 
 
 def svg() -> str:
@@ -102,41 +102,41 @@ def svg() -> str:
         f'viewBox="0 0 {PAGE_WIDTH:g} {PAGE_HEIGHT:g}" shape-rendering="crispEdges">',
         '<rect width="100%" height="100%" fill="white"/>',
     ]
-    for part in parts():
-        if isinstance(part, Block):
-            x, y, width, height, black = part
+    for element in elements():
+        if isinstance(element, Rectangle):
+            x, y, width, height, black = element
             fill = "black" if black else "white"
             lines.append(f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}" fill="{fill}"/>')
-        elif isinstance(part, Line):
-            x1, y1, x2, y2 = part
+        elif isinstance(element, Line):
+            x1, y1, x2, y2 = element
             lines.append(
                 f'<line x1="{x1:g}" y1="{y1:g}" x2="{x2:g}" y2="{y2:g}" stroke="black" stroke-width="0.3"/>'
             )
         else:
             lines.append(
-                f'<text x="{part.x:g}" y="{part.y:g}" font-family="sans-serif" font-size="{part.size / 0.72:g}" '
-                f'text-anchor="middle">{part.text}</text>'
+                f'<text x="{element.x:g}" y="{element.y:g}" font-family="sans-serif" '
+                f'font-size="{element.size / 0.72:g}" text-anchor="middle">{element.text}</text>'
             )
     return "\n".join([*lines, "</svg>", ""])
 
 
 def save_marker_sheet(path: str | os.PathLike[str]) -> Path:
-    """Write the page; the name's ending says whether as SVG, PNG or PDF.
+    """Write the page as SVG, PNG or PDF, depending on the suffix of the path.
 
     Returns:
         The path.
 
     Raises:
-        ValueError: Another ending.
-        ImportError: PNG or PDF is asked for, and Pillow is missing.
+        ValueError: Another suffix.
+        ImportError: PNG and PDF need Pillow, which is not installed.
     """
     path = Path(path)
-    ending = path.suffix.lower()
-    if ending not in FORMATS:
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
         raise ValueError(f"page of markers {str(path)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
-    if ending == ".svg":
+    if suffix == ".svg":
         path.write_text(svg(), encoding="utf-8")
-    elif ending == ".png":
+    elif suffix == ".png":
         _image().save(path, dpi=(DPI, DPI))
     else:
         _image().save(path, resolution=DPI)
@@ -144,7 +144,7 @@ def save_marker_sheet(path: str | os.PathLike[str]) -> Path:
 
 
 def _image() -> "Image":
-    """The page in black and white."""
+    """The page as a grey image."""
     try:
         from PIL import Image, ImageDraw, ImageFont
     except ImportError as error:
@@ -153,16 +153,16 @@ def _image() -> "Image":
         ) from error
     scale = DPI / 25.4
     image = Image.new("L", (round(PAGE_WIDTH * scale), round(PAGE_HEIGHT * scale)), 255)
-    pen = ImageDraw.Draw(image)
-    for part in parts():
-        if isinstance(part, Block):
-            x, y, width, height, black = part
-            # Pillow counts the last pixel in.
+    drawing = ImageDraw.Draw(image)
+    for element in elements():
+        if isinstance(element, Rectangle):
+            x, y, width, height, black = element
+            # Pillow fills the last pixel too.
             end = (round((x + width) * scale) - 1, round((y + height) * scale) - 1)
-            pen.rectangle((round(x * scale), round(y * scale), *end), fill=0 if black else 255)
-        elif isinstance(part, Line):
-            pen.line([v * scale for v in part], fill=0, width=round(0.3 * scale))
+            drawing.rectangle((round(x * scale), round(y * scale), *end), fill=0 if black else 255)
+        elif isinstance(element, Line):
+            drawing.line([v * scale for v in element], fill=0, width=round(0.3 * scale))
         else:
-            font = ImageFont.load_default(part.size / 0.72 * scale)
-            pen.text((part.x * scale, part.y * scale), part.text, fill=0, font=font, anchor="ms")
+            font = ImageFont.load_default(element.size / 0.72 * scale)
+            drawing.text((element.x * scale, element.y * scale), element.text, fill=0, font=font, anchor="ms")
     return image
