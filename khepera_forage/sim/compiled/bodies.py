@@ -1,53 +1,65 @@
-"""The rows of all blocks of a batch, or of one block."""
+"""The records of all blocks of worlds, or of one block."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from khepera_forage.compilation.decorators import inline
+from khepera_forage.compilation.decorators import inline, sequence
 from khepera_forage.compilation.threads import most_threads_for
-from khepera_forage.sim.compiled import rows as at
-from khepera_forage.sim.compiled.rows import LANES
-
-_STRIDE = 8
-"""Worlds to an instruction."""
+from khepera_forage.sim.compiled.records import (
+    LANES,
+    detection_dtype,
+    food_dtype,
+    robot_dtype,
+    scratch_dtype,
+    track_dtype,
+)
 
 
 class Bodies(NamedTuple):
-    """Robots, food and random numbers: one row of an array a block, or the arrays of one block (see `rows`).
+    """Robots, food and tracks of all blocks; `bodies_of` gives those of one block.
 
     Attributes:
-        robots: `ROBOT_ROWS` rows.
-        food: `FOOD_ROWS` rows a food object.
-        keys: `KEY_ROWS` rows.
-        work: `WORK_ROWS` rows, which hold nothing between rounds: one row of the array a thread.
+        robots: `robot_dtype`, shape (blocks,); of one block a record.
+        foods: `food_dtype`, shape (blocks, foods); of one block an array with one record a food object.
+        tracks: `track_dtype`, shape (blocks, lanes, 2 * foods); of one block shape (lanes, 2 * foods).
+        scratch: `scratch_dtype`, shape (threads,); of one block a record. It holds nothing between rounds.
+        detections: `detection_dtype`, shape (threads, foods); of one block an array. It holds nothing between rounds.
     """
 
-    robots: NDArray[np.float64]
-    food: NDArray[np.float64]
-    keys: NDArray[np.uint64]
-    work: NDArray[np.float64]
+    robots: Any
+    foods: Any
+    tracks: Any
+    scratch: Any
+    detections: Any
 
 
-def empty_bodies(blocks: int, foods: int) -> Bodies:
-    """Room for some blocks, and for all threads that may work on them."""
+def empty_bodies(blocks: int, foods: int, lanes: int = LANES) -> Bodies:
+    """Records for some blocks, and for all threads that may work on them."""
+    threads = most_threads_for(blocks)
     return Bodies(
-        np.zeros((blocks, at.ROBOT_ROWS * LANES)),
-        np.zeros((blocks, foods * at.FOOD_ROWS * LANES)),
-        np.zeros((blocks, at.KEY_ROWS * LANES), np.uint64),
-        np.zeros((most_threads_for(blocks), at.WORK_ROWS * LANES)),
+        np.zeros(blocks, robot_dtype(lanes)),
+        np.zeros((blocks, foods), food_dtype(lanes)),
+        np.zeros((blocks, lanes, 2 * foods), track_dtype),
+        np.zeros(threads, scratch_dtype(lanes)),
+        np.zeros((threads, foods), detection_dtype),
+    )
+
+
+@sequence  # compiled functions cannot return records within a tuple
+def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
+    """The records of one block, and the scratch records of one thread."""
+    return Bodies(
+        bodies.robots[block],
+        bodies.foods[block],
+        bodies.tracks[block],
+        bodies.scratch[thread],
+        bodies.detections[thread],
     )
 
 
 @inline
-def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
-    """Those of one block, as one thread works on them."""
-    return Bodies(bodies.robots[block], bodies.food[block], bodies.keys[block], bodies.work[thread])
-
-
-@inline
 def filled(count: int) -> int:
-    """A count of lanes rounded up: a loop over it has no rest to be done one by one. What is beyond is not used."""
-    stride = min(_STRIDE, LANES)
+    """A number of lanes rounded up to whole instructions: used until the kernels of bodies work on records."""
+    stride = min(8, LANES)
     return (count + stride - 1) & -stride
