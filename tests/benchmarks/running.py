@@ -9,32 +9,34 @@ ROOT = Path(__file__).parents[2]
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
+def command_of(script: str, *arguments: str) -> list[str]:
+    """The command line of a script."""
+    return [sys.executable, "-W", "error", str(ROOT / "benchmarks" / f"{script.removesuffix('.py')}.py"), *arguments]
+
+
 def quick(script: str, out: Path, *arguments: str) -> str:
-    """What a script prints with --quick, seed 1, and results in `out`; it must succeed, and silently otherwise."""
-    path = ROOT / "benchmarks" / script
-    command = [
-        sys.executable,
-        "-W",
-        "error",
-        str(path),
-        "--quick",
-        "--seed",
-        "1",
-        "--out",
-        str(out),
-        *arguments,
-    ]
-    # Another folder than the repository's: a script must not lean on where it is started.
+    """What a script prints with --quick, seed 1 and results in `out`; it must succeed without any error output."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    command = command_of(script, "--quick", "--seed", "1", "--out", str(out), *arguments)
+    # Not the repository's folder: a script must not depend on the folder it is started in.
     finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=300)
     assert finished.returncode == 0, finished.stderr
     assert finished.stderr == ""
     return finished.stdout
 
 
+def refused(script: str, *arguments: str) -> str:
+    """The error output of a quick run that fails without a traceback."""
+    command = command_of(script, "--quick", *arguments)
+    finished = subprocess.run(command, capture_output=True, text=True, timeout=80)
+    assert finished.returncode != 0
+    assert "Traceback" not in finished.stderr.split("\nits last")[0]
+    return finished.stderr
+
+
 def help_of(script: str) -> str:
-    """What a script says of itself."""
-    command = [sys.executable, "-W", "error", str(ROOT / "benchmarks" / script), "--help"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    """What a script prints with --help."""
+    return subprocess.run(command_of(script, "--help"), capture_output=True, text=True, check=True).stdout
 
 
 def read(path: Path) -> list[dict[str, str]]:
@@ -44,6 +46,6 @@ def read(path: Path) -> list[dict[str, str]]:
 
 
 def is_picture(path: Path) -> bool:
-    """Whether there is a PNG of some size."""
+    """Whether the file is a PNG of some size."""
     data = path.read_bytes()
     return data.startswith(PNG) and len(data) > 10_000

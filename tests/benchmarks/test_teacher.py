@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import help_of, is_picture, quick, read
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import read
 
 FORAGES = 25
 FOODS = {"corridor": 1, "rectangle": 2}
@@ -12,15 +13,13 @@ EXPERT = [(arena, food) for arena in FOODS for food in ("PICKABLE", "PUSHABLE", 
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "teacher"
-    (folder.parent / "printed").write_text(quick("teacher.py", folder), encoding="utf-8")
-    return folder
+def out(quick_run: QuickRun) -> Path:
+    return quick_run("teacher")
 
 
 @pytest.fixture(scope="module")
 def table(out: Path) -> dict[tuple[str, str, str], dict[str, str]]:
-    return {(row["arena"], row["food"], row["policy"]): row for row in read(out / "teacher.csv")}
+    return {(row["arena"], row["food"], row["policy"]): row for row in read(out / "table_teacher.csv")}
 
 
 @pytest.fixture(scope="module")
@@ -87,25 +86,3 @@ def test_lines_of_an_arena_share_their_starts(forages: list[dict[str, str]]) -> 
         assert len(seeds) == 4
         assert len({tuple(line) for line in seeds.values()}) == 1
         assert len(set(next(iter(seeds.values())))) == FORAGES
-
-
-def test_same_rows_on_any_number_of_processes(out: Path, tmp_path: Path) -> None:
-    few = [quick("teacher.py", tmp_path / jobs, "--forages", "2", "--jobs", jobs) for jobs in ("1", "2")]
-    assert few[0].replace(str(tmp_path / "1"), "") == few[1].replace(str(tmp_path / "2"), "")
-    rows = [(tmp_path / jobs / "forages.csv").read_bytes() for jobs in ("1", "2")]
-    assert rows[0] == rows[1]
-
-
-def test_table_is_printed_and_written_with_its_picture(out: Path) -> None:
-    page = (out / "teacher.md").read_text(encoding="utf-8")
-    printed = (out.parent / "printed").read_text(encoding="utf-8")
-    for line in page.splitlines():
-        if line.startswith("| "):
-            assert line in printed
-    assert is_picture(out / "teacher.png")
-
-
-def test_help_names_every_argument() -> None:
-    told = help_of("teacher.py")
-    for argument in ("--seed", "--out", "--quick", "--forages", "--jobs", "results/teacher"):
-        assert argument in told

@@ -1,1 +1,0 @@
-"""What `benchmarks/teacher.py` runs and shows."""

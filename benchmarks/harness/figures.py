@@ -1,0 +1,75 @@
+"""Parts of pictures that several benchmarks draw."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.thesis.statistics import Estimate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["COLOURS", "GREY", "OURS", "THESIS", "grid", "legend", "levels", "mark", "new_figure", "panels"]
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito's colours, which colour-blind readers can tell apart."""
+
+
+def panels(count: int, title: str) -> tuple["Figure", list["Axes"]]:
+    """A figure with panels, two in a line."""
+    lines = math.ceil(count / 2)
+    figure = new_figure(8.8, 1.2 + 3.2 * lines)
+    axes = figure.subplots(lines, 2, squeeze=False)
+    figure.suptitle(title)
+    return figure, list(axes.flat)
+
+
+def levels(
+    axes: "Axes",
+    estimates: Mapping[str, Sequence[Estimate]],
+    label: str,
+    names: Sequence[str] = (),
+    colours: Sequence[str] = COLOURS,
+) -> None:
+    """Estimates as level bars, several in a line.
+
+    Args:
+        axes: Where.
+        estimates: By the name of the line, one of each kind.
+        label: What is shown.
+        names: Of the kinds, for a legend.
+        colours: Of the kinds.
+    """
+    for place, line in enumerate(reversed(list(estimates.values()))):
+        for i, estimate in enumerate(line):
+            height = place + 0.24 * ((len(line) - 1) / 2 - i)
+            mark(axes, estimate.value, height, estimate, colours[i], level=True)
+    for name, colour in zip(names, colours, strict=False):
+        axes.plot([], [], "o", color=colour, label=name)
+    axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=8)
+    axes.set_ylim(-0.6, len(estimates) - 0.4)
+    axes.set_xlabel(label)
+    grid(axes, "x")
+
+
+def grid(axes: "Axes", axis: str = "y") -> None:
+    """Pale lines behind everything that is drawn; `axis` is x, y or both."""
+    axes.grid(axis=axis, color="0.9")  # type: ignore[arg-type]
+    axes.set_axisbelow(True)
+
+
+def legend(figure: "Figure", axes: "Axes", title: str = "", columns: int = 4) -> None:
+    """One legend below all panels, with the lines of one of them."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(
+        handles,
+        labels,
+        loc="outside lower center",
+        ncols=columns,
+        frameon=False,
+        fontsize=8,
+        title=title,
+        title_fontsize=8,
+    )

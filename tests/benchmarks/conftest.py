@@ -1,0 +1,34 @@
+"""Quick runs of the benchmark scripts, each done once for all tests and all test processes."""
+
+import fcntl
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.benchmarks.running import ROOT, quick
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+QuickRun = Callable[..., Path]
+
+
+@pytest.fixture(scope="session")
+def quick_run(tmp_path_factory: pytest.TempPathFactory) -> QuickRun:
+    """A function that returns the results' folder of a quick run; `printed` beside it has what the script printed."""
+    base = tmp_path_factory.getbasetemp()
+    root = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "quick_runs"
+
+    def run(script: str, *arguments: str) -> Path:
+        folder = root / "-".join((script, *arguments)).replace("/", "_")
+        folder.mkdir(parents=True, exist_ok=True)
+        printed = folder / "printed"
+        with (folder / "lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not printed.exists():
+                printed.write_text(quick(script, folder / "out", *arguments), encoding="utf-8")
+        return folder / "out"
+
+    return run

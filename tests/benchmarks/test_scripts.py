@@ -1,0 +1,160 @@
+"""What all scripts of `benchmarks/` have in common: help, page, tables, pictures, rows, and continued runs."""
+
+import re
+import shutil
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import help_of, is_picture, quick, read, refused
+
+COMMON = ("--seed", "--out", "--quick")
+BOOKKEEPING = ("units.csv", "settings.csv")
+
+
+@dataclass(frozen=True)
+class Script:
+    """A script of `benchmarks/`.
+
+    Attributes:
+        options: Of its own.
+        rows: Names of its row files.
+        run: Arguments of the quick run that tests share.
+        small: Arguments of an even smaller run with the same rows on any number of processes; none if rows are times.
+        page: Where the page is, in the results' folder.
+        needs: Modules without which it cannot run.
+    """
+
+    options: tuple[str, ...]
+    rows: tuple[str, ...]
+    run: tuple[str, ...] = ()
+    small: tuple[str, ...] = ()
+    page: str = ""
+    needs: tuple[str, ...] = ()
+
+
+SCRIPTS = {
+    "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
+}
+
+
+def available(*names: str) -> list[object]:
+    """Scripts as parameters, skipped where a module is missing."""
+    return [
+        pytest.param(
+            name,
+            marks=[
+                pytest.mark.skipif(find_spec(module) is None, reason=f"needs {module}")
+                for module in SCRIPTS[name].needs
+            ],
+        )
+        for name in names
+    ]
+
+
+all_scripts = pytest.mark.parametrize("script", available(*SCRIPTS))
+same_rows = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].small)))
+
+
+def page_of(script: str, out: Path) -> Path:
+    return out / (SCRIPTS[script].page or f"{script}.md")
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_help_names_every_argument(script: str) -> None:
+    told = help_of(script)
+    for argument in (*COMMON, *SCRIPTS[script].options, f"results/{script}"):
+        assert argument in told
+
+
+@all_scripts
+def test_tables_are_printed_and_written(script: str, quick_run: QuickRun) -> None:
+    out = quick_run(script, *SCRIPTS[script].run)
+    page = page_of(script, out)
+    lines = page.read_text(encoding="utf-8").splitlines()
+    printed = (out.parent / "printed").read_text(encoding="utf-8")
+    tables = [line for line in lines if line.startswith("| ")]
+    assert tables
+    assert all(line in printed for line in tables)
+    assert list(page.parent.glob("table_*.csv"))
+    assert lines[0].startswith("# ")
+
+
+@all_scripts
+def test_page_names_its_command_and_the_machine(script: str, quick_run: QuickRun) -> None:
+    text = page_of(script, quick_run(script, *SCRIPTS[script].run)).read_text(encoding="utf-8")
+    command, machine = text.split("## Command\n\n    ")[1].strip().split("\n\n")[:2]
+    assert command.startswith(f"python benchmarks/{script}.py ")
+    assert "--seed 1 --quick" in command
+    assert "numpy" in machine
+
+
+@all_scripts
+def test_pictures_of_the_page_are_drawn(script: str, quick_run: QuickRun) -> None:
+    page = page_of(script, quick_run(script, *SCRIPTS[script].run))
+    pictures = re.findall(r"\]\((\w+\.png)\)", page.read_text(encoding="utf-8"))
+    assert pictures
+    assert all(is_picture(page.parent / picture) for picture in pictures)
+
+
+@all_scripts
+def test_rows_are_written(script: str, quick_run: QuickRun) -> None:
+    page = page_of(script, quick_run(script, *SCRIPTS[script].run))
+    assert all(read(page.parent / f"{name}.csv") for name in SCRIPTS[script].rows)
+
+
+def rows_of(script: str, out: Path) -> dict[str, list[str]]:
+    """The lines of all row files but for wall times, which come last in the rows of learners."""
+    folder = page_of(script, out).parent
+    names = (*(f"{name}.csv" for name in SCRIPTS[script].rows), *BOOKKEEPING)
+    lines = {name: (folder / name).read_text(encoding="utf-8").splitlines() for name in names}
+    if script == "learners":
+        lines["rows.csv"] = [line.rsplit(",", 1)[0] for line in lines["rows.csv"]]
+    return lines
+
+
+@same_rows
+def test_rows_are_the_same_on_any_number_of_processes(
+    script: str, quick_run: QuickRun, tmp_path: Path
+) -> None:
+    small = SCRIPTS[script].small
+    alone = quick_run(script, *small, "--jobs", "1")
+    quick(script, tmp_path / "two", *small, "--jobs", "2")
+    assert rows_of(script, alone) == rows_of(script, tmp_path / "two")
+
+
+@same_rows
+def test_a_run_that_was_killed_is_continued(script: str, quick_run: QuickRun, tmp_path: Path) -> None:
+    small = SCRIPTS[script].small
+    whole = quick_run(script, *small, "--jobs", "1")
+    shutil.copytree(whole, tmp_path / "killed")
+    folder = page_of(script, tmp_path / "killed").parent
+    page_of(script, tmp_path / "killed").unlink()
+    units = (folder / "units.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    done = len(units) // 2
+    assert 1 <= done < len(units) - 1
+    (folder / "units.csv").write_text("".join(units[: 1 + done]), encoding="utf-8")
+    for name in SCRIPTS[script].rows:
+        with (folder / f"{name}.csv").open("a", encoding="utf-8") as file:
+            file.write("7,torn")  # as a kill in the middle of a write leaves it
+    printed = quick(script, tmp_path / "killed", *small, "--jobs", "2")
+    assert f"{done} of {len(units) - 1} units are done already" in printed
+    assert rows_of(script, whole) == rows_of(script, tmp_path / "killed")
+    assert page_of(script, tmp_path / "killed").exists()
+
+
+@same_rows
+def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> None:
+    small = SCRIPTS[script].small
+    out = quick_run(script, *small, "--jobs", "1")
+    told = refused(script, "--seed", "2", "--out", str(out), *small)
+    assert told.startswith(f"{script}.py: ")
+    assert "made with seed '1', and this run has '2'; allowed: the same, another folder" in told
+
+
+def test_counts_are_checked() -> None:
+    assert "'0'; allowed: a whole number of at least 1" in refused("teacher", "--forages", "0")
+    assert "'0'; allowed: a whole number of at least 1, or -1" in refused("teacher", "--jobs", "0")
