@@ -1,57 +1,258 @@
-"""Time on the wire: what a round costs by baud rate, and what several robots in parallel cost.
+"""Time on the serial lines: what a round costs at each baud rate, and with several robots in parallel.
 
     python benchmarks/wire.py --help
 
 Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at the pace of the baud rate.
 """
 
-import argparse
 import sys
-from collections.abc import Sequence
-from pathlib import Path
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
-from _wire.page import fleet_table, picture, wire_table
-from _wire.rounds import Round, rounds, work
-from arguments import add_count, count_of, parser_for
-from tqdm import tqdm
+import numpy as np
+from harness.arguments import Count, parse
+from harness.figures import GREY, OURS, THESIS, new_figure
+from harness.page import Page, Picture, finish
+from harness.processes import collect
+from harness.tables import extremes, pick, quantiles
 
-from khepera_forage.rollouts.row_files import write_rows
-from khepera_forage.thesis.figures import save
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    CONTROL_PERIOD,
+    JAW_CLOSED,
+    JAW_OPEN,
+    Motors,
+)
+from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.serial.line_events import Traffic
+from khepera_forage.robots.serial.port import BAUDS, BITS_PER_BYTE, seconds_on_wire
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.thesis.tables import Column, Table
 
-ROUNDS, QUICK_ROUNDS = 200, 40
-STEM = "wire"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FLEETS = (1, 2, 4, 8)
+"""Numbers of robots."""
+FLEET_BAUD = 38400
+PERIOD_MS = 1000 * CONTROL_PERIOD
+_MOVEMENT_PERIOD = 20
+"""Rounds from one movement of the gripper to the next. An arm needs a second, so in half of the rounds it moves."""
+_WARM_UP = 12
+"""Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
+_KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
+_LINE_NOTE = (
+    "One robot. The bytes are those that the driver and a virtual Khepera exchange while the robot drives about and "
+    f"moves its gripper; a byte takes {BITS_PER_BYTE} bits. Bytes and time on the wire: median [lowest, highest]. "
+    "Measured: `transmit` and `receive` with a virtual Khepera at the pace of the baud rate, without the time of the "
+    "simulation; median [5th, 95th percentile]. Rounds in which the driver reads an unexpected value a second time are "
+    "included."
+)
+_FLEET_NOTE = (
+    f"All at {FLEET_BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
+    "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
+)
 
 
-def write(folder: Path, rows: Sequence[Round]) -> str:
-    """Write tables, rows and picture.
+@dataclass(frozen=True, slots=True)
+class Round:
+    """One round.
 
-    Returns:
-        The page with the tables.
+    Attributes:
+        baud: Of the lines.
+        robots: How many took part.
+        number: Of the round, from 0.
+        gripper: Whether arm or jaw was commanded, or its position was read.
+        sent: Bytes to the first robot.
+        received: Bytes from the first robot.
+        wire: Milliseconds that these bytes take on the line.
+        taken: Milliseconds of `transmit` and `receive` of all robots.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    tables = wire_table(rows), fleet_table(rows)
-    text = "\n".join(table.markdown() for table in tables)
-    (folder / f"{STEM}.md").write_text(f"{text}\n![{STEM}]({STEM}.png)\n", encoding="utf-8")
-    for table in tables:
-        (folder / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
-    write_rows(folder / "rounds.csv", Round, rows)
-    save(picture(rows), folder / f"{STEM}.png")
-    return text
+
+    baud: int
+    robots: int
+    number: int
+    gripper: bool
+    sent: int
+    received: int
+    wire: float
+    taken: float
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Do what the arguments ask for."""
-    count = count_of(arguments.rounds, ROUNDS, arguments.quick, QUICK_ROUNDS)
-    progress = tqdm(work(), desc=STEM, unit="line", disable=not sys.stderr.isatty())
-    rows = [row for baud, robots in progress for row in rounds(baud, robots, count, arguments.seed)]
-    print(write(arguments.out, rows))
-    print(f"Tables, picture and rows are in {arguments.out}")
-    return 0
+class Drive(NamedTuple):
+    """Robots that drive about and now and then move the gripper; all drives have the same commands.
+
+    Attributes:
+        baud: Of the lines.
+        robots: How many.
+        rounds: How many.
+        seed: Of the wheel commands.
+    """
+
+    baud: int
+    robots: int
+    rounds: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Baud rate and number of robots."""
+        return f"{self.baud} baud, robots: {self.robots}"
+
+    def run(self) -> list[Round]:
+        """Measure every round."""
+        wheels = np.random.default_rng(self.seed).integers(-12, 13, (self.rounds + _WARM_UP, 2)).tolist()
+        rows = []
+        with _fleet(self.baud, self.robots, self.seed) as (fleet, advance):
+            heard: list[Traffic] = []
+            fleet.robots[0].listen(heard.append)
+            for number, (left, right) in enumerate(wheels, -_WARM_UP):
+                down = number >= 0 and (number // _MOVEMENT_PERIOD) % 2
+                arm, jaw = (ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)
+                for robot in fleet.robots:
+                    robot.drive(Motors(left, right, arm, jaw))
+                heard.clear()
+                begin = time.perf_counter()
+                fleet.transmit()
+                taken = time.perf_counter() - begin
+                advance()
+                begin = time.perf_counter()
+                fleet.receive()
+                taken += time.perf_counter() - begin
+                if number >= 0:
+                    rows.append(self._row(number, heard, taken))
+        return rows
+
+    def _row(self, number: int, heard: Sequence[Traffic], taken: float) -> Round:
+        sent = b"".join(traffic.data for traffic in heard if traffic.sent)
+        received = sum(len(traffic.data) for traffic in heard if not traffic.sent)
+        gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
+        wire = 1000 * seconds_on_wire(len(sent) + received, self.baud)
+        return Round(self.baud, self.robots, number, gripper, len(sent), received, wire, 1000 * taken)
+
+
+@contextmanager
+def _fleet(baud: int, robots: int, seed: int) -> Iterator[tuple[Fleet, Callable[[], None]]]:
+    """Robots behind virtual Kheperas, and a function that advances their simulated world by a round."""
+    world = PymunkWorld(copies(CORRIDOR, robots), [1 + number % 2 for number in range(robots)])
+    starts = tuple(arena.start for arena in world.arenas)
+    world.reset(np.random.default_rng(seed), Layout(starts, ()))
+    lock = threading.RLock()
+    firmwares = [Firmware(robot, lock) for robot in world.robots]
+
+    def advance() -> None:
+        with lock:
+            world.advance()
+            for firmware in firmwares:
+                firmware.tick()
+
+    with ExitStack() as stack:
+        ports = [stack.enter_context(VirtualKhepera(firmware, baud=baud)) for firmware in firmwares]
+        fleet = stack.enter_context(Fleet([SerialKhepera(port.url, baud=baud) for port in ports]))
+        yield fleet, advance
+
+
+def drives(rounds: int, seed: int) -> list[Drive]:
+    """One robot at every baud rate, then more robots at one rate."""
+    alone = [Drive(baud, 1, rounds, seed) for baud in BAUDS]
+    return alone + [Drive(FLEET_BAUD, robots, rounds, seed) for robots in FLEETS if robots > 1]
+
+
+def page(rows: Sequence[Round]) -> Page:
+    """Two tables and a picture."""
+    shown = Picture("wire", "milliseconds of a round by baud rate, and by number of robots", _picture(rows))
+    return Page("Time on the serial lines", [_line_table(rows), _fleet_table(rows), shown])
+
+
+def _line_table(rows: Sequence[Round]) -> Table:
+    columns = (
+        Column("baud"),
+        Column("round"),
+        Column("rounds"),
+        Column("bytes sent", digits=0, estimate=True),
+        Column("bytes received", digits=0, estimate=True),
+        Column("on the wire (ms)", estimate=True),
+        Column("measured (ms)", estimate=True),
+        Column(f"within {PERIOD_MS:.0f} ms (%)", digits=0),
+    )
+    lines = []
+    for baud in BAUDS:
+        for gripper, kind in _KINDS.items():
+            own = pick(rows, baud=baud, robots=1, gripper=gripper)
+            if own:
+                line = (
+                    baud,
+                    kind,
+                    len(own),
+                    extremes([row.sent for row in own]),
+                    extremes([row.received for row in own]),
+                    extremes([row.wire for row in own]),
+                    quantiles([row.taken for row in own]),
+                    100.0 * sum(row.taken <= PERIOD_MS for row in own) / len(own),
+                )
+                lines.append(line)
+    return Table("wire", "Time on the wire", _LINE_NOTE, columns, lines)
+
+
+def _fleet_table(rows: Sequence[Round]) -> Table:
+    columns = (Column("robots"), Column("a round (ms)", estimate=True), Column("times one robot's", digits=2))
+    measured = _by_fleet(rows)
+    lines = [(robots, taken, taken.value / measured[1].value) for robots, taken in measured.items()]
+    return Table("fleet", "Several robots in parallel", _FLEET_NOTE, columns, lines)
+
+
+def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
+    own = {robots: pick(rows, baud=FLEET_BAUD, robots=robots, gripper=False) for robots in FLEETS}
+    return {robots: quantiles([row.taken for row in its]) for robots, its in own.items() if its}
+
+
+def _picture(rows: Sequence[Round]) -> "Figure":
+    figure = new_figure(9.0, 3.6)
+    left, right = figure.subplots(1, 2)
+    for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
+        for place, baud in enumerate(BAUDS):
+            own = pick(rows, baud=baud, robots=1, gripper=gripper)
+            if own:
+                label = _KINDS[gripper] if place == 0 else None
+                taken, wire = (
+                    float(np.median([getattr(r, name) for r in own])) for name in ("taken", "wire")
+                )
+                left.bar(place + shift, taken, 0.34, color=colour, alpha=0.35)
+                left.bar(place + shift, wire, 0.34, color=colour, label=label)
+    left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--")
+    left.set_xticks(range(len(BAUDS)), list(map(str, BAUDS)))
+    left.set_xlabel("baud")
+    left.set_ylabel("ms a round (median)\nsolid: on the wire; pale: measured")
+    left.legend(fontsize=8)
+    measured = _by_fleet(rows)
+    values = [taken.value for taken in measured.values()]
+    bars = [[t.value - t.low for t in measured.values()], [t.high - t.value for t in measured.values()]]
+    right.bar(range(len(values)), values, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
+    right.set_xticks(range(len(values)), [str(robots) for robots in measured])
+    right.set_xlabel(f"robots in parallel, {FLEET_BAUD} baud")
+    right.set_ylabel("ms a round (median, 5th to 95th percentile)")
+    right.set_ylim(bottom=0)
+    return figure
+
+
+def main() -> int:
+    """Run the benchmark."""
+    rounds = Count("rounds", 200, 40, "rounds at each baud rate and with each number of robots")
+    given = parse("wire", __doc__, rounds, jobs=None)
+    rows = collect(given, drives(given.rounds, given.seed), {Round: "rounds"})
+    return finish(given, page(rows.of(Round)))
 
 
 if __name__ == "__main__":
-    parser = parser_for(__doc__, "results/wire")
-    add_count(
-        parser, "--rounds", ROUNDS, QUICK_ROUNDS, "rounds at each baud rate and with each number of robots"
-    )
-    sys.exit(run(parser.parse_args()))
+    sys.exit(main())

@@ -38,6 +38,7 @@ class Script:
 
 SCRIPTS = {
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
+    "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
 }
 
 

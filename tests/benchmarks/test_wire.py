@@ -4,17 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import help_of, is_picture, quick, read
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import read
 
 ROUNDS = 40
 BAUDS = (9600, 19200, 38400, 57600, 115200)
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "wire"
-    (folder.parent / "printed").write_text(quick("wire.py", folder), encoding="utf-8")
-    return folder
+def out(quick_run: QuickRun) -> Path:
+    return quick_run("wire")
 
 
 def test_wire_time_is_that_of_the_bytes(out: Path) -> None:
@@ -38,28 +37,13 @@ def test_a_round_asks_for_what_a_step_needs_and_fits_at_38400_baud(out: Path) ->
 
 
 def test_every_baud_rate_and_number_of_robots_has_its_line(out: Path) -> None:
-    wire = read(out / "wire.csv")
+    wire = read(out / "table_wire.csv")
     assert {int(row["baud"]) for row in wire} == set(BAUDS)
     for baud in BAUDS:
         assert sum(int(row["rounds"]) for row in wire if int(row["baud"]) == baud) == ROUNDS
-    fleet = read(out / "fleet.csv")
+    fleet = read(out / "table_fleet.csv")
     assert [int(row["robots"]) for row in fleet] == [1, 2, 4, 8]
     assert float(fleet[0]["times one robot's"]) == 1.0
     assert all(float(row["times one robot's"]) < 4 for row in fleet), (
         "eight in turn would take eight times as long"
     )
-
-
-def test_tables_are_printed_and_written_with_their_picture(out: Path) -> None:
-    page = (out / "wire.md").read_text(encoding="utf-8")
-    printed = (out.parent / "printed").read_text(encoding="utf-8")
-    for line in page.splitlines():
-        if line.startswith("| "):
-            assert line in printed
-    assert is_picture(out / "wire.png")
-
-
-def test_help_names_every_argument() -> None:
-    told = help_of("wire.py")
-    for argument in ("--seed", "--out", "--quick", "--rounds", "results/wire"):
-        assert argument in told

@@ -1,1 +1,0 @@
-"""What `wire.py` is made of."""
