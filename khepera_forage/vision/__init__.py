@@ -1,1 +1,1 @@
-"""What the overhead camera reports."""
+"""The overhead camera: scene, calibration, tracker, and simulated camera."""

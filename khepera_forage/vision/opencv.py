@@ -1,16 +1,18 @@
-"""OpenCV is an extra: what needs it asks here first, so that who has not installed it reads how to."""
+"""Check for OpenCV, an optional dependency, with an error that says what to install."""
 
 
-def require_opencv(what: str) -> None:
+def require_opencv(feature: str) -> None:
     """Check that OpenCV can be imported.
 
     Args:
-        what: Who needs it, for the message.
+        feature: What needs OpenCV, for the message.
 
     Raises:
-        ImportError: It cannot; the message says what to install.
+        ImportError: OpenCV cannot be imported; the message says what to install.
     """
     try:
-        import cv2  # noqa: F401 (whether it can be imported is the question)
+        import cv2  # noqa: F401 (only whether it can be imported matters)
     except ImportError as error:
-        raise ImportError(f"{what} needs OpenCV: pip install 'khepera-forage[camera]' ({error})") from error
+        raise ImportError(
+            f"{feature} needs OpenCV: pip install 'khepera-forage[camera]' ({error})"
+        ) from error

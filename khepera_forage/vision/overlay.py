@@ -1,4 +1,4 @@
-"""A scene drawn on the frame that showed it: for previews and for the documentation."""
+"""A scene drawn over its frame, for previews and for the documentation."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import SHAPE
+from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
 from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -15,9 +15,9 @@ Colour = tuple[int, int, int]
 _MARKER: Colour = (255, 90, 60)
 _FOOD: Colour = (60, 220, 90)
 _LOST: Colour = (150, 150, 160)
-_BITS = 4
+_FRACTIONAL_BITS = 4
 """Fractional bits of OpenCV's drawing coordinates."""
-_POINTS = 24
+_CIRCLE_POINTS = 24
 """Corners of the polygon that is drawn for a disc."""
 
 
@@ -27,16 +27,16 @@ def draw_scene(
     calibration: Calibration | None = None,
     settings: TrackerSettings | None = None,
 ) -> NDArray[np.uint8]:
-    """The frame with its regions: outline, centre, heading, and "label:holes"; lost ones grey with a question mark.
+    """The frame with its regions: outline, centre, heading and "label:holes"; lost regions grey with a question mark.
 
     Args:
-        frame: 480 x 640 grey levels; it is left as it was.
-        scene: What the tracker made of it.
+        frame: 480 x 640 grey levels; not changed.
+        scene: The tracker's scene after this frame.
         calibration: The tracker's; None for `Calibration.identity()`.
         settings: The tracker's, for sizes and heights; None for the defaults.
 
     Returns:
-        480 x 640 x 3, red, green, blue.
+        480 x 640 x 3: red, green, blue.
 
     Raises:
         ImportError: OpenCV is not installed.
@@ -45,16 +45,18 @@ def draw_scene(
     require_opencv("drawing a scene")
     import cv2
 
-    if frame.shape != SHAPE or frame.dtype != np.uint8:
-        raise ValueError(f"frame is {frame.shape} of {frame.dtype}; allowed: {SHAPE} of uint8 grey levels")
+    if frame.shape != FRAME_SHAPE or frame.dtype != np.uint8:
+        raise ValueError(
+            f"frame is {frame.shape} of {frame.dtype}; allowed: {FRAME_SHAPE} of uint8 grey levels"
+        )
     picture: NDArray[np.uint8] = cv2.cvtColor(frame, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
-    pen = _Pen(picture, calibration or Calibration.identity(), settings or TrackerSettings())
+    overlay = _Overlay(picture, calibration or Calibration.identity(), settings or TrackerSettings())
     for region in scene.regions:
-        pen.draw(region)
+        overlay.draw(region)
     return picture
 
 
-class _Pen:
+class _Overlay:
     """Draws regions on one picture."""
 
     def __init__(
@@ -68,27 +70,28 @@ class _Pen:
         marker = region.holes > 0
         colour = (_MARKER if marker else _FOOD) if region.found else _LOST
         self._line(region, self._outline(region), colour, closed=True)
-        for arm in ([(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]):
-            self._line(region, arm, colour)
+        for stroke in ([(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]):
+            self._line(region, stroke, colour)
         if marker:
             tip = self._settings.marker_length / MM_PER_PIXEL * 0.8
-            arrow = [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
+            arrow_head = [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
             self._line(region, [(0.0, 0.0), (tip, 0.0)], colour)
-            self._line(region, arrow, colour)
+            self._line(region, arrow_head, colour)
         text = f"{region.label}:{region.holes}" + ("" if region.found else "?")
-        u, v = self._spot(region, 0.0, 0.0)
-        reach = self._settings.marker_width if marker else 2 * self._settings.food_radius
-        spot = (round(u + reach / MM_PER_PIXEL), round(v - reach / MM_PER_PIXEL))
-        cv2.putText(self._picture, text, spot, cv2.FONT_HERSHEY_SIMPLEX, 0.4, colour, 1, cv2.LINE_AA)
+        u, v = self._picture_point(region, 0.0, 0.0)
+        offset = self._settings.marker_width if marker else 2 * self._settings.food_radius
+        corner = (round(u + offset / MM_PER_PIXEL), round(v - offset / MM_PER_PIXEL))
+        cv2.putText(self._picture, text, corner, cv2.FONT_HERSHEY_SIMPLEX, 0.4, colour, 1, cv2.LINE_AA)
 
     def _outline(self, region: Region) -> list[tuple[float, float]]:
+        """Corners in the region's own frame (region pixels, x forward)."""
         settings = self._settings
         if region.holes > 0:
             a, b = settings.marker_length / MM_PER_PIXEL / 2, settings.marker_width / MM_PER_PIXEL / 2
             return [(a, b), (-a, b), (-a, -b), (a, -b)]
         radius = settings.food_radius / MM_PER_PIXEL
-        turns = (2 * math.pi * i / _POINTS for i in range(_POINTS))
-        return [(radius * math.cos(turn), radius * math.sin(turn)) for turn in turns]
+        angles = (2 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS))
+        return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
     def _line(
         self, region: Region, points: list[tuple[float, float]], colour: Colour, *, closed: bool = False
@@ -96,13 +99,14 @@ class _Pen:
         """A line through points in the region's own frame (region pixels, x forward)."""
         import cv2
 
-        spots = np.array([self._spot(region, *point) for point in points]) - 0.5
-        fixed = np.rint(spots * 2**_BITS).astype(np.int32)
-        cv2.polylines(self._picture, [fixed], closed, colour, 1, cv2.LINE_AA, _BITS)
+        corners = np.array([self._picture_point(region, *point) for point in points]) - 0.5
+        fixed_point = np.rint(corners * 2**_FRACTIONAL_BITS).astype(np.int32)
+        cv2.polylines(self._picture, [fixed_point], closed, colour, 1, cv2.LINE_AA, _FRACTIONAL_BITS)
 
-    def _spot(self, region: Region, ahead: float, aside: float) -> tuple[float, float]:
+    def _picture_point(self, region: Region, forward: float, left: float) -> tuple[float, float]:
+        """The point of the picture that shows a point in the region's own frame (region pixels)."""
         heading = math.radians(region.orientation)
         height = self._settings.marker_height if region.holes > 0 else self._settings.food_height
-        x = region.x + ahead * math.cos(heading) - aside * math.sin(heading)
-        y = region.y + ahead * math.sin(heading) + aside * math.cos(heading)
+        x = region.x + forward * math.cos(heading) - left * math.sin(heading)
+        y = region.y + forward * math.sin(heading) + left * math.cos(heading)
         return self._calibration.to_picture(x, y, height)

@@ -1,6 +1,6 @@
-"""The shapes a camera sees: markers and food, as they lie over the floor (mm) and in the picture (pixels).
+"""Geometry of markers and food, on the floor (mm) and in the picture (pixels).
 
-The frame is that of `scene`: x to the right, y up, origin in the lower left corner of the picture.
+Coordinates are those of `scene`: x to the right, y up, origin in the lower left corner of the picture.
 """
 
 import math
@@ -11,19 +11,20 @@ from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WID
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 PICTURE_WIDTH = 640.0
-"""Pixels (3.4)."""
+"""Width of the camera's picture in pixels (3.4)."""
 PICTURE_HEIGHT = 480.0
+"""Height of the camera's picture in pixels (3.4)."""
 HOLE_SIDE = 20.0
 """Side in mm of a black square within a marker (figure 3.9)."""
 MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
     1: ((25.0, 0.0),),
     2: ((30.0, 0.0), (-10.0, 0.0)),
 }
-"""Centres of a marker's holes in mm, x forward and y left of its middle, by their number.
+"""Centres of a marker's holes in mm, x forward and y left of its middle, by number of holes.
 
-Our decision (figure 3.9 did not survive as a picture): before the middle, so that the holes tell front from back,
-which the thesis' own markers evidently did not (4.2.2); yet at least 4 pixels of white from a hole to the next
-thing that is black, so that blur and a low threshold close no gap. docs/tracker.md has the comparison.
+Decision (figure 3.9 did not survive as a picture): the holes lie ahead of the middle, so that they tell front from
+back, which the thesis' own markers evidently did not (4.2.2). At least 4 pixels of white separate a hole from the next
+black shape, so that blur and a low threshold do not join them. docs/tracker.md compares several positions.
 """
 MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
@@ -35,7 +36,7 @@ _HALF_DIAGONAL = math.hypot(_HALF_LENGTH, _HALF_WIDTH)
 
 
 class Features(NamedTuple):
-    """The features of a region that Quek's tracker stores but does not track by (3.5).
+    """Features of a region that Quek's tracker stores but does not use for tracking (3.5).
 
     Attributes:
         area: In square pixels, holes not counted.
@@ -63,7 +64,7 @@ FOOD_FEATURES = _features(math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS
 
 
 class Plate(NamedTuple):
-    """A marker as it lies over the floor: centre in mm, cosine and sine of its heading."""
+    """Pose of a marker over the floor: centre in mm, cosine and sine of its heading."""
 
     x: float
     y: float
@@ -72,7 +73,7 @@ class Plate(NamedTuple):
 
 
 def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> bool:
-    """Whether a disc touches any of the markers.
+    """Whether a disc touches any of the markers, and is therefore hidden.
 
     Args:
         x: Centre of the disc in mm.
@@ -85,7 +86,7 @@ def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> b
         dx, dy = x - plate_x, y - plate_y
         if dx * dx + dy * dy > reach * reach:
             continue
-        # In the marker's own frame: how far beyond its sides the centre lies, zero within them.
+        # In the marker's own frame: distance of the centre beyond its sides, zero between them.
         ahead = max(abs(dx * cos + dy * sin) - _HALF_LENGTH, 0.0)
         aside = max(abs(dy * cos - dx * sin) - _HALF_WIDTH, 0.0)
         if ahead * ahead + aside * aside <= radius * radius:
@@ -94,17 +95,16 @@ def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> b
 
 
 def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
-    """The upright box around a marker with this heading, and its first pixel.
+    """The bounding box of a marker with this heading, and its first pixel.
 
     Returns:
-        Half the width of the box, half its height, and how far right of the centre its topmost corner lies
-        (of two the left one), all in pixels.
+        Half the width of the box, half its height, and the distance of the topmost corner (the left one of two) to
+        the right of the centre, all in pixels.
     """
     if sin < 0 or (sin == 0 and cos > 0):
         cos, sin = -cos, -sin  # the same rectangle, turned by 180 degrees so that the heading is up, or left
-    side = (
-        _HALF_WIDTH_PX if cos >= 0 else -_HALF_WIDTH_PX
-    )  # then the topmost corner is front left, or front right
+    # The topmost corner is now front left or front right.
+    side = _HALF_WIDTH_PX if cos >= 0 else -_HALF_WIDTH_PX
     return (
         _HALF_LENGTH_PX * abs(cos) + _HALF_WIDTH_PX * sin,
         _HALF_LENGTH_PX * sin + side * cos,
@@ -113,12 +113,12 @@ def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
 
 
 def in_picture(x: float, y: float, half_width: float = 0.0, half_height: float = 0.0) -> bool:
-    """Whether an upright box lies inside the picture and clear of its border (pixels)."""
+    """Whether an axis-aligned box lies inside the picture and clear of its border (pixels)."""
     return half_width < x < PICTURE_WIDTH - half_width and half_height < y < PICTURE_HEIGHT - half_height
 
 
 def distance_to_segment(x: float, y: float, x1: float, y1: float, x2: float, y2: float) -> float:
-    """Distance of a point from the straight line between two others."""
+    """Distance of a point from the line segment between two others."""
     dx, dy = x2 - x1, y2 - y1
     length_squared = dx * dx + dy * dy
     share = ((x - x1) * dx + (y - y1) * dy) / length_squared if length_squared > 0 else 0.0

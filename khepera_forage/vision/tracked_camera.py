@@ -9,13 +9,13 @@ from khepera_forage.vision.video import FrameSource
 
 
 class TrackedCamera:
-    """A `Camera` that sees what a `Tracker` finds in the frames of a `FrameSource`.
+    """A `Camera` that reports the regions which a `Tracker` finds in the frames of a `FrameSource`.
 
-    Nothing is seen before the first `reset` or `expose`. A context manager: leaving it closes the source.
+    The scene is empty before the first `reset` or `expose`. A context manager: leaving it closes the source.
 
     Args:
-        source: Of frames; it is closed with the camera.
-        tracker: Its tracks are the camera's alone.
+        source: Frame source; it is closed with the camera.
+        tracker: A tracker that nothing else uses.
     """
 
     def __init__(self, source: FrameSource, tracker: Tracker) -> None:
@@ -28,16 +28,16 @@ class TrackedCamera:
         """Forget all tracks, and take the first frame.
 
         Raises:
-            CameraLost: The source gives no more frames.
+            CameraLost: The source has no more frames.
         """
         self._tracker.reset()
         self.expose()
 
     def expose(self) -> None:
-        """Take the newest frame: once a round.
+        """Take the newest frame, once per round.
 
         Raises:
-            CameraLost: The source gives no more frames; the last scene stays.
+            CameraLost: The source has no more frames; `look` still returns the last scene.
         """
         self._frame, self._age = self._source.newest()
         self._tracker.update(self._frame)
@@ -53,10 +53,10 @@ class TrackedCamera:
 
     @property
     def frame(self) -> NDArray[np.uint8]:
-        """The last frame, 480 x 640 grey levels, as the tracker saw it.
+        """The tracker's last frame, 480 x 640 grey levels.
 
         Raises:
-            RuntimeError: There was none yet.
+            RuntimeError: No frame was taken yet.
         """
         if self._frame is None:
             raise RuntimeError("frame before any expose(); allowed: after one")
@@ -64,7 +64,7 @@ class TrackedCamera:
 
     @property
     def age(self) -> float:
-        """How old the last frame was in s when it was taken from the source."""
+        """Age of the last frame in s when it was taken from the source."""
         return self._age
 
     def close(self) -> None:

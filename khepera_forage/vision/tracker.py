@@ -4,9 +4,9 @@ import math
 
 from khepera_forage.vision.association import Detection, Tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.detector import Finder
-from khepera_forage.vision.detection.floor_visibility import FloorWatch
-from khepera_forage.vision.detection.segmentation import Bright, Frame, Segmenter
+from khepera_forage.vision.detection.detector import Detector
+from khepera_forage.vision.detection.floor_visibility import FloorVisibility
+from khepera_forage.vision.detection.segmentation import Frame, Segmentation, Segmenter
 from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -16,21 +16,21 @@ __all__ = ["Tracker", "TrackerSettings"]
 
 
 class Tracker:
-    """Finds markers and food in frames of 640 x 480 grey levels, and keeps track of them.
+    """Detects markers and food in frames of 640 x 480 grey levels, and tracks them.
 
-    Description:
-        What is clearly brighter than the floor around it is a candidate (`segmentation`). A candidate of a marker's
-        size with at least one hole is a marker; its centre and axis come from grey-level-weighted moments of the
-        filled shape, and its front is where the holes are (`marker_finder`). Where a user's own marker has its holes
-        in the middle, the heading is the one nearer to that of the same marker in the frame before; in the first frame
-        it lies between -90 and 90 degrees. A disc of food's size is food (`food_finder`).
-        Everything else is nothing: walls, cables, a marker or food of which too little is seen. A region in doubt is
-        lost, never reported with a number of holes that it may not have.
+    Detection:
+        Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
+        size with at least one hole is a marker. Its centre and axis come from grey-level-weighted moments of the
+        filled shape, and its front is on the side of the holes (`marker_detector`). If a user's own marker has its
+        holes in the middle, the heading is the one nearer to that of the same marker in the frame before; in the first
+        frame it lies between -90 and 90 degrees. A disc of food's size is food (`food_detector`). All other shapes are
+        ignored: walls, cables, and markers or food of which too little is visible. An uncertain region is lost; it is
+        never reported with a number of holes that may be wrong.
 
     Lost food:
-        It is dropped once its last place is visible and empty (`retracking`). A place is visible when food lying there
-        would be inside the picture and clear of every marker, found or lost, and when the pixels there have looked like
-        floor in `settings.patience` frames one after the other (`floor_watch`).
+        Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
+        would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
+        floor in `settings.patience` consecutive frames (`floor_visibility`).
 
     Attributes:
         settings: As given.
@@ -44,7 +44,7 @@ class Tracker:
 
     Raises:
         ImportError: OpenCV is not installed.
-        ValueError: A marker or food as high as the calibration's camera.
+        ValueError: Markers or food are as high as the calibration's camera.
     """
 
     def __init__(
@@ -53,10 +53,10 @@ class Tracker:
         require_opencv("the tracker")
         self.settings = settings = settings or TrackerSettings()
         self.calibration = calibration or Calibration.identity()
-        scale = _scale(self.calibration, settings)
+        scale = _pixels_per_mm(self.calibration, settings)
         self._segmenter = Segmenter(settings.contrast)
-        self._finder = Finder(settings, self.calibration, scale)
-        self._floor = FloorWatch(settings, self.calibration)
+        self._detector = Detector(settings, self.calibration, scale)
+        self._floor = FloorVisibility(settings, self.calibration)
         self._tracks = Tracks(by_place=settings.featureless)
         self._scene = Scene(())
 
@@ -66,7 +66,7 @@ class Tracker:
         return self._scene
 
     def detect(self, frame: Frame) -> list[Detection]:
-        """What one frame shows, in no particular order; no track changes.
+        """The detections of one frame, in no particular order; no track changes.
 
         Args:
             frame: 480 x 640 grey levels, row 0 at the top.
@@ -85,9 +85,9 @@ class Tracker:
         Raises:
             ValueError: A frame of another shape or type.
         """
-        bright = self._segmenter.segment(frame)
-        detections = self._detect(bright)
-        self._floor.expose(bright, detections, self._scene)
+        segmentation = self._segmenter.segment(frame)
+        detections = self._detect(segmentation)
+        self._floor.update(segmentation, detections, self._scene)
         self._scene = self._tracks.update(detections, self._floor.visible)
         return self._scene
 
@@ -97,12 +97,14 @@ class Tracker:
         self._floor.reset()
         self._scene = Scene(())
 
-    def _detect(self, bright: Bright) -> list[Detection]:
-        found = self._finder.find(bright)
-        return [detection if sure else self._continued(detection) for detection, sure in found]
+    def _detect(self, segmentation: Segmentation) -> list[Detection]:
+        return [
+            detection if front_known else self._oriented(detection)
+            for detection, front_known in self._detector.detect(segmentation)
+        ]
 
-    def _continued(self, detection: Detection) -> Detection:
-        """A marker whose holes do not tell its front, turned the way that its nearest last sight was."""
+    def _oriented(self, detection: Detection) -> Detection:
+        """A marker whose holes do not tell its front, reversed if that fits the nearest such marker's last heading."""
         before = [r for r in self._scene.regions if r.holes == detection.holes]
         before.sort(key=lambda r: math.hypot(r.x - detection.x, r.y - detection.y))
         last = before[0].orientation if before else 0
@@ -111,9 +113,9 @@ class Tracker:
         return detection
 
 
-def _scale(calibration: Calibration, settings: TrackerSettings) -> float:
-    """Pixels of the picture in a mm, in its middle."""
+def _pixels_per_mm(calibration: Calibration, settings: TrackerSettings) -> float:
+    """Pixels of the picture per mm of the floor, in the middle of the picture."""
     middle = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
     for height in (settings.marker_height, settings.food_height):
-        calibration.to_region(*middle, height)  # refuses what is above the camera
-    return 1 / (MM_PER_PIXEL * math.sqrt(calibration.stretch(*middle).area))
+        calibration.to_region(*middle, height)  # raises an error for heights above the camera
+    return 1 / (MM_PER_PIXEL * math.sqrt(calibration.jacobian(*middle).area))

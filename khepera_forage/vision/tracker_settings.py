@@ -1,4 +1,4 @@
-"""What the tracker takes for a marker and for food, and how patient it is."""
+"""Settings of the tracker: thresholds, sizes of markers and food, and patience with lost food."""
 
 import math
 from dataclasses import dataclass, fields
@@ -16,13 +16,13 @@ class TrackerSettings:
     """
 
     contrast: float = 1.4
-    """How many times brighter than the floor around it a pixel of a region is: white paper on a floor of medium
-    intensity (3.1) is about twice as bright."""
+    """Least brightness of a region's pixels, as a multiple of the floor's brightness around them. White paper on a
+    floor of medium intensity (3.1) is about twice as bright."""
     hole_contrast: float = 0.7
-    """Pixels of a marker darker than this share of its white belong to a hole: above halfway to black, for blur makes
-    squares of four pixels shallow."""
+    """Pixels of a marker darker than this share of its white belong to a hole. The threshold is above halfway to black,
+    because blur brightens squares of four pixels."""
     tolerance: float = 0.3
-    """By what share a marker's length and width, and food's diameter, may be off."""
+    """Greatest relative error of a marker's length and width, and of food's diameter."""
     marker_length: float = MARKER_LENGTH
     """Long side of a marker, along the robot's heading (figure 3.9)."""
     marker_width: float = MARKER_WIDTH
@@ -32,13 +32,14 @@ class TrackerSettings:
     food_radius: float = FOOD_RADIUS
     """Radius of a food object (3.1)."""
     marker_height: float = 70.0
-    """Of a marker above the floor; it matters only to a calibration that knows its camera's place. Assumption."""
+    """Height of a marker above the floor; used only by a calibration with the camera's position. Assumption."""
     food_height: float = FOOD_HEIGHT
-    """Of the top of a food object above the floor (3.1)."""
+    """Height of the top of a food object above the floor (3.1)."""
     patience: int = 3
-    """In how many frames one after the other the floor must show where food was last seen before it is dropped."""
+    """Number of consecutive frames in which the floor must be visible where food was last seen, before the food is
+    dropped."""
     featureless: bool = False
-    """Continue tracks by place alone instead of by number of holes and place (3.5)."""
+    """Whether tracks are continued by place alone instead of by number of holes and place (3.5)."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -56,7 +57,7 @@ class TrackerSettings:
         if self.marker_length < 1.2 * self.marker_width:
             raise ValueError(
                 f"tracker marker_length is {self.marker_length!r}; allowed: at least 1.2 times the marker_width of "
-                f"{self.marker_width!r}, or its axis cannot be told"
+                f"{self.marker_width!r}, or the axis is uncertain"
             )
         if self.hole_side > 0.5 * self.marker_width:
             raise ValueError(

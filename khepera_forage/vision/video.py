@@ -1,4 +1,4 @@
-"""Frames from a camera, a film or a stream: always the newest one, and its age (3.4)."""
+"""Frame sources: the newest frame, and its age, from a camera device, a video file or a network stream (3.4)."""
 
 import threading
 import time
@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.detection.segmentation import SHAPE
+from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
 from khepera_forage.vision.opencv import require_opencv
 
 if TYPE_CHECKING:
     import cv2
 
-_CLOSING = 5.0
+_CLOSE_TIMEOUT = 5.0
 """Seconds that `close` waits for a read that hangs in a driver."""
 
 
-class CameraLost(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
-    """A camera gives no more frames.
+class CameraLost(ConnectionError):  # noqa: N818 (named for the event, as `RobotLost` is)
+    """A camera has no more frames.
 
     Args:
-        source: Which one.
-        reason: What happened.
-        age: Seconds since its last frame; None if there never was one.
+        source: Name of the camera.
+        reason: Cause of the loss.
+        age: Seconds since the last frame; None if there never was one.
     """
 
     def __init__(self, source: str, reason: str, age: float | None) -> None:
@@ -36,37 +36,37 @@ class CameraLost(ConnectionError):  # noqa: N818 (what happened, in the words of
 
 
 class FrameSource(Protocol):
-    """Where frames come from."""
+    """A source of frames."""
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
         """The newest frame, 480 x 640 grey levels with row 0 at the top, and its age in s."""
         ...
 
     def close(self) -> None:
-        """Let go of the device; a second call does nothing."""
+        """Release the device; a second call does nothing."""
         ...
 
 
 class VideoSource:
-    """A `FrameSource` on anything that OpenCV can open, read by a thread of its own.
+    """A `FrameSource` for anything that OpenCV can open, read by a separate thread.
 
-    The thread reads as fast as frames come and keeps only the newest, so that a slow user never sees old ones out of a
-    driver's buffer. A film is played at its own speed, like a camera, and is lost when it ends. Colour is turned into
-    grey. Frames of another size are scaled when they are as wide for their height as 640 x 480, which loses nothing
-    that the calibration does not see as well; other shapes are refused, for they would be distorted or cut.
+    The thread reads frames as they arrive and keeps only the newest, so that a slow user never receives old frames from
+    a driver's buffer. A video file is played at its own speed, like a camera, and is lost when it ends. Colour becomes
+    grey. Frames of another size with the aspect ratio 4 : 3 are scaled to 640 x 480. Other aspect ratios are refused,
+    because such frames would be distorted or cut.
 
     A context manager: leaving it closes the source.
 
     Args:
-        source: Number of a device, file, or URL.
-        timeout: Seconds without a new frame after which the camera counts as lost; the first may take ten times
-            as long.
+        source: Number of a device, path of a file, or URL.
+        timeout: Seconds without a new frame after which the camera is lost; the first frame may take ten times as
+            long.
 
     Raises:
         ImportError: OpenCV is not installed.
-        FileNotFoundError: A film that is not there.
-        CameraLost: It cannot be opened, or gives no first frame.
-        ValueError: A timeout that is not above 0, or a picture that is not 4 : 3.
+        FileNotFoundError: The file does not exist.
+        CameraLost: The source cannot be opened, or has no first frame.
+        ValueError: A timeout that is not above 0, or frames that are not 4 : 3.
     """
 
     def __init__(self, source: int | str | Path, *, timeout: float = 2.0) -> None:
@@ -91,17 +91,17 @@ class VideoSource:
         )
         self._reader.start()
         try:
-            self._await_first()
+            self._await_first_frame()
         except BaseException:
             self.close()
             raise
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
-        """The newest frame and its age in s, at once. The frame is shared between calls: it cannot be written to.
+        """The newest frame and its age in s, without waiting. The frame is shared between calls and read-only.
 
         Raises:
-            CameraLost: The film has ended, the device is gone, or nothing has come for `timeout` seconds.
-            ValueError: The picture has become another shape; or the source was closed.
+            CameraLost: The video has ended, the device is gone, or no frame has arrived for `timeout` seconds.
+            ValueError: The frames changed their shape, or the source was closed.
         """
         with self._changed:
             frame, age, end = self._frame, time.monotonic() - self._taken, self._end
@@ -117,12 +117,11 @@ class VideoSource:
         return frame, age
 
     def close(self) -> None:
-        """Stop the thread and let go of the device; a second call does nothing."""
+        """Stop the thread and release the device; a second call does nothing."""
         self._closing.set()
         if self._reader is not threading.current_thread():
-            self._reader.join(
-                _CLOSING
-            )  # a driver may hang; the thread then lets go of the device when it returns
+            # If the driver hangs longer, the thread releases the device when its read returns.
+            self._reader.join(_CLOSE_TIMEOUT)
 
     def __enter__(self) -> "VideoSource":
         return self
@@ -130,7 +129,7 @@ class VideoSource:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _await_first(self) -> None:
+    def _await_first_frame(self) -> None:
         with self._changed:
             self._changed.wait_for(
                 lambda: self._frame is not None or self._end is not None, 10 * self._timeout
@@ -138,10 +137,10 @@ class VideoSource:
             if self._frame is not None:
                 return
             end = self._end
-        raise end or CameraLost(self._name, f"opened, but silent for {10 * self._timeout:g} s", None)
+        raise end or CameraLost(self._name, f"opened, but no frame within {10 * self._timeout:g} s", None)
 
     def _read(self, capture: "cv2.VideoCapture") -> None:
-        """The thread: one frame after the other until the end."""
+        """The thread's loop: read frames until the source ends or is closed."""
         import cv2
 
         length = capture.get(cv2.CAP_PROP_FRAME_COUNT)
@@ -151,7 +150,7 @@ class VideoSource:
             while not self._closing.is_set():
                 good, picture = capture.read()
                 if not good:
-                    reason = "the film has ended" if length > 0 else "it gives no more frames"
+                    reason = "the video has ended" if length > 0 else "it has no more frames"
                     raise CameraLost(self._name, reason, None)
                 frame = _grey(picture, self._name)  # type: ignore[arg-type] # uint8
                 with self._changed:
@@ -159,7 +158,7 @@ class VideoSource:
                     self._changed.notify_all()
                 due += period
                 self._closing.wait(max(0.0, due - time.monotonic()))
-        except Exception as error:  # whatever it is, the user's thread must hear of it
+        except Exception as error:  # `newest` raises any error in the user's thread
             with self._changed:
                 self._end = error
                 self._changed.notify_all()
@@ -173,8 +172,10 @@ def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
     capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
     if not capture.isOpened():
         raise CameraLost(name, "cannot be opened", None)
-    if capture.get(cv2.CAP_PROP_FRAME_COUNT) <= 0:  # a device: ask for what the thesis had, it may refuse
-        rows, columns = SHAPE
+    if (
+        capture.get(cv2.CAP_PROP_FRAME_COUNT) <= 0
+    ):  # a device: request the thesis' format, which it may refuse
+        rows, columns = FRAME_SHAPE
         capture.set(cv2.CAP_PROP_FRAME_WIDTH, columns)
         capture.set(cv2.CAP_PROP_FRAME_HEIGHT, rows)
         capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
@@ -182,21 +183,21 @@ def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
 
 
 def _grey(picture: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
-    """A picture as 480 x 640 grey levels, read-only."""
+    """A frame as 480 x 640 grey levels, read-only."""
     import cv2
 
-    rows, columns = SHAPE
+    rows, columns = FRAME_SHAPE
     height, width = picture.shape[:2]
     if width * rows != height * columns:
         raise ValueError(
-            f"camera {name} gives pictures of {width} x {height}; allowed: {columns} x {rows}, or another size that is "
-            "four wide for three high"
+            f"camera {name} has frames of {width} x {height}; allowed: {columns} x {rows}, or another size with the "
+            "aspect ratio 4 : 3"
         )
     if picture.ndim == 3:
         picture = picture[:, :, 0] if picture.shape[2] == 1 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)  # type: ignore[assignment]
     if height != rows:
-        how = cv2.INTER_AREA if height > rows else cv2.INTER_LINEAR
-        picture = cv2.resize(picture, (columns, rows), interpolation=how)  # type: ignore[assignment]
+        interpolation = cv2.INTER_AREA if height > rows else cv2.INTER_LINEAR
+        picture = cv2.resize(picture, (columns, rows), interpolation=interpolation)  # type: ignore[assignment]
     picture = np.ascontiguousarray(picture)
     picture.setflags(write=False)
     return picture

@@ -270,7 +270,7 @@ def test_a_laboratory_from_a_file_until_its_film_ends(tmp_path: Path) -> None:
             assert len(asked) == 1
             assert lab.robots[0].drive(Motors(10, 10, 215, 200)) == Motors(3, 3, 215, 200)
             lab.advance()
-            with pytest.raises(CameraLost, match="the film has ended"):  # noqa: PT012 (some time or other)
+            with pytest.raises(CameraLost, match="the video has ended"):  # noqa: PT012 (some time or other)
                 for _ in range(100):
                     lab.advance()
             assert lab.beat.rounds > 2

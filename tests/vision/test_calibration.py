@@ -34,7 +34,7 @@ def test_identity_is_five_millimetres_a_pixel_with_y_up() -> None:
     plain = Calibration.identity()
     assert plain.to_region(0.5, 479.5) == pytest.approx((0.5, 0.5))
     assert plain.to_region(640, 0) == pytest.approx((640, 480))
-    assert plain.stretch(100, 200) == pytest.approx((1, 0, 0, -1))
+    assert plain.jacobian(100, 200) == pytest.approx((1, 0, 0, -1))
 
 
 @given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 23.0, 300.0]))
@@ -46,11 +46,11 @@ def test_there_and_back(u: float, v: float, height: float) -> None:
 @given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 70.0]))
 def test_the_stretch_is_the_derivative(u: float, v: float, height: float) -> None:
     calibration = Calibration(PICTURE, FLOOR, (1100.0, 1300.0, 2500.0))
-    stretch, step = calibration.stretch(u, v, height), 1e-4
+    jacobian, step = calibration.jacobian(u, v, height), 1e-4
     x, y = calibration.to_region(u, v, height)
     for (du, dv), (dx, dy) in {
-        (step, 0.0): (stretch.xu, stretch.yu),
-        (0.0, step): (stretch.xv, stretch.yv),
+        (step, 0.0): (jacobian.xu, jacobian.yu),
+        (0.0, step): (jacobian.xv, jacobian.yv),
     }.items():
         moved_x, moved_y = calibration.to_region(u + du, v + dv, height)
         assert ((moved_x - x) / step, (moved_y - y) / step) == pytest.approx((dx, dy), abs=1e-4)

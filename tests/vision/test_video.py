@@ -80,10 +80,10 @@ def test_the_end_of_a_film_is_told(tmp_path: Path) -> None:
                 break
             time.sleep(0.01)
         assert "short.avi" in str(error)
-        assert "film has ended" in str(error)
+        assert "video has ended" in str(error)
         assert error.age is not None
         assert error.age > 0
-        with pytest.raises(CameraLost, match="film has ended"):
+        with pytest.raises(CameraLost, match="video has ended"):
             source.newest()
 
 
@@ -105,7 +105,7 @@ def test_another_size_of_the_same_shape_is_scaled(tmp_path: Path, width: int, he
 
 
 def test_another_shape_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"wide\.avi gives pictures of 640 x 360; allowed: 640 x 480"):
+    with pytest.raises(ValueError, match=r"wide\.avi has frames of 640 x 360; allowed: 640 x 480"):
         VideoSource(film(tmp_path / "wide.avi", [100] * 5, 10, 640, 360))
     assert threads() == []
 

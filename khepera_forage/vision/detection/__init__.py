@@ -1,1 +1,1 @@
-"""From the pixels of one frame to detections: threshold, markers with their holes, food, and what the floor shows."""
+"""Detection in single frames: segmentation, markers with their holes, food, and whether the floor is visible."""

@@ -1,4 +1,4 @@
-"""Whether the floor shows where food was last seen: the rule by which lost food is dropped on real frames (3.5)."""
+"""Whether the floor is visible where food was last seen: the condition for dropping lost food on real frames (3.5)."""
 
 import math
 from collections.abc import Sequence
@@ -7,23 +7,23 @@ import numpy as np
 
 from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import SHAPE, Bright
+from khepera_forage.vision.detection.segmentation import FRAME_SHAPE, Segmentation
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
-_CLEAR = 13.0
-"""mm that must lie between the disc of food and a marker: its black frame (8 mm), and a pixel of error."""
-_LIKE = 0.25
+_CLEARANCE = 13.0
+"""Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
+_FLOOR_TOLERANCE = 0.25
 """Share of the floor's brightness by which a pixel of floor may differ from it: noise, dirt, shade."""
-_ENOUGH = 0.6
-"""Share of the disc's pixels that must look like floor: a cable across it hides less, a robot's body more."""
-_WHITE = 0.1
-"""Share of the disc's pixels that may be bright at most: more may be food, or a marker's rim over it."""
+_MIN_FLOOR_SHARE = 0.6
+"""Least share of the disc's pixels that look like floor: a cable across the disc hides less, a robot's body more."""
+_MAX_BRIGHT_SHARE = 0.1
+"""Greatest share of bright pixels in the disc: more may be food, or a marker's rim over it."""
 
 
-class FloorWatch:
-    """Looks at the last places of lost food, frame by frame, and says when one is visible and empty.
+class FloorVisibility:
+    """Counts, frame by frame, how long the floor has been visible at the last places of lost food.
 
     Args:
         settings: Sizes and patience.
@@ -32,53 +32,54 @@ class FloorWatch:
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
         self._settings, self._calibration = settings, calibration
-        self._bright: Bright | None = None
-        self._plates: list[Plate] = []
-        self._empty: dict[tuple[float, float], int] = {}  # frames in which the floor has shown, by place
-        self._before: dict[tuple[float, float], int] = {}
+        self._segmentation: Segmentation | None = None
+        self._markers: list[Plate] = []
+        # Number of consecutive frames in which the floor was visible, by place.
+        self._counts: dict[tuple[float, float], int] = {}
+        self._counts_before: dict[tuple[float, float], int] = {}
 
     def reset(self) -> None:
         """Forget every place."""
-        self._empty, self._before = {}, {}
+        self._counts, self._counts_before = {}, {}
 
-    def expose(self, bright: Bright, detections: Sequence[Detection], scene: Scene) -> None:
-        """Take a frame.
+    def update(self, segmentation: Segmentation, detections: Sequence[Detection], scene: Scene) -> None:
+        """Use a new frame.
 
         Args:
-            bright: The frame.
-            detections: What it shows.
-            scene: All regions before it, of which a lost marker hides what is at its last place.
+            segmentation: Of the frame.
+            detections: In the frame.
+            scene: All regions before the frame; a lost marker among them hides its last place.
         """
-        self._bright = bright
-        self._before, self._empty = self._empty, {}
-        shown = [d for d in detections if d.holes > 0]
-        lost = [r for r in scene.regions if r.holes > 0 and not _shown(r, scene, shown)]
-        self._plates = [_plate(d) for d in shown]
-        if (
-            not self._settings.featureless
-        ):  # by place alone a lost region may have been anything, or has a new label
-            self._plates += [_plate(r) for r in lost]
+        self._segmentation = segmentation
+        self._counts_before, self._counts = self._counts, {}
+        found = [d for d in detections if d.holes > 0]
+        lost = [r for r in scene.regions if r.holes > 0 and not _is_found(r, scene, found)]
+        self._markers = [_marker_pose(d) for d in found]
+        # In featureless tracking a lost region may have been anything, or may have a new label.
+        if not self._settings.featureless:
+            self._markers += [_marker_pose(r) for r in lost]
 
     def visible(self, x: float, y: float) -> bool:
-        """Whether food at a place (region coordinates) would have shown, now and in the frames before.
+        """Whether the floor is visible at a place (region coordinates), now and in the last `patience` frames.
 
-        The same place asked for in `patience` frames one after the other must each time have shown the floor.
+        Call this once per frame and place: the frames of a place are counted by these calls.
         """
         if not self._shows_floor(x, y):
             return False
-        self._empty[x, y] = frames = self._before.get((x, y), 0) + 1
-        return frames >= self._settings.patience
+        self._counts[x, y] = count = self._counts_before.get((x, y), 0) + 1
+        return count >= self._settings.patience
 
     def _shows_floor(self, x: float, y: float) -> bool:
-        if self._bright is None:
+        """Whether the disc of food at this place shows the floor in the newest frame."""
+        if self._segmentation is None:
             return False
         radius = self._settings.food_radius
-        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEAR, self._plates):
+        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, self._markers):
             return False
         u, v = self._calibration.to_picture(x, y, self._settings.food_height)
-        unit = self._calibration.stretch(u, v, self._settings.food_height).area
+        unit = self._calibration.jacobian(u, v, self._settings.food_height).area
         reach = radius / MM_PER_PIXEL / math.sqrt(unit)
-        rows, columns = SHAPE
+        rows, columns = FRAME_SHAPE
         if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
             return False
         left, right = math.floor(u - reach), math.ceil(u + reach)
@@ -86,21 +87,24 @@ class FloorWatch:
         across = np.arange(left, right) + 0.5 - u
         down = np.arange(top, bottom)[:, None] + 0.5 - v
         disc = across**2 + down**2 <= reach * reach
-        grey = self._bright.frame[top:bottom, left:right][disc].astype(np.float64)
-        white = self._bright.mask[top:bottom, left:right][disc] > 0
-        floor = self._bright.floor_at(math.floor(u), math.floor(v))
-        like = np.abs(grey - floor) <= _LIKE * floor
-        return bool(like.mean() >= _ENOUGH and white.mean() <= _WHITE)
+        grey = self._segmentation.frame[top:bottom, left:right][disc].astype(np.float64)
+        bright = self._segmentation.mask[top:bottom, left:right][disc] > 0
+        floor = self._segmentation.floor_at(math.floor(u), math.floor(v))
+        like_floor = np.abs(grey - floor) <= _FLOOR_TOLERANCE * floor
+        return bool(like_floor.mean() >= _MIN_FLOOR_SHARE and bright.mean() <= _MAX_BRIGHT_SHARE)
 
 
-def _plate(marker: Detection | Region) -> Plate:
+def _marker_pose(marker: Detection | Region) -> Plate:
     heading = math.radians(marker.orientation)
     return Plate(marker.x * MM_PER_PIXEL, marker.y * MM_PER_PIXEL, math.cos(heading), math.sin(heading))
 
 
-def _shown(region: Region, scene: Scene, shown: Sequence[Detection]) -> bool:
-    """Whether one of the markers of a frame is that of the last scene: any of its kind if there are enough of them."""
-    same = [d for d in shown if d.holes == region.holes]
+def _is_found(region: Region, scene: Scene, markers: Sequence[Detection]) -> bool:
+    """Whether a detected marker can be this region of the last scene.
+
+    Any marker with the same number of holes can be, if the frame shows all of them; otherwise only one within `GATE`.
+    """
+    same = [d for d in markers if d.holes == region.holes]
     return len(same) >= sum(r.holes == region.holes for r in scene.regions) or any(
         math.hypot(d.x - region.x, d.y - region.y) <= GATE for d in same
     )

@@ -1,4 +1,6 @@
-"""A marker turned upright: how many holes it has, and where (figures 3.8, 3.9)."""
+"""Number and position of the holes in a marker, from its rectified image (figures 3.8, 3.9)."""
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -7,29 +9,47 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 SAMPLE = 2.5
-"""mm on the floor between the samples of an upright marker."""
+"""mm on the floor between the samples of a rectified marker."""
 _RIM = 7.5
-"""mm along a marker's border in which nothing is counted: blur darkens it, and a fit may be off by a pixel."""
+"""Width in mm of the marker's border that is ignored: blur darkens it, and the fitted pose may be off by a pixel."""
 _BRIDGE = 5.0
-"""mm: bright things across a hole up to that wide (a light cable) do not split it."""
-_THIN = 0.6
-"""Share of a hole's side: what is thinner is no hole (a dark cable)."""
-_WIDE = 0.9
-"""The same for what runs to the marker's border: a wide cable, or a cable over a hole."""
+"""Width in mm up to which a bright object across a hole (a light cable) does not split the hole."""
+_MIN_WIDTH = 0.6
+"""Share of a hole's side; anything narrower is no hole but a dark cable."""
+_MIN_WIDTH_AT_BORDER = 0.9
+"""The same for dark shapes that reach the marker's border: a wide cable, or a cable over a hole."""
 _HOLE_AREA = (0.35, 1.8)
-"""Shares of a hole's area between which something dark is taken for one."""
-_HOLE_SIDE = 1.5
-"""Times a hole's side that a hole may be long."""
-_STRAY = 0.2
-"""Share of a hole's area: anything dark that is larger, no hole, and does not come in over the border, leaves the
-number of holes in doubt."""
+"""Least and greatest area of a hole, as shares of its true area."""
+_MAX_LENGTH = 1.5
+"""Greatest length of a hole, in sides of a hole."""
+_MAX_STRAY_AREA = 0.2
+"""Share of a hole's area. A larger dark spot that is no hole and does not reach the border makes the number of holes
+uncertain."""
 
 
-class HoleReader:
-    """Reads the holes in a marker, and says nothing when in doubt.
+class Holes(NamedTuple):
+    """The holes of a marker.
+
+    Attributes:
+        number: Number of holes.
+        offset: Distance in mm of their common centre from the middle of the marker towards the last column.
+        area: Their total area in square region pixels.
+    """
+
+    number: int
+    offset: float
+    area: float
+
+
+class HoleDetector:
+    """Detects the holes in a rectified marker, or rejects the marker if their number is uncertain.
 
     Args:
         settings: Sizes and contrast.
+
+    Attributes:
+        columns: Width of a rectified marker in samples.
+        rows: Height of a rectified marker in samples.
     """
 
     def __init__(self, settings: TrackerSettings) -> None:
@@ -38,80 +58,81 @@ class HoleReader:
         self.rows = round(settings.marker_width / SAMPLE)
         self._rim = round(_RIM / SAMPLE)
         self._side = side = settings.hole_side / SAMPLE
-        self._hole = side * side
-        self._close = np.ones((round(_BRIDGE / SAMPLE) + 1,) * 2, np.uint8)
-        self._open = np.ones((max(1, round(_THIN * side)),) * 2, np.uint8)
-        self._open_wide = np.ones((max(1, round(_WIDE * side)),) * 2, np.uint8)
+        self._hole_area = side * side
+        self._bridge_kernel = np.ones((round(_BRIDGE / SAMPLE) + 1,) * 2, np.uint8)
+        self._narrow_kernel = np.ones((max(1, round(_MIN_WIDTH * side)),) * 2, np.uint8)
+        self._wide_kernel = np.ones((max(1, round(_MIN_WIDTH_AT_BORDER * side)),) * 2, np.uint8)
 
-    def read(self, upright: Frame, level: float) -> tuple[int, float, float] | None:
+    def detect(self, rectified: Frame, level: float) -> Holes | None:
         """The holes of a marker.
 
         Args:
-            upright: Its grey levels, `rows` x `columns` samples, its axis along the rows.
-            level: Grey level of its white.
+            rectified: Grey levels of the marker, `rows` x `columns` samples, its long axis along the rows.
+            level: Grey level of the marker's white.
 
         Returns:
-            Their number, how far in mm their centre lies from the middle towards the last column, and their area in
-            square region pixels; None for no hole, or when cables leave their number in doubt.
+            None without holes, or when cables make their number uncertain.
         """
         import cv2
 
-        dark = cv2.compare(upright, level * self._contrast, cv2.CMP_LT)  # type: ignore[call-overload]
+        dark = cv2.compare(rectified, level * self._contrast, cv2.CMP_LT)  # type: ignore[call-overload]
         rim = self._rim
         dark[:rim], dark[-rim:], dark[:, :rim], dark[:, -rim:] = 0, 0, 0, 0
         if not dark.any():
             return None
-        clean = self._without_cables(cv2.morphologyEx(dark, cv2.MORPH_CLOSE, self._close))  # type: ignore[arg-type]
-        if clean is None:
+        closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, self._bridge_kernel)
+        holes = self._without_cables(closed)  # type: ignore[arg-type] # uint8
+        if holes is None:
             return None
-        count, _, stats, centres = cv2.connectedComponentsWithStats(clean)
-        if count == 1:
+        labels, _, stats, centres = cv2.connectedComponentsWithStats(holes)
+        if labels == 1:
             return None
-        if not all(self._within(*spot) for spot in stats[1:].tolist()):
+        if not all(self._is_hole(*component) for component in stats[1:].tolist()):
             return None
         areas = stats[1:, cv2.CC_STAT_AREA].tolist()
-        if self._doubtful(cv2.subtract(dark, cv2.dilate(clean, self._close))):  # type: ignore[arg-type] # uint8
+        if self._has_stray_spot(cv2.subtract(dark, cv2.dilate(holes, self._bridge_kernel))):  # type: ignore[arg-type] # uint8
             return None
-        ahead = float(centres[1:, 0].mean() + 0.5 - self.columns / 2) * SAMPLE
-        return count - 1, ahead, sum(areas) * (SAMPLE / MM_PER_PIXEL) ** 2
+        offset = float(centres[1:, 0].mean() + 0.5 - self.columns / 2) * SAMPLE
+        return Holes(labels - 1, offset, sum(areas) * (SAMPLE / MM_PER_PIXEL) ** 2)
 
     def _without_cables(self, dark: Frame) -> Frame | None:
-        """Only what is as wide as a hole; None when a cable is as wide as that, and could be taken for one.
+        """Only dark shapes as wide as a hole; None when a cable is so wide that it could be taken for a hole.
 
-        Cables run to the border, and holes do not, unless one lies under a cable.
+        Cables reach the border. Holes do not, unless a cable lies over them.
         """
         import cv2
 
         count, labels, stats, _ = cv2.connectedComponentsWithStats(dark)
-        running = [i for i in range(1, count) if not self._inner(*stats[i, :4].tolist())]
-        if not running:
-            return cv2.morphologyEx(dark, cv2.MORPH_OPEN, self._open)  # type: ignore[return-value] # uint8
-        cable = np.isin(labels, running)
-        holes = cv2.morphologyEx(np.where(cable, np.uint8(0), dark), cv2.MORPH_OPEN, self._open)
-        crossed = cv2.morphologyEx(np.where(cable, dark, np.uint8(0)), cv2.MORPH_OPEN, self._open_wide)
-        rest = np.where(cable & (cv2.dilate(crossed, self._close) == 0), dark, np.uint8(0))
-        if cv2.morphologyEx(rest, cv2.MORPH_OPEN, self._open).any():
+        at_border = [i for i in range(1, count) if not self._is_inside(*stats[i, :4].tolist())]
+        if not at_border:
+            return cv2.morphologyEx(dark, cv2.MORPH_OPEN, self._narrow_kernel)  # type: ignore[return-value] # uint8
+        cable = np.isin(labels, at_border)
+        holes = cv2.morphologyEx(np.where(cable, np.uint8(0), dark), cv2.MORPH_OPEN, self._narrow_kernel)
+        crossed = cv2.morphologyEx(np.where(cable, dark, np.uint8(0)), cv2.MORPH_OPEN, self._wide_kernel)
+        rest = np.where(cable & (cv2.dilate(crossed, self._bridge_kernel) == 0), dark, np.uint8(0))
+        if cv2.morphologyEx(rest, cv2.MORPH_OPEN, self._narrow_kernel).any():
             return None
         return cv2.bitwise_or(holes, crossed)  # type: ignore[return-value] # uint8
 
-    def _within(self, left: int, top: int, width: int, height: int, area: int) -> bool:
-        """Whether a dark spot is a hole: of its size, and clear of the border, to which a cable runs."""
-        least, most = (share * self._hole for share in _HOLE_AREA)
-        square = max(width, height) <= _HOLE_SIDE * self._side
-        return square and least <= area <= most and self._inner(left, top, width, height)
+    def _is_hole(self, left: int, top: int, width: int, height: int, area: int) -> bool:
+        """Whether a dark component has a hole's size and does not reach the border, as a cable does."""
+        least, most = (share * self._hole_area for share in _HOLE_AREA)
+        compact = max(width, height) <= _MAX_LENGTH * self._side
+        return compact and least <= area <= most and self._is_inside(left, top, width, height)
 
-    def _inner(self, left: int, top: int, width: int, height: int) -> bool:
+    def _is_inside(self, left: int, top: int, width: int, height: int) -> bool:
+        """Whether a bounding box is clear of the marker's border."""
         right, bottom = self.columns - self._rim, self.rows - self._rim
         return left > self._rim and top > self._rim and left + width < right and top + height < bottom
 
-    def _doubtful(self, stray: Frame) -> bool:
-        """Whether dark spots that are no holes may hide one: a cable reaches the border, half a hole does not."""
+    def _has_stray_spot(self, stray: Frame) -> bool:
+        """Whether a dark spot inside the marker may be part of a hole. Spots at the border are cables."""
         import cv2
 
-        if cv2.countNonZero(stray) < _STRAY * self._hole:
+        if cv2.countNonZero(stray) < _MAX_STRAY_AREA * self._hole_area:
             return False
         count, _, stats, _ = cv2.connectedComponentsWithStats(stray)
         for left, top, width, height, area in stats[1:count].tolist():
-            if area >= _STRAY * self._hole and self._inner(left, top, width, height):
+            if area >= _MAX_STRAY_AREA * self._hole_area and self._is_inside(left, top, width, height):
                 return True
         return False
