@@ -5,6 +5,10 @@ Importing the package registers `khepera_forage/Corridor-v0`, `Rectangle-v0`, `C
 """
 
 from khepera_forage.envs.registration import register_all
+from khepera_forage.noise import Noise
+from khepera_forage.task.decisions import Decisions
+
+__all__ = ["Decisions", "Noise", "__version__"]
 
 __version__ = "0.1.0"
 

@@ -1,4 +1,4 @@
-"""`khepera-forage train`: experience files g1.csv, g2.csv, ... as in the thesis (5.3)."""
+"""`khepera-forage train`: train a learner and write its experience files g1.csv, g2.csv, ... (5.3)."""
 
 import argparse
 import sys
@@ -8,69 +8,75 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from khepera_forage.cli.laboratory import add_lab_argument, report, training_env
-from khepera_forage.envs.training import PATIENCE, TrainingEnv
+from khepera_forage.cli.arguments import (
+    add_episodes_argument,
+    add_food_type_argument,
+    add_lab_argument,
+    add_num_learners_argument,
+    add_out_argument,
+    add_seed_argument,
+    new_experience_paths,
+    require_at_least_one,
+)
+from khepera_forage.cli.environments import print_late_rounds, training_env
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TrainingRow
+from khepera_forage.task.decisions import Decisions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The command's arguments."""
-    parser.add_argument(
-        "--episodes", type=int, default=10, help="complete training episodes, a file each (10)"
+    """Add the command's arguments."""
+    add_episodes_argument(parser, 10, "complete training episodes, one file each")
+    add_seed_argument(parser, "the same seed gives the same files")
+    add_out_argument(parser, "experience", "folder for g1.csv, g2.csv, ... and attempts.csv")
+    add_food_type_argument(parser)
+    add_num_learners_argument(
+        parser,
+        "learners, each in its own corridor; the first one records (1; with --lab FILE as many as it lists)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same files (0)")
     parser.add_argument(
-        "--out", type=Path, default=Path("experience"), help="folder for g1.csv, ... (experience)"
-    )
-    parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
-    parser.add_argument(
-        "--num-learners",
+        "--patience",
         type=int,
-        default=1,
-        help="in as many corridors; the first records (1; with --lab FILE as many as it has)",
+        default=Decisions().patience,
+        help=f"rounds that a learner may stay separated before the attempt ends ({Decisions().patience})",
     )
     parser.add_argument(
-        "--patience", type=int, default=PATIENCE, help=f"rounds of separation borne ({PATIENCE})"
-    )
-    parser.add_argument(
-        "--resume", action="store_true", help="pause and resume: put a lost learner beside the teacher"
+        "--resume",
+        action="store_true",
+        help="pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
     )
     add_lab_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Train, and say what it took.
+    """Train, and print a line for each episode.
 
     Raises:
-        ValueError: A number that is out of range.
-        HopelessTraining: None of many attempts at an episode was complete.
-        OSError: An experience file is there already; with `--lab`, what is in the way of the laboratory.
+        ValueError: A number is out of range.
+        IncompleteTrainingError: None of many attempts at an episode was complete.
+        OSError: An experience file is there already, or the laboratory of `--lab` cannot be used.
     """
-    if arguments.episodes < 1:
-        raise ValueError(f"--episodes is {arguments.episodes}; allowed: at least 1")
+    require_at_least_one("--episodes", arguments.episodes)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    paths = [arguments.out / f"g{number}.csv" for number in range(1, arguments.episodes + 1)]
-    for path in paths:
-        if path.exists():
-            raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
+    paths = new_experience_paths(arguments.out, arguments.episodes)
     with closing(training_env(arguments, patience=arguments.patience)) as env:
         with RowWriter(arguments.out / "attempts.csv", TrainingRow) as attempts:
             _train(env, paths, arguments, attempts)
-        report(env)
+        print_late_rounds(env)
     return 0
 
 
 def _train(
     env: TrainingEnv, paths: list[Path], arguments: argparse.Namespace, attempts: RowWriter[TrainingRow]
 ) -> None:
-    """A complete episode a file, and a row an attempt."""
-    quiet = arguments.lab is not None or not sys.stderr.isatty()  # an operator is asked on the same screen
+    """Write one file for each complete episode and one row for each attempt."""
+    # An operator of real robots answers questions on the screen that a progress bar would use.
+    hide_progress = arguments.lab is not None or not sys.stderr.isatty()
     seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
-    for number, (path, seed) in enumerate(
-        tqdm(list(zip(paths, seeds, strict=True)), unit="episode", disable=quiet), 1
-    ):
+    files = list(zip(paths, seeds, strict=True))
+    for number, (path, seed) in enumerate(tqdm(files, unit="episode", disable=hide_progress), 1):
         experience, rows = training.train(env, seed, file=number, path=path, resume=arguments.resume)
         attempts.write(*rows)
         print(

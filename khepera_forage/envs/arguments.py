@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.sim.arena import ARENAS, Arena
-from khepera_forage.sim.world import World
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
+from khepera_forage.sim.arena import ARENAS, Arena, SetUp, named_arena
+from khepera_forage.sim.world import Timing, World
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 
 FoodOdds = str | FoodType | Mapping[Any, float] | None
@@ -72,17 +74,44 @@ def food_odds(food_types: FoodOdds) -> tuple[float, float, float]:
     return pickable, pushable, poisonous
 
 
-def the_arena(arena: Arena | str) -> Arena:
-    """An arena that a user gave, or named.
+def checked_decisions(decisions: Any) -> Decisions:
+    """The decisions that a user gave, by default ours.
 
     Raises:
-        ValueError: A name that is not one of the thesis' arenas, or something else.
+        ValueError: Something else than `Decisions`.
+    """
+    if decisions is None:
+        return Decisions()
+    if isinstance(decisions, Decisions):
+        return decisions
+    raise ValueError(f"decisions is {decisions!r}; allowed: a khepera_forage.Decisions, or None")
+
+
+def checked_arena(arena: Arena | str, decisions: Decisions) -> Arena:
+    """An arena that a user gave, or named.
+
+    Args:
+        arena: An `Arena`, or the name of one of the thesis's.
+        decisions: Where start, food and home are in a named one (figure 5.1).
+
+    Raises:
+        ValueError: An unknown name, or something else.
     """
     if isinstance(arena, Arena):
         return arena
     if isinstance(arena, str) and arena in ARENAS:
-        return ARENAS[arena]
+        d = decisions
+        return named_arena(arena, SetUp(d.start_to_wall, d.food_to_home, d.home_to_wall, d.home_radius))
     raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+
+
+def timing_of(decisions: Decisions) -> Timing:
+    """How long a round of a world lasts, and how fast arm and jaw move."""
+    return Timing(
+        decisions.round_duration,
+        (ARM_DOWN - ARM_RAISED) / decisions.arm_travel_time,
+        (JAW_OPEN - JAW_CLOSED) / decisions.jaw_travel_time,
+    )
 
 
 def arenas_of(world: World, count: int) -> tuple[Arena, ...]:

@@ -66,7 +66,7 @@ class BehavioursEnv(RecallEnv[int]):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        diagonal = self._site.diagonal
+        diagonal = self._map.diagonal
         distance = spaces.Box(0, diagonal, (1,), np.int64)
         self.action_space = spaces.Discrete(10)  # type: ignore[assignment]
         self.observation_space = spaces.Dict(
@@ -87,7 +87,7 @@ class BehavioursEnv(RecallEnv[int]):
 
     def _observation(self, forager: Forager) -> Observation:
         presence, home, food_type, arm, food = forager.vector
-        diagonal = self._site.diagonal
+        diagonal = self._map.diagonal
         return {
             "object_presence": _WHOLE[presence],
             "robot_home_distance": np.array((min(home, diagonal),)),

@@ -8,14 +8,19 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
+from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
+    checked_arena,
+    checked_decisions,
     food_odds,
-    the_arena,
+    timing_of,
     whole_number,
 )
-from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.info import episode_info
+from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
 from khepera_forage.noise import Noise
@@ -23,16 +28,13 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
-from khepera_forage.task.placement import given_layout
-from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step
+from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour
-from khepera_forage.vision.scene import MM_PER_PIXEL
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
-MARKER = 2
-"""Holes of the marker of a robot that forages alone: the learner's."""
 
 
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
@@ -49,31 +51,46 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         food_types: FoodOdds = None,
         render_mode: str | None = None,
         world: World | None = None,
+        decisions: Decisions | None = None,
     ) -> None:
-        self.world: World = PymunkWorld([the_arena(arena)], (MARKER,), noise) if world is None else world
+        self.decisions = checked_decisions(decisions)
+        if world is None:
+            markers = (self.decisions.recall_marker,)
+            world = PymunkWorld(
+                [checked_arena(arena, self.decisions)], markers, noise, timing=timing_of(self.decisions)
+            )
+        self.world: World = world
         (self.arena,) = arenas_of(self.world, 1)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode)
         self._odds = food_odds(food_types)
-        self._site = site_of(self.arena)
+        self._map = arena_map_of(self.arena)
+        self._values = self.decisions.values()
+        self._key: int | None = None
+        self._episodes = 0
         self._forager: Forager | None = None
-        self._steps = self._correct = 0
+        self._episode = Episode()
         self._over = True
         self._executed: Behaviour | None = None
         self.confidence: tuple[float, ...] | None = None
-        """Confidence level of each behaviour, shown beside the picture; whoever decides may set it."""
+        """Confidence level of each behaviour, shown beside the picture; a policy's owner may set it."""
+
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
+        return "pymunk" if isinstance(self.world, PymunkWorld) else "laboratory"
 
     @property
     def home_radius(self) -> int:
         """Of the home, in pixels."""
-        return self._site.home_radius
+        return self._map.home_radius
 
     @property
     def diagonal(self) -> int:
         """Of the arena, in pixels."""
-        return self._site.diagonal
+        return self._map.diagonal
 
     @property
     def forager(self) -> Forager:
@@ -88,7 +105,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """Start an episode.
 
         Args:
-            seed: Makes the episode repeatable, bit for bit.
+            seed: Makes this episode and those that follow repeatable, bit for bit. The same seed has the same start,
+                food places and food types on every backend.
             options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object; what is left
                 out is random.
 
@@ -96,17 +114,20 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ValueError: Options that are unknown or place something off the free floor.
         """
         super().reset(seed=seed)
-        places, types, world = self.np_random.spawn(3)
-        self.layout = given_layout(self.arena, self.foods, options or {}, places)
-        self.world.reset(world, self.layout)
-        register = FoodRegister(
-            self._site,
-            [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in self.layout.foods],
-            FoodTypes(self.foods, self._odds, types),
+        if seed is not None or self._key is None:
+            self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
+            self._episodes = 0
+        key, episode = self._key, self._episodes
+        self._episodes += 1
+        self.layout = given_layout(
+            self.arena, self.foods, options or {}, layout_key(key, episode), self._values
         )
-        self._forager = Forager(self.world.robots[0], self._site, self.world.markers[0], register)
+        self.world.reset(self.np_random.spawn(1)[0], self.layout)
+        tracker = tracker_of(self.layout.foods)
+        draw_food_types(tracker.foods, food_type_key(key, episode), *self._odds[:2])
+        self._forager = Forager(self.world.robots[0], self._map, self.world.markers[0], tracker, self._values)
         self._forager.perceive(self.world.camera.look())
-        self._steps = self._correct = 0
+        begin_episode(self._episode, tracker)
         self._over = False
         self._executed = None
         if self.render_mode == "human":
@@ -120,15 +141,11 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ResetNeeded: Before the first reset, or after the end of an episode.
             ValueError: An action that is not in the action space.
         """
-        forager = self._forager or self.forager
+        forager, episode = self._forager or self.forager, self._episode
         if self._over:
-            raise ResetNeeded(f"the episode ended after {self._steps} steps; call reset() to start another")
+            raise ResetNeeded(f"the episode ended after {episode.steps} steps; call reset() to start another")
         motors = self._motors(action, forager)
-        register = forager.register
-        delivered, poison = register.delivered_food, register.poison_home
-        correct = self._is_correct(motors, forager)
-        self._steps += 1
-        self._correct += correct
+        begin_step(episode, forager.tracker, self._is_correct(motors, forager))
         try:
             forager.drive(motors)
             self.world.advance()
@@ -137,13 +154,17 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._over = True
             info = {**self._info(forager), "robot_lost": str(lost)}
             return self._observation(forager), -1.0 / self.limit, False, True, info
-        reward = (register.delivered_food - delivered) - (register.poison_home - poison) - 1.0 / self.limit
-        terminated = register.finished
-        truncated = not terminated and self._steps >= self.limit
-        self._over = terminated or truncated
+        end_step(episode, forager.tracker, self.limit)
+        self._over = episode.terminated or episode.truncated
         if self.render_mode == "human":
             self.render()
-        return self._observation(forager), reward, terminated, truncated, self._info(forager)
+        return (
+            self._observation(forager),
+            episode.reward,
+            episode.terminated,
+            episode.truncated,
+            self._info(forager),
+        )
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -159,7 +180,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             robots=(robot_shown("robot", forager, self.world, 0, None, self._executed, self.confidence),),
             foods=foods_shown(self.world, (forager,)),
             regions=scene.regions,
-            step=self._steps,
+            step=self._episode.steps,
             limit=self.limit,
             score=info["score"],
             delivered=info["delivered"],
@@ -184,17 +205,6 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """What the policy gets to know, in fresh arrays."""
 
     def _info(self, forager: Forager) -> dict[str, Any]:
-        register, raw = forager.register, forager.raw
-        delivered, deliverable = register.delivered_food, register.deliverable
-        state = int(forager.state)
-        return {
-            "state": state,
-            "correct_behaviour": state,
-            "pose": np.array((raw.x, raw.y, raw.orientation)),
-            "score": score(self._correct, self._steps, delivered, deliverable),
-            "penalty": penalty(delivered, deliverable),
-            "correct": self._correct,
-            "steps": self._steps,
-            "delivered": delivered,
-            "poison_home": register.poison_home,
-        }
+        raw = forager.raw
+        pose = np.array((raw.x, raw.y, raw.orientation))
+        return episode_info(int(forager.state), pose, self._episode, forager.tracker)

@@ -10,31 +10,33 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
+from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     behaviour_number,
+    checked_arena,
+    checked_decisions,
     food_odds,
-    the_arena,
+    timing_of,
     whole_number,
 )
-from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
-from khepera_forage.envs.training_episode import Demonstration
+from khepera_forage.envs.training_episode import TrainingEpisode
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
-from khepera_forage.task.placement import marked, training_layout
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 TEACHER = "teacher_0"
-PATIENCE = 100
-"""Rounds of separation after which an attempt counts as gone wrong: ten seconds. Our decision (5.3.1)."""
 
 
 class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
@@ -97,33 +99,43 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         arena: Arena | str = "corridor",
         noise: Noise | None = None,
         food_types: FoodOdds = None,
-        patience: int = PATIENCE,
+        patience: int | None = None,
         render_mode: str | None = None,
         world: World | None = None,
+        decisions: Decisions | None = None,
     ) -> None:
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
-        self.patience = whole_number("patience", patience, 1)
+        self.decisions = checked_decisions(decisions)
+        self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode)
         if world is None:
-            world = PymunkWorld(copies(the_arena(arena), learners + 1), (1,) + (2,) * learners, noise)
+            world = PymunkWorld(
+                copies(checked_arena(arena, self.decisions), learners + 1),
+                (1,) + (2,) * learners,
+                noise,
+                timing=timing_of(self.decisions),
+            )
         self.world: World = world
         self.arenas = arenas_of(world, learners + 1)
         self._noise = Noise.laboratory() if noise is None else noise
         self._odds = food_odds(food_types)
         self._markers = tuple(world.markers)
-        self._sites = [site_of(a) for a in self.arenas]
+        self._maps = [arena_map_of(a) for a in self.arenas]
+        self._values = self.decisions.values()
+        self._key: int | None = None
+        self._episodes = 0
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
-        diagonal = self._sites[0].diagonal
+        diagonal = self._maps[0].diagonal
         low = np.array((0, 0, 0, ARM_RAISED, 0, 0, 0))
         high = np.array((1, diagonal, 3, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
         self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
         self.action_spaces = {a: spaces.Discrete(11) for a in self.possible_agents}
         self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
-        self._attempt: Demonstration | None = None
+        self._attempt: TrainingEpisode | None = None
 
     def observation_space(self, agent: str) -> spaces.Box:
         """The space of every agent's observations."""
@@ -136,7 +148,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     @property
     def home_radius(self) -> int:
         """Of every home, in pixels."""
-        return self._sites[0].home_radius
+        return self._maps[0].home_radius
 
     @property
     def foragers(self) -> list[Forager]:
@@ -154,19 +166,22 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         Raises:
             ValueError: Options that are unknown or place something off the free floor.
         """
-        if seed is not None or not hasattr(self, "np_random"):
+        if seed is not None or self._key is None:
             self.np_random, _ = seeding.np_random(seed)
-        places, types, world = self.np_random.spawn(3)
-        layout = training_layout(marked(self.arenas, options or {}), self._noise, places)
-        self.world.reset(world, layout)
-        count = len(self.arenas[0].foods)
-        draws = FoodTypes(count, self._odds, types)
+            self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
+            self._episodes = 0
+        key, episode = self._key, self._episodes
+        self._episodes += 1
+        marked = arenas_with_marks(self.arenas, options or {})
+        layout = training_layout(marked, self._noise, layout_key(key, episode))
+        self.world.reset(self.np_random.spawn(1)[0], layout)
+        count = len(marked[0].foods)
         foragers = []
-        for i, (robot, site) in enumerate(zip(self.world.robots, self._sites, strict=True)):
-            foods = layout.foods[i * count : (i + 1) * count]
-            register = FoodRegister(site, [(f.x / MM_PER_PIXEL, f.y / MM_PER_PIXEL) for f in foods], draws)
-            foragers.append(Forager(robot, site, self._markers[i], register))
-        self._attempt = Demonstration(self.world, foragers)
+        for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
+            tracker = tracker_of(layout.foods[i * count : (i + 1) * count])
+            draw_food_types(tracker.foods, food_type_key(key, episode), *self._odds[:2])
+            foragers.append(Forager(robot, arena, self._markers[i], tracker, self._values))
+        self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self._values)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)
         self._cumulative_rewards = dict.fromkeys(self.agents, 0.0)
@@ -221,13 +236,13 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             raise ValueError(
                 f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
             )
-        company = self._begun.company
-        x, y, heading = company.teacher_beside(i)
+        pairing = self._begun.pairings[i]
+        x, y, degrees = pairing.teacher_x, pairing.teacher_y, pairing.teacher_orientation
         try:
-            self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(heading)))
+            self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(degrees)))
         except LOST as lost:
             self._cut_short(lost)
-        company.rounds[i] = 0
+        pairing.separated_rounds = 0
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -253,7 +268,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                     i,
                     heard=Behaviour(actions[0]) if i and started else None,
                     executed=Behaviour(actions[i]) if started else None,
-                    separated=attempt.company.apart[i],
+                    separated=attempt.pairings[i].separated,
                 )
                 for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
             ),
@@ -261,7 +276,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             regions=self.world.camera.look().regions,
             step=attempt.steps,
             limit=self.max_cycles,
-            delivered=sum(f.register.delivered_food for f in foragers),
+            delivered=sum(f.tracker.delivered for f in foragers),
             title="Training in paired corridors",
         )
 
@@ -270,19 +285,19 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.world.close()
         self._screen.close()
 
-    def _round(self, attempt: Demonstration) -> None:
+    def _round(self, attempt: TrainingEpisode) -> None:
         """Everybody's commands take effect together."""
         try:
-            gains = attempt.round()
+            rewards = attempt.round()
         except LOST as lost:
             self._cut_short(lost)
             return
         complete = attempt.complete
-        given_up = attempt.steps >= self.max_cycles or max(attempt.company.rounds) >= self.patience
+        over = attempt.over(complete)
         for i, agent in enumerate(self.agents):
-            self.rewards[agent] = gains[i] - 1.0 / self.max_cycles
+            self.rewards[agent] = rewards[i]
             self.terminations[agent] = complete
-            self.truncations[agent] = given_up and not complete
+            self.truncations[agent] = over and not complete
             self.infos[agent] = attempt.info(i, complete)
         if self.render_mode == "human":
             self.render()
@@ -295,7 +310,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self.infos[agent] = {**self._begun.info(i), "robot_lost": str(lost)}
 
     @property
-    def _begun(self) -> Demonstration:
+    def _begun(self) -> TrainingEpisode:
         if self._attempt is None:
             raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
         return self._attempt

@@ -9,105 +9,132 @@ from numpy.typing import NDArray
 from khepera_forage.envs.forager import Forager
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.world import World
-from khepera_forage.task.pairing import Company
-from khepera_forage.task.scoring import score
-from khepera_forage.task.states import CARRY_HEIGHT, Behaviour, FoodType
+from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step, has_done_its_part
+from khepera_forage.task.food_tracking import share_identified
+from khepera_forage.task.pairing import Pairing, attempt_ends, lead, update_pairing
+from khepera_forage.task.states import Behaviour
+from khepera_forage.vision.scene import Scene
 
-MAX_ATTEMPTS = 200
-"""Attempts after which a training episode counts as hopeless. Our decision."""
 
-
-class Demonstration:
+class TrainingEpisode:
     """Robots side by side in copies of one arena, the teacher first, and the account of what they do.
 
     Args:
         world: Already reset.
         foragers: Each in its own copy of the arena; they perceive the world's first frame here.
+        limit: Rounds after which the attempt is out of time.
+        patience: Rounds of separation after which it is given up.
+        decisions: Of the task.
 
     Attributes:
         foragers: As given.
-        company: Who is beside whom.
+        pairings: Each robot and its teacher; the teacher's own means nothing.
         actions: What each robot decided on last; WAIT before its first decision.
         steps: Rounds that are over.
     """
 
-    def __init__(self, world: World, foragers: Sequence[Forager]) -> None:
+    def __init__(
+        self, world: World, foragers: Sequence[Forager], limit: int, patience: int, decisions: DecisionValues
+    ) -> None:
         self._world = world
+        self._limit, self._patience, self._decisions = limit, patience, decisions
         self.foragers = list(foragers)
-        scene = world.camera.look()
-        for forager in self.foragers:
-            forager.perceive(scene)
-        self.company = Company(self.foragers)
+        self.pairings = [Pairing() for _ in self.foragers]
         self.actions = [int(Behaviour.WAIT)] * len(self.foragers)
         self.steps = 0
-        self._correct = [0] * len(self.foragers)
+        self._episodes = [Episode() for _ in self.foragers]
+        self._perceive(world.camera.look())
+        for episode, forager in zip(self._episodes, self.foragers, strict=True):
+            begin_episode(episode, forager.tracker)
+
+    @property
+    def any_separated(self) -> bool:
+        """Whether any learner is separated from the teacher."""
+        return any(pairing.separated for pairing in self.pairings)
 
     @property
     def complete(self) -> bool:
         """Whether every robot has done its part (5.3)."""
-        return all(map(_is_done, self.foragers))
+        return all(
+            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, self._decisions)
+            for f in self.foragers
+        )
+
+    def over(self, complete: bool) -> bool:
+        """Whether the attempt has ended, complete or not."""
+        longest = max(pairing.separated_rounds for pairing in self.pairings)
+        return attempt_ends(complete, self.steps, self._limit, longest, self._patience)
 
     def observe(self, i: int) -> NDArray[np.int64]:
         """What a robot perceives: its state vector, what it hears, whether it is separated; a fresh array."""
         presence, home, food_type, arm, food = self.foragers[i].vector
-        diagonal = self.foragers[i].site.diagonal
+        diagonal = self.foragers[i].arena.diagonal
         heard = self.actions[0] if i else Behaviour.WAIT
-        apart = self.company.apart[i] if i else any(self.company.apart)
+        separated = self.pairings[i].separated if i else self.any_separated
         return np.array(
-            (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, apart), np.int64
+            (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, separated), np.int64
         )
 
-    def round(self) -> list[int]:
-        """Everybody's commands take effect together.
+    def round(self) -> list[float]:
+        """Carry out one round: all commands take effect together.
 
         Returns:
-            Food that each robot has delivered in this round, less the poison it has brought home.
+            The reward of each robot.
         """
-        before = [_worth(forager) for forager in self.foragers]
         self.steps += 1
         for i, forager in enumerate(self.foragers):
-            self._correct[i] += self.actions[i] == forager.state
+            begin_step(self._episodes[i], forager.tracker, self.actions[i] == forager.state)
             forager.drive(self._motors_of(i, forager))
         self._world.advance()
-        scene = self._world.camera.look()
-        for forager in self.foragers:
-            forager.perceive(scene)
-        self.company.update()
-        return [_worth(forager) - old for forager, old in zip(self.foragers, before, strict=True)]
+        self._perceive(self._world.camera.look())
+        for episode, forager in zip(self._episodes, self.foragers, strict=True):
+            end_step(episode, forager.tracker, self._limit)
+        return [episode.reward for episode in self._episodes]
 
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:
-        """How a robot is getting on, in plain numbers."""
-        forager = self.foragers[i]
-        register, raw, state = forager.register, forager.raw, int(forager.state)
-        delivered = register.delivered_food
+        """A robot's info, in plain numbers."""
+        forager, episode, pairing = self.foragers[i], self._episodes[i], self.pairings[i]
+        raw, state = forager.raw, int(forager.state)
         return {
             "state": state,
             "correct_behaviour": state,
             "x": raw.x,
             "y": raw.y,
             "orientation": raw.orientation,
-            "score": score(self._correct[i], self.steps, delivered, register.deliverable),
-            "correct": self._correct[i],
-            "steps": self.steps,
-            "delivered": delivered,
-            "poison_home": register.poison_home,
+            "score": episode.score,
+            "correct": episode.correct,
+            "steps": episode.steps,
+            "delivered": forager.tracker.delivered,
+            "poison_home": forager.tracker.poison_home,
             "complete": int(complete),
-            "separated_rounds": self.company.rounds[i],
-            "separations": self.company.separations[i],
+            "separated_rounds": pairing.separated_rounds,
+            "separations": pairing.separations,
         }
 
+    def _perceive(self, scene: Scene) -> None:
+        """Let every robot perceive; what one identifies, the next ones know at once, and the others a round later."""
+        for i, forager in enumerate(self.foragers):
+            forager.perceive(scene)
+            for other in self.foragers[:i] + self.foragers[i + 1 :]:
+                share_identified(forager.tracker.foods, other.tracker.foods)
+        teacher = self.foragers[0]
+        for pairing, forager in zip(self.pairings[1:], self.foragers[1:], strict=True):
+            update_pairing(
+                pairing,
+                forager.raw.x,
+                forager.raw.y,
+                forager.arena,
+                teacher.raw.x,
+                teacher.raw.y,
+                teacher.raw.orientation,
+                teacher.arena,
+                self._decisions,
+            )
+
     def _motors_of(self, i: int, forager: Forager) -> Motors:
-        motors = forager.motors_for(self.actions[i])
-        return motors if i == 0 else self.company.lead(i, motors, silent=self.actions[i] == Behaviour.WAIT)
-
-
-def _worth(forager: Forager) -> int:
-    return forager.register.delivered_food - forager.register.poison_home
-
-
-def _is_done(forager: Forager) -> bool:
-    """Whether a robot has done its part of a training episode (5.3)."""
-    register, vector = forager.register, forager.vector
-    if FoodType.POISONOUS in register.known and (vector.object_presence or vector.arms_height > CARRY_HEIGHT):
-        return False  # Poison is avoided, not just known: otherwise nobody would ever be shown how.
-    return register.finished and vector.robot_home_distance > forager.site.home_radius
+        behaviour, raw = self.actions[i], forager.raw
+        motors = forager.motors_for(behaviour)
+        if i == 0:
+            return motors
+        return lead(self.pairings[i], motors, behaviour, raw.x, raw.y, raw.orientation, self._decisions)

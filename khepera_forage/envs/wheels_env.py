@@ -14,10 +14,10 @@ from khepera_forage.robots.khepera import (
     ARM_RAISED,
     JAW_CLOSED,
     JAW_OPEN,
-    MAX_SPEED,
     Motors,
     applicable,
 )
+from khepera_forage.task.actions import decode_motors
 
 
 class WheelsEnv(RecallEnv[NDArray[np.float64]]):
@@ -78,14 +78,8 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
         )
 
     def _motors(self, action: NDArray[np.float64], forager: Forager) -> Motors:
-        left, right, arm, jaw = motor_action(action).tolist()
         self._executed = None
-        return Motors(
-            left * MAX_SPEED,
-            right * MAX_SPEED,
-            round((ARM_DOWN + ARM_RAISED) / 2 - arm * (ARM_DOWN - ARM_RAISED) / 2),
-            JAW_CLOSED if jaw > 0 else JAW_OPEN,
-        )
+        return decode_motors(*motor_action(action).tolist())
 
     def _is_correct(self, motors: Motors, forager: Forager) -> bool:
         return applicable(motors) == applicable(forager.motors_for(forager.correct_behaviour))

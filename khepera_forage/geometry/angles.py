@@ -1,7 +1,7 @@
-"""Plane geometry in degrees, for everything in `foraging`.
+"""Angles and lengths in the plane. Plain functions, called from Python.
 
-Each of these is one call of `math` here. The compiled task has versions of its own, of the same accuracy, that run
-for many worlds at once: nothing else in `foraging` calls a transcendental function.
+Compiled code has its own versions of these, of the same accuracy, which run for many worlds at once
+(`compilation.trigonometry`): rules of the task call no other transcendental function.
 """
 
 import math
@@ -30,3 +30,8 @@ def sine(degrees: float) -> float:
 def arcsine(value: float) -> float:
     """The angle in degrees, -90..90, that has this sine."""
     return math.degrees(math.asin(value))
+
+
+def cosine_sine(radians: float) -> tuple[float, float]:
+    """Cosine and sine of an angle in radians."""
+    return math.cos(radians), math.sin(radians)

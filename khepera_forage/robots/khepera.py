@@ -4,6 +4,7 @@ Figures are those of the Khepera I (thesis 3.2) where sources differ between mod
 seconds; x is forward and y left of the robot's centre.
 """
 
+import math
 from typing import NamedTuple, Protocol
 
 # The body (thesis 3.2; sources KSIM2, K-Team).
@@ -101,19 +102,24 @@ class Senses(NamedTuple):
 def applicable(motors: Motors) -> Motors:
     """The command as a Khepera takes it: whole speed units within limits, arm within its travel, jaw open or shut.
 
+    Args:
+        motors: Finite numbers; see `check_finite`.
+    """
+    left = max(-MAX_SPEED, min(MAX_SPEED, math.floor(motors.left + 0.5)))
+    right = max(-MAX_SPEED, min(MAX_SPEED, math.floor(motors.right + 0.5)))
+    arm = max(ARM_RAISED, min(ARM_DOWN, math.floor(motors.arm + 0.5)))
+    return Motors(left, right, arm, JAW_OPEN if motors.jaw > JAW_OPEN / 2 else JAW_CLOSED)
+
+
+def check_finite(motors: Motors) -> None:
+    """Complain about a command that is not made of finite numbers.
+
     Raises:
-        ValueError: A value that is not a finite number.
+        ValueError: It is not.
     """
     left, right, arm, jaw = motors
     if not (left - left == 0 and right - right == 0 and arm - arm == 0 and jaw - jaw == 0):
         raise ValueError(f"{motors} cannot be driven: every value must be a finite number")
-    # Rounded half up, by way of a positive number: `int` alone rounds towards zero.
-    left, right = int(left + 1000.5) - 1000, int(right + 1000.5) - 1000
-    if not (-MAX_SPEED <= left <= MAX_SPEED and -MAX_SPEED <= right <= MAX_SPEED):
-        left, right = max(-MAX_SPEED, min(MAX_SPEED, left)), max(-MAX_SPEED, min(MAX_SPEED, right))
-    if not ARM_RAISED <= arm <= ARM_DOWN:
-        arm = ARM_DOWN if arm > ARM_DOWN else ARM_RAISED
-    return Motors(left, right, int(arm + 0.5), JAW_OPEN if jaw > JAW_OPEN / 2 else JAW_CLOSED)
 
 
 class RobotLost(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)

@@ -12,26 +12,28 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.states import CLOSE_TO_FOOD, Behaviour
+from khepera_forage.task.episode import DecisionCounts, count_decision
+from khepera_forage.task.food_tracking import is_collected
+from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 Watch = Callable[[], object]
 _Env = TypeVar("_Env", bound=gym.Env[Any, Any])
 
 
-class RecallCutShort(ConnectionError):  # noqa: N818 (what happened, in the words of whoever catches it)
+class RecallInterruptedError(ConnectionError):
     """A real robot or the camera was lost: the episode is no result."""
 
 
 def recall_env(
     arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
-    """The recall environment of one of the thesis' arenas.
+    """The recall environment of one of the thesis's arenas.
 
     Args:
         arena: `corridor` or `rectangle`.
         noise: The laboratory's troubles by default.
-        limit: Steps; the thesis' by default.
+        limit: Steps; the thesis's by default.
         **kwargs: Others of the environment.
     """
     return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
@@ -44,7 +46,7 @@ def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int |
         kind: Its class.
         name: As registered, without the name of this package.
         noise: The laboratory's troubles by default.
-        limit: Steps; the thesis' by default.
+        limit: Steps; the thesis's by default.
         **kwargs: Others of the environment.
     """
     if limit is not None:
@@ -78,19 +80,19 @@ def recall(
         noise: Name of the noise condition, for the row.
         replication: For the row.
         episodes: Training episodes the policy had, for the row.
-        file_id: The thesis' name of its training files, for the row.
+        file_id: The thesis's name of its training files, for the row.
         number: Of the recall with these files, for the row.
         experience_size: Experience vectors the policy had, for the row.
         watch: Called after the reset and after every step.
 
     Raises:
-        RecallCutShort: A real robot or the camera was lost; the robot was stopped.
+        RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
     """
     draws = np.random.default_rng((seed, 1))
     imitator = policy if isinstance(policy, NearestNeighbourImitator) else None
     observation, info = env.reset(seed=seed)
-    rounds, wrong = [0] * STATES, [0] * STATES
-    ghosts = ties = conflicts = 0
+    decisions, counts = env.decisions.values(), DecisionCounts()
+    ties = conflicts = 0
     over = False
     while not over:
         if imitator is not None:
@@ -105,20 +107,13 @@ def recall(
             action = Behaviour(policy.act(observation, draws))
         if watch is not None:
             watch()
-        correct = info["correct_behaviour"]
-        rounds[correct] += 1
-        wrong[correct] += action != correct
-        ghosts += (
-            action == Behaviour.ORIENT_WITH_FOOD
-            and action != correct
-            and env.forager.vector.robot_food_distance > CLOSE_TO_FOOD
-        )
+        count_decision(counts, info["state"], action, env.forager.vector.robot_food_distance, decisions)
         observation, _, terminated, truncated, info = env.step(action)
         over = terminated or truncated
     if watch is not None:
         watch()
     if "robot_lost" in info:
-        raise RecallCutShort(f"after {info['steps']} steps: {info['robot_lost']}")
+        raise RecallInterruptedError(f"after {info['steps']} steps: {info['robot_lost']}")
     start = env.layout.starts[0]
     x, y, heading = _in_arena(env.arena, start.x, start.y, start.heading)
     foods = [_in_arena(env.arena, food.x, food.y) for food in env.layout.foods]
@@ -141,13 +136,13 @@ def recall(
         poison_home=info["poison_home"],
         food_x=tuple(food[0] for food in foods),
         food_y=tuple(food[1] for food in foods),
-        food_delivered=tuple(env.forager.register.collected),
+        food_delivered=tuple(is_collected(food) for food in env.forager.tracker.foods),
         start_x=x,
         start_y=y,
         start_heading=heading,
-        rounds_by_state=tuple(rounds),
-        wrong_by_state=tuple(wrong),
-        orient_ghost=ghosts,
+        rounds_by_state=tuple(counts.by_state),
+        wrong_by_state=tuple(counts.wrong_by_state),
+        orient_without_food=counts.orient_without_food,
         ties=ties,
         conflicts=conflicts,
         experience_size=experience_size,

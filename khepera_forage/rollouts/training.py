@@ -1,8 +1,8 @@
-"""The training phase as functions (4.5, 5.3): attempts, until an episode is complete."""
+"""The training phase (4.5, 5.3): attempts at a training episode, until one is complete."""
 
 import logging
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,29 +15,30 @@ from khepera_forage.envs.training_episode import MAX_ATTEMPTS
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.rollouts.interrupts import interrupts_held
+from khepera_forage.rollouts.interrupts import delayed_interrupts
+from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
 from khepera_forage.task.states import Behaviour, StateVector
 
 ROBOT_LOST = "robot lost"
-"""The reason of an attempt in which a real robot, or the camera, was lost."""
+"""The reason of an attempt in which a real robot or the camera was lost."""
 _log = logging.getLogger(__name__)
 
 Record = Callable[[StateVector, Behaviour], None]
-Watch = Callable[[], object]
+"""Receives the learner's state vector and the behaviour that it heard with it."""
 
 
 class Attempt(NamedTuple):
-    """What came of one attempt at a training episode.
+    """The result of one attempt at a training episode.
 
     Attributes:
-        complete: Whether all robots delivered and left home (5.3).
-        rounds: MultiSteps it took.
-        separations: Times a learner got separated.
-        resumed: Times the learner was put beside the teacher (pause and resume).
-        reason: Why it is incomplete; empty for a complete one.
-        lost: Which robot was lost and how, or that the camera was; otherwise empty.
+        complete: Whether all robots delivered their food and left home (5.3).
+        rounds: Number of MultiSteps.
+        separations: How often a learner became separated.
+        resumed: How often a learner was placed beside the teacher (pause and resume).
+        reason: Why the attempt is incomplete; empty for a complete one.
+        lost: Which robot was lost and how, or that the camera was lost; otherwise empty.
     """
 
     complete: bool
@@ -48,7 +49,7 @@ class Attempt(NamedTuple):
     lost: str = ""
 
 
-class HopelessTraining(RuntimeError):  # noqa: N818 (it is a finding, as much as an error)
+class IncompleteTrainingError(RuntimeError):
     """No attempt at a training episode was complete."""
 
 
@@ -57,31 +58,30 @@ def attempt(
     seed: int,
     record: Record,
     resume: bool = False,
-    watch: Watch | None = None,
+    callback: Callback | None = None,
     *,
     teacher: Policy | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> Attempt:
-    """One attempt: the teacher forages and shouts, the learner hears, records, and does the same.
+    """Make one attempt: the teacher forages and announces its behaviours; the learner records and executes them.
 
     Args:
-        env: The paired corridors; with several learners, the first one's experience is recorded.
+        env: The paired corridors; with several learners, the experience of the first one is recorded.
         seed: Of the attempt.
-        record: Gets the first learner's state vector with each behaviour it hears, as it hears it.
-        resume: Pause and resume (5.3.1): a learner that is about to be given up is put beside the teacher.
-        watch: Called after every round.
-        teacher: Who shows and shouts; by default the teacher of section 4.4. It should WAIT for a learner that is
-            separated.
-        options: Of the environment's reset: other marks than those of figure 5.1.
+        record: Receives the first learner's state vector and behaviour whenever it hears one.
+        resume: Pause and resume (5.3.1): place a learner beside the teacher before it has been separated for too long.
+        callback: Called after every round.
+        teacher: Policy of the teacher; by default that of section 4.4. It should WAIT while a learner is separated.
+        options: For the environment's reset: other marks than those of figure 5.1.
     """
     listener = Listener()
     teacher = Teacher(env.home_radius) if teacher is None else teacher
-    draws = np.random.default_rng((seed, 1))
+    rng = np.random.default_rng((seed, 1))
     try:
         env.reset(seed=seed, options=None if options is None else dict(options))
     except LOST as error:
         return Attempt(False, 0, 0, 0, ROBOT_LOST, str(error))
-    last = env.possible_agents[-1]
+    last_agent = env.possible_agents[-1]
     resumed = 0
     while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
         for agent in env.possible_agents:
@@ -89,27 +89,82 @@ def attempt(
             policy: Policy = teacher if agent == TEACHER else listener
             if agent == "learner_0" and observation[HEARD] != Behaviour.WAIT:
                 record(StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD])))
-            env.step(int(policy.act(observation, draws)))
-            if agent == last and watch is not None:
-                watch()
+            env.step(int(policy.act(observation, rng)))
+            if agent == last_agent and callback is not None:
+                callback()
         if resume and not env.truncations[TEACHER]:
-            for agent in env.possible_agents[1:]:
-                if env.infos[agent]["separated_rounds"] == env.patience - 1:
-                    # Where there is no room beside the teacher, the attempt is given up after all.
-                    with suppress(ValueError):
-                        env.resume_beside(agent)
-                        resumed += 1
-    complete = env.terminations[TEACHER]
+            resumed += _resume_separated(env)
+    return _result(env, resumed)
+
+
+def _resume_separated(env: TrainingEnv) -> int:
+    """Place the learners beside the teacher that would end the attempt in the next round; returns their number."""
+    resumed = 0
+    for agent in env.possible_agents[1:]:
+        if env.infos[agent]["separated_rounds"] == env.patience - 1:
+            # Without room beside the teacher the learner stays, and the attempt ends.
+            with suppress(ValueError):
+                env.resume_beside(agent)
+                resumed += 1
+    return resumed
+
+
+def _result(env: TrainingEnv, resumed: int) -> Attempt:
+    """The result of an attempt that has ended."""
     infos = [env.infos[agent] for agent in env.possible_agents]
+    complete = env.terminations[TEACHER]
     rounds = infos[0]["steps"]
-    reason = "" if complete else "separated" if rounds < env.max_cycles else "out of time"
     lost = infos[0].get("robot_lost", "")
+    if lost:
+        reason = ROBOT_LOST
+    elif complete:
+        reason = ""
+    else:
+        reason = "separated" if rounds < env.max_cycles else "out of time"
     separations = sum(info["separations"] for info in infos)
-    return Attempt(complete, rounds, separations, resumed, ROBOT_LOST if lost else reason, lost)
+    return Attempt(complete, rounds, separations, resumed, reason, lost)
 
 
-class _CutShort(Exception):  # noqa: N818 (it ends a recording, and nothing more)
-    """The recording of an attempt ends before the attempt would have."""
+class _Recorder:
+    """The experience of one attempt, in memory and, with a path, in a file that grows with every vector."""
+
+    def __init__(self, path: Path | None) -> None:
+        self.vectors: list[StateVector] = []
+        self.behaviours: list[Behaviour] = []
+        self._path = path
+        self._writer: ExperienceWriter | None = None
+
+    def open(self, arena: str, seed: int) -> None:
+        """Create the file.
+
+        Raises:
+            FileExistsError: There is a file at the path.
+        """
+        if self._path is not None:
+            with delayed_interrupts():
+                self._writer = ExperienceWriter(self._path, arena, seed)
+
+    def record(self, vector: StateVector, behaviour: Behaviour) -> None:
+        """Append an experience vector."""
+        self.vectors.append(vector)
+        self.behaviours.append(behaviour)
+        if self._writer is not None:
+            self._writer.append(vector, behaviour)
+
+    def close(self, complete: bool) -> None:
+        """Close the file, with the closing line of a complete file or without it."""
+        if self._writer is not None:
+            self._writer.close(complete)
+
+    def abort(self) -> None:
+        """Close the file without a closing line after an exception; delete it if it holds no vector.
+
+        An operator may stop before anything happens; an empty file would be in the way of the next training.
+        """
+        if self._writer is not None:
+            self._writer.close(complete=False)
+            if not self.vectors:
+                self._writer.path.unlink()
 
 
 def train(
@@ -120,70 +175,51 @@ def train(
     file: int = 1,
     path: Path | None = None,
     resume: bool = False,
-    watch: Watch | None = None,
+    callback: Callback | None = None,
     *,
     teacher: Policy | None = None,
     options: Mapping[str, Any] | None = None,
     attempts: int = MAX_ATTEMPTS,
 ) -> tuple[Experience, list[TrainingRow]]:
-    """Demonstrate "as if it was the first time" until an episode is complete (5.2); incomplete ones are forgotten.
+    """Repeat a training episode "as if it was the first time" until it is complete; discard incomplete ones (5.2).
 
-    An attempt in which a real robot or the camera was lost is incomplete too, but what was recorded is kept beside
-    `path`, as `g1.lost-2.csv` for the second attempt at `g1.csv`, without the closing line of a complete file
-    (`Experience.load(..., recover=True)` reads it). A warning is logged that says so.
+    An attempt in which a real robot or the camera was lost is incomplete, but its experience is kept beside `path`: the
+    file of the second attempt at `g1.csv` is `g1.lost-2.csv`. That file has no closing line, so that only
+    `Experience.load(..., recover=True)` reads it. A warning is logged.
 
     Args:
         env: The paired corridors.
-        seed: Of the training; every attempt gets a seed of its own from it.
+        seed: Of the training; every attempt has its own seed, derived from it.
         noise: Name of the noise condition, for the rows.
         replication: For the rows.
         file: Number of the experience file, for the rows.
-        path: Where to write the experience as it happens; what is forgotten is removed from it again.
+        path: File to which the experience is written while it is recorded; discarded attempts leave no file.
         resume: Pause and resume (5.3.1).
-        watch: Called after every round.
-        teacher: Who shows and shouts; by default the teacher of section 4.4.
-        options: Of the environment's reset, in every attempt.
-        attempts: After so many incomplete ones it is given up.
+        callback: Called after every round.
+        teacher: Policy of the teacher; by default that of section 4.4.
+        options: For the environment's reset in every attempt.
+        attempts: Largest number of attempts.
 
     Returns:
-        The experience of the complete episode, and one row an attempt.
+        The experience of the complete episode, and one row for each attempt.
 
     Raises:
-        HopelessTraining: None of the attempts was complete.
+        IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
+    arena = env.arenas[0].name
     rows = []
+    attempts = env.decisions.most_attempts if attempts is None else attempts
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
-        vectors: list[StateVector] = []
-        behaviours: list[Behaviour] = []
-        arena = env.arenas[0].name
-        begun = False
+        recorder = _Recorder(path)
         try:
-            with suppress(_CutShort), ExitStack() as stack:
-                writer = None
-                if path is not None:
-                    with interrupts_held():
-                        writer = stack.enter_context(ExperienceWriter(path, arena, attempt_seed))
-                        begun = True
-
-                def record(
-                    vector: StateVector,
-                    behaviour: Behaviour,
-                    made: tuple[list[StateVector], list[Behaviour]] = (vectors, behaviours),
-                    writer: ExperienceWriter | None = writer,
-                ) -> None:
-                    made[0].append(vector)
-                    made[1].append(behaviour)
-                    if writer is not None:
-                        writer.append(vector, behaviour)
-
-                result = attempt(env, attempt_seed, record, resume, watch, teacher=teacher, options=options)
-                if result.lost:
-                    raise _CutShort
+            recorder.open(arena, attempt_seed)
+            result = attempt(
+                env, attempt_seed, recorder.record, resume, callback, teacher=teacher, options=options
+            )
+            recorder.close(complete=not result.lost)
         except BaseException:
-            # An operator may give up before anything happens: no file then stands in the way of the next training.
-            if begun and path is not None and not vectors:
-                path.unlink()
+            recorder.abort()
             raise
         rows.append(
             TrainingRow(
@@ -194,23 +230,23 @@ def train(
                 noise=noise,
                 complete=result.complete,
                 rounds=result.rounds,
-                vectors=len(vectors),
+                vectors=len(recorder.vectors),
                 separations=result.separations,
                 reason=result.reason,
             )
         )
         if result.complete:
-            return Experience(vectors, behaviours, arena=arena, seed=attempt_seed), rows
+            return Experience(recorder.vectors, recorder.behaviours, arena=arena, seed=attempt_seed), rows
         if result.lost:
-            _keep(path, number, len(vectors), result.lost)
+            _keep(path, number, len(recorder.vectors), result.lost)
         elif path is not None:
             path.unlink()
-    raise HopelessTraining(f"none of {attempts} attempts at a training episode was complete")
+    raise IncompleteTrainingError(f"none of {attempts} attempts at a training episode was complete")
 
 
 def _keep(path: Path | None, number: int, vectors: int, lost: str) -> None:
-    """Put what a cut-short attempt has recorded aside, and say where."""
-    where = "not kept: no file was asked for"
+    """Rename the file of an attempt in which a robot was lost, and log its new name."""
+    where = "not kept: training has no experience file"
     if path is not None:
         names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
         kept = next(name for name in names if not name.exists())
@@ -220,6 +256,6 @@ def _keep(path: Path | None, number: int, vectors: int, lost: str) -> None:
 
 
 def arrays(experiences: list[Experience]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """State vectors and behaviours of several files together, such as g135."""
+    """State vectors and behaviours of several experience files together, such as g135."""
     parts = [experience.arrays() for experience in experiences]
     return np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts])

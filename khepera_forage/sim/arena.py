@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from khepera_forage.geometry import polygon
+from khepera_forage.geometry.walls import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
 
@@ -83,6 +84,11 @@ class Arena:
         return polygon.all_edges((self.walls, *self.obstacles))
 
     @property
+    def wall_records(self) -> tuple[Wall, ...]:
+        """All walls as `geometry.walls.Wall` records, in mm."""
+        return walls_of((self.walls, *self.obstacles))
+
+    @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Smallest x and y and largest x and y of the walls."""
         return polygon.bounds(self.walls)
@@ -95,11 +101,7 @@ class Arena:
 
     def clearance(self, place: Point | Pose) -> float:
         """Distance from a place to the nearest wall, negative outside the free floor."""
-        x, y = place[0], place[1]
-        distance = polygon.nearest(x, y, self.segments)
-        inside = polygon.contains(self.walls, x, y)
-        blocked = any(polygon.contains(o, x, y) for o in self.obstacles) if self.obstacles else False
-        return distance if inside and not blocked else -distance
+        return clearance(place[0], place[1], self.wall_records)
 
     def check_free(self, what: str, place: Point | Pose, radius: float) -> None:
         """Complain if a disc does not fit on the free floor.
@@ -162,29 +164,63 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
     )
 
 
-def _box(length: float, width: float) -> tuple[Point, ...]:
-    return (Point(0, 0), Point(length, 0), Point(length, width), Point(0, width))
+class SetUp(NamedTuple):
+    """The set-up of figure 5.1 along an arena, in mm: start, food and home.
+
+    Attributes:
+        start_to_wall: From the robot's start to the wall behind it.
+        food_to_home: From the food to the centre of the home, along the arena.
+        home_to_wall: From the home's centre to the wall behind it.
+        home_radius: Of the home.
+    """
+
+    start_to_wall: float = 90.0
+    food_to_home: float = 180.0
+    home_to_wall: float = 100.0
+    home_radius: float = 100.0
 
 
-CORRIDOR = Arena(
-    name="corridor",
-    walls=_box(650.0, 230.0),
-    home=Point(550.0, 115.0),
-    home_radius=100.0,
-    start=Pose(90.0, 115.0, 0.0),
-    foods=(Point(370.0, 115.0),),
-)
-"""The training corridor, 230 x 650 mm (3.1): robot at one end, home at the other, food between, nearer home."""
+class _Shape(NamedTuple):
+    """Length and width of a rectangular arena, and how far beside its middle each food object lies, in mm."""
 
-RECTANGLE = Arena(
-    name="rectangle",
-    walls=_box(650.0, 600.0),
-    home=Point(550.0, 300.0),
-    home_radius=100.0,
-    start=Pose(90.0, 300.0, 0.0),
-    foods=(Point(370.0, 200.0), Point(370.0, 400.0)),
-)
-"""The rectangular evaluation arena, 600 x 650 mm (3.1), with the corridor's home and two food objects (5.4.2)."""
+    length: float
+    width: float
+    foods_aside: tuple[float, ...]
 
-ARENAS = {arena.name: arena for arena in (CORRIDOR, RECTANGLE)}
-"""The thesis' arenas by name."""
+
+_SHAPES = {
+    # The training corridor (3.1).
+    "corridor": _Shape(650.0, 230.0, (0.0,)),
+    # The evaluation arena (3.1), with the corridor's home and two food objects (5.4.2).
+    "rectangle": _Shape(650.0, 600.0, (-100.0, 100.0)),
+}
+
+
+def named_arena(name: str, set_up: SetUp | None = None) -> Arena:
+    """One of the thesis's arenas.
+
+    Args:
+        name: A key of `ARENAS`.
+        set_up: Where start, food and home are; by default our reading of figure 5.1.
+
+    Raises:
+        ValueError: An unknown name, or a set-up that does not fit.
+    """
+    if name not in _SHAPES:
+        raise ValueError(f"arena is {name!r}; allowed: an Arena, or one of {', '.join(map(repr, _SHAPES))}")
+    length, width, foods_aside = _SHAPES[name]
+    set_up = SetUp() if set_up is None else set_up
+    middle, home = width / 2, length - set_up.home_to_wall
+    return Arena(
+        name=name,
+        walls=(Point(0, 0), Point(length, 0), Point(length, width), Point(0, width)),
+        home=Point(home, middle),
+        home_radius=set_up.home_radius,
+        start=Pose(set_up.start_to_wall, middle, 0.0),
+        foods=tuple(Point(home - set_up.food_to_home, middle + aside) for aside in foods_aside),
+    )
+
+
+ARENAS = {name: named_arena(name) for name in _SHAPES}
+"""The thesis's arenas by name."""
+CORRIDOR, RECTANGLE = ARENAS["corridor"], ARENAS["rectangle"]

@@ -1,17 +1,9 @@
-"""Whether robots and food can stand where somebody wants to put them: the same rules in every world."""
+"""Checks of arenas and layouts, with errors that quote what is wrong: the same in every world."""
 
-import math
 from collections.abc import Sequence
 
-from khepera_forage.robots.khepera import (
-    FINGER_THICKNESS,
-    FINGER_TIP,
-    FOOD_RADIUS,
-    JAW_OPEN,
-    JAW_ROOT,
-    RADIUS,
-    half_gap,
-)
+from khepera_forage.robots.footprint import discs_are_apart, gripper_is_free
+from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -59,17 +51,11 @@ def check_robot(arena: Arena, pose: Pose) -> None:
         ValueError: It would; the message quotes the pose.
     """
     arena.check_free("robot", pose, RADIUS)
-    wide = half_gap(JAW_OPEN) + FINGER_THICKNESS
-    if arena.clearance(pose) > math.hypot(FINGER_TIP, wide):
-        return
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
-    for ahead in (JAW_ROOT, FINGER_TIP):
-        for aside in (-wide, wide):
-            if arena.clearance(Point(pose.x + ahead * c - aside * s, pose.y + ahead * s + aside * c)) < 0:
-                raise ValueError(
-                    f"{arena.name}: robot at ({pose.x:g}, {pose.y:g}) mm has its gripper in a wall; "
-                    f"allowed: {FINGER_TIP:g} mm ahead of its centre free"
-                )
+    if not gripper_is_free(pose.x, pose.y, pose.heading, 0.0, arena.wall_records):
+        raise ValueError(
+            f"{arena.name}: robot at ({pose.x:g}, {pose.y:g}) mm has its gripper in a wall; "
+            f"allowed: {FINGER_TIP:g} mm ahead of its centre free"
+        )
 
 
 def check_apart(layout: Layout) -> None:
@@ -82,7 +68,7 @@ def check_apart(layout: Layout) -> None:
     discs += [("food", food[0], food[1], FOOD_RADIUS) for food in layout.foods]
     for i, (what, x, y, radius) in enumerate(discs):
         for other, ox, oy, other_radius in discs[:i]:
-            if math.hypot(x - ox, y - oy) < radius + other_radius:
+            if not discs_are_apart(x, y, ox, oy, radius + other_radius):
                 raise ValueError(
                     f"{what} at ({x:g}, {y:g}) mm overlaps {other} at ({ox:g}, {oy:g}) mm; "
                     f"allowed: at least {radius + other_radius:g} mm apart"

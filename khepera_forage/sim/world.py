@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from khepera_forage.robots.khepera import Robot, RobotLost
+from khepera_forage.robots.khepera import ARM_SPEED, CONTROL_PERIOD, JAW_SPEED, Robot, RobotLost
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.vision.scene import Camera
 from khepera_forage.vision.video import CameraLost
@@ -24,6 +24,20 @@ class Layout(NamedTuple):
 
     starts: tuple[Pose, ...]
     foods: tuple[Point, ...]
+
+
+class Timing(NamedTuple):
+    """How a world moves in time.
+
+    Attributes:
+        round_duration: Seconds of one round.
+        arm_speed: Positions of the arm a second.
+        jaw_speed: Positions of the jaw a second.
+    """
+
+    round_duration: float = CONTROL_PERIOD
+    arm_speed: float = ARM_SPEED
+    jaw_speed: float = JAW_SPEED
 
 
 class FoodPlace(NamedTuple):

@@ -35,60 +35,48 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
     Motors,
 )
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from khepera_forage.task.steering import TURN, clip, detour, steer
+from khepera_forage.task.steering import clip, detour, steer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-_CIRCLE = 1.5
-"""Mean speed of a robot that sees no food: a circle of 16 mm across."""
-_FAST, _SLOW, _CREEP, _PUSHING, _RETREAT = 12.0, 8.0, 4.0, 8.0, 5.0
-
-_AIMED = 5.0
-"""Degrees within which a robot counts as oriented with food: half a finger's play at the tip."""
-_ASTRAY = 20.0
-"""Degrees off course beyond which a robot raises its arm again to turn to the food."""
 _CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
 """Pixels from which the fingers can come down, and swing, without touching the food."""
-_TOO_NEAR = 13.0
-"""Pixels to the food from which a robot that is not orienting backs off, so as not to shove it along."""
-_MISSED = 10.0
-"""Pixels nearer than which the food would have to be in the gripper; if it is not, the robot tries again."""
 _BEHIND = 9.0
 """Pixels to a wall behind from which a robot does not back off further."""
-_DEEP = 7.0
-"""Pixels inside the home where food is released: backing off, the robot is still at home when it lets go."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 
 
-def command(behaviour: int, raw: RawData) -> Motors:
+def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     """Motors for one step of a behaviour.
 
     Args:
         behaviour: A `Behaviour`, 0..10.
         raw: What the robot perceives now.
+        decisions: `DecisionValues`.
     """
     if behaviour == Behaviour.SEARCH_FOR_FOOD:
-        return _search(raw)
+        return _search(raw, decisions)
     if behaviour == Behaviour.MOVE_SLOWLY:
-        return _approach(raw, _SLOW, detour(raw))
+        return _approach(raw, decisions.slow_speed, detour(raw), decisions)
     if behaviour == Behaviour.ORIENT_WITH_FOOD:
-        return _orient(raw)
+        return _orient(raw, decisions)
     if behaviour == Behaviour.EXPLORE_FOOD:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if behaviour == Behaviour.PICK_UP_FOOD:
-        return _pick_up(raw)
+        return _pick_up(raw, decisions)
     if behaviour == Behaviour.PUSH_FOOD:
-        return _push(raw)
+        return _push(raw, decisions)
     if behaviour == Behaviour.AVOID_FOOD:
-        return Motors(-_SLOW, -_SLOW, ARM_DOWN, JAW_OPEN)
+        return Motors(-decisions.slow_speed, -decisions.slow_speed, ARM_DOWN, JAW_OPEN)
     if behaviour == Behaviour.GO_HOME:
-        return _go_home(raw)
+        return _go_home(raw, decisions)
     if behaviour == Behaviour.AVOID_HOME:
-        return _avoid_home(raw)
+        return _avoid_home(raw, decisions)
     if behaviour == Behaviour.RELEASE_FOOD:
-        return _release(raw)
+        return _release(raw, decisions)
     return wait(raw)
 
 
@@ -97,71 +85,80 @@ def wait(raw: RawData) -> Motors:
     return Motors(0.0, 0.0, raw.arm, JAW_CLOSED if raw.jaw <= _JAW_SHUT else JAW_OPEN)
 
 
-def _search(raw: RawData) -> Motors:
+def _search(raw: RawData, decisions: DecisionValues) -> Motors:
     if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
         # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
         # is just at home out of there (on the spot they would turn for ever).
-        return Motors(_CIRCLE - TURN, _CIRCLE + TURN, ARM_RAISED, JAW_OPEN)
-    return _approach(raw, _FAST, detour(raw))
+        return Motors(
+            decisions.circle_speed - decisions.turn_speed,
+            decisions.circle_speed + decisions.turn_speed,
+            ARM_RAISED,
+            JAW_OPEN,
+        )
+    return _approach(raw, decisions.search_speed, detour(raw), decisions)
 
 
-def _approach(raw: RawData, speed: float, aside: float = 0.0) -> Motors:
+def _approach(raw: RawData, speed: float, aside: float, decisions: DecisionValues) -> Motors:
     """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
-    near = raw.food_seen and raw.food_distance < _TOO_NEAR
+    near = raw.food_seen and raw.food_distance < decisions.back_off_distance
     if near or raw.arm >= ARM_ON_FLOOR:
         # First clear of what may lie between the fingers, such as poison.
-        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = steer(raw, raw.food_bearing + aside, speed)
+        return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, raw.food_bearing + aside, speed, decisions)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
-def _orient(raw: RawData) -> Motors:
+def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
     if raw.object_presence:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if not raw.food_seen:
-        return Motors(-_CREEP, _CREEP, ARM_DOWN, JAW_OPEN)
+        return Motors(-decisions.orient_speed, decisions.orient_speed, ARM_DOWN, JAW_OPEN)
     distance = raw.food_distance
     error = raw.food_bearing
-    if abs(error) > _ASTRAY:
+    if abs(error) > decisions.astray:
         # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
-        turn = math.copysign(TURN, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
+        turn = (
+            math.copysign(decisions.turn_speed, error)
+            if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR
+            else 0.0
+        )
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
-    if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < _MISSED):
-        return Motors(-_RETREAT, -_RETREAT, ARM_DOWN, JAW_CLOSED)
+    if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance):
+        return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # An arm that stops just above the floor has come down on something: back off that too.
         stalled = raw.arm == ARM_ON_FLOOR - 1
-        back = -_CREEP if distance < _CLEAR or stalled else 0.0
+        back = -decisions.orient_speed if distance < _CLEAR or stalled else 0.0
         turn = clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
-    if abs(error) > _AIMED:
+    if abs(error) > decisions.aimed:
         turn = math.copysign(1.0, error)
         return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
     turn = clip(error / 5.0, 1.0)
-    return Motors(_CREEP - turn, _CREEP + turn, ARM_DOWN, JAW_OPEN)
+    return Motors(decisions.orient_speed - turn, decisions.orient_speed + turn, ARM_DOWN, JAW_OPEN)
 
 
-def _pick_up(raw: RawData) -> Motors:
+def _pick_up(raw: RawData, decisions: DecisionValues) -> Motors:
     if raw.jaw > _JAW_SHUT or raw.object_presence:
         reach = 0.0 if raw.object_presence else 2.0
         return Motors(reach, reach, _arm_after_jaw(raw), JAW_CLOSED if raw.object_presence else JAW_OPEN)
     return Motors(0.0, 0.0, ARM_RAISED, JAW_CLOSED)
 
 
-def _push(raw: RawData) -> Motors:
+def _push(raw: RawData, decisions: DecisionValues) -> Motors:
     if raw.jaw > _JAW_SHUT:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_CLOSED)
-    left, right = steer(raw, raw.home_bearing, _PUSHING)
+    left, right = steer(raw, raw.home_bearing, decisions.push_speed, decisions)
     return Motors(left, right, ARM_DOWN, JAW_CLOSED)
 
 
-def _go_home(raw: RawData) -> Motors:
-    left, right = steer(raw, raw.home_bearing, _FAST)
+def _go_home(raw: RawData, decisions: DecisionValues) -> Motors:
+    left, right = steer(raw, raw.home_bearing, decisions.home_speed, decisions)
     return Motors(left, right, _arm_after_jaw(raw), JAW_CLOSED)
 
 
-def _avoid_home(raw: RawData) -> Motors:
+def _avoid_home(raw: RawData, decisions: DecisionValues) -> Motors:
     away = raw.orientation + raw.home_bearing + 180.0
     # Behind the home there is no way out: out means its open side.
     out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
@@ -169,17 +166,17 @@ def _avoid_home(raw: RawData) -> Motors:
     blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
     if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
         # Facing the home, with what was released in front of it, a robot leaves backwards.
-        return Motors(-_RETREAT, -_RETREAT, ARM_RAISED, JAW_OPEN)
-    left, right = steer(raw, error, _SLOW)
+        return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_RAISED, JAW_OPEN)
+    left, right = steer(raw, error, decisions.slow_speed, decisions)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
 
 
-def _release(raw: RawData) -> Motors:
+def _release(raw: RawData, decisions: DecisionValues) -> Motors:
     if raw.jaw > _JAW_SHUT:
-        back = -_RETREAT if raw.jaw > JAW_OPEN - 20 else 0.0
+        back = -decisions.retreat_speed if raw.jaw > JAW_OPEN - 20 else 0.0
         return Motors(back, back, ARM_DOWN, JAW_OPEN)
-    if raw.home_distance > raw.home_radius - _DEEP:
-        left, right = steer(raw, raw.home_bearing, _SLOW)
+    if raw.home_distance > raw.home_radius - decisions.release_depth:
+        left, right = steer(raw, raw.home_bearing, decisions.slow_speed, decisions)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.

@@ -2,21 +2,10 @@
 
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
-
-SEPARATION = 14.0
-"""Pixels between the learner and where the teacher is beyond which they are separated. Our decision."""
-SAME_PLACE = 2.0
-"""Pixels within which they are in about the same position. Our decision."""
-SAME_HEADING = 8.0
-"""Degrees within which they go in the same direction. Our decision."""
-NOMINAL_SPEED = 6.0
-"""Speed units of a learner that recovers while the teacher waits. Our decision: that of MOVE SLOWLY."""
-
-_GAIN = 0.1
-"""Speed units of difference a degree off course."""
+from khepera_forage.task.decisions import DecisionValues
 
 
-def separated(x: float, y: float, teacher_x: float, teacher_y: float) -> bool:
+def separated(x: float, y: float, teacher_x: float, teacher_y: float, decisions: DecisionValues) -> bool:
     """Whether the robots are significantly apart (4.5.2).
 
     Args:
@@ -24,8 +13,9 @@ def separated(x: float, y: float, teacher_x: float, teacher_y: float) -> bool:
         y: Of the learner.
         teacher_x: Of the teacher, moved into the learner's arena.
         teacher_y: Of the teacher, moved into the learner's arena.
+        decisions: `DecisionValues`.
     """
-    return length(teacher_x - x, teacher_y - y) > SEPARATION
+    return length(teacher_x - x, teacher_y - y) > decisions.separation
 
 
 def follow(
@@ -36,6 +26,7 @@ def follow(
     teacher_x: float,
     teacher_y: float,
     teacher_orientation: float,
+    decisions: DecisionValues,
 ) -> Motors:
     """Bend the learner's way towards the teacher.
 
@@ -50,19 +41,26 @@ def follow(
         teacher_x: Of the teacher, moved into the learner's arena.
         teacher_y: Of the teacher.
         teacher_orientation: Of the teacher, degrees.
+        decisions: `DecisionValues`.
     """
     mean = (motors.left + motors.right) / 2
     if mean <= 0.0:
         return motors
-    if length(teacher_x - x, teacher_y - y) <= SAME_PLACE:
+    if length(teacher_x - x, teacher_y - y) <= decisions.same_place:
         return motors
-    if abs(turn_to(teacher_orientation, orientation)) <= SAME_HEADING:
+    if abs(turn_to(teacher_orientation, orientation)) <= decisions.same_heading:
         return motors
-    return _arc(motors, mean, x, y, orientation, teacher_x, teacher_y)
+    return _arc(motors, mean, x, y, orientation, teacher_x, teacher_y, decisions.following_gain)
 
 
 def recover(
-    motors: Motors, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
+    motors: Motors,
+    x: float,
+    y: float,
+    orientation: float,
+    teacher_x: float,
+    teacher_y: float,
+    decisions: DecisionValues,
 ) -> Motors:
     """The arc at nominal speed by which a separated learner comes back while the teacher waits.
 
@@ -73,15 +71,24 @@ def recover(
         orientation: Of the learner, degrees.
         teacher_x: Of the teacher, moved into the learner's arena.
         teacher_y: Of the teacher.
+        decisions: `DecisionValues`.
     """
-    nominal = Motors(NOMINAL_SPEED, NOMINAL_SPEED, motors.arm, motors.jaw)
-    return _arc(nominal, NOMINAL_SPEED, x, y, orientation, teacher_x, teacher_y)
+    speed = decisions.recovery_speed
+    nominal = Motors(speed, speed, motors.arm, motors.jaw)
+    return _arc(nominal, speed, x, y, orientation, teacher_x, teacher_y, decisions.following_gain)
 
 
 def _arc(
-    motors: Motors, mean: float, x: float, y: float, orientation: float, teacher_x: float, teacher_y: float
+    motors: Motors,
+    mean: float,
+    x: float,
+    y: float,
+    orientation: float,
+    teacher_x: float,
+    teacher_y: float,
+    gain: float,
 ) -> Motors:
     error = turn_to(bearing_of(teacher_x - x, teacher_y - y), orientation)
     limit = min(mean, MAX_SPEED - mean)
-    turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + _GAIN * error))
+    turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + gain * error))
     return Motors(mean - turn, mean + turn, motors.arm, motors.jaw)

@@ -1,168 +1,244 @@
-"""What becomes of the food: drawn types, deliveries, and which regions are still candidates.
+"""The food tracker: which food object each track shows, what is delivered, and which food is nearest (4.2.2, 4.2.3).
 
-The camera knows regions, not objects; a region that was carried away is dropped, and what is set down elsewhere
-is a new one. The register ties the labels of regions to the food objects of an arena, through the gripper.
+The camera knows regions, not objects. A region that was carried away is dropped, and what is set down elsewhere is a
+new one. The food tracker links the tracks to the food objects of an arena, through the gripper.
+
+The functions take *records*: objects with the fields of `FoodTracker`, `FoodObject`, `Link`, and `vision.scene.Region`.
+In Python these are slotted dataclasses and named tuples, in compiled code records of numpy arrays.
 """
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
-import numpy as np
-
-from khepera_forage.robots.khepera import BARRIER, Motors, Senses
-from khepera_forage.task.identification import at_home, drawn_type, explored
-from khepera_forage.task.perception import Site, within
+from khepera_forage.geometry.angles import cosine_sine
+from khepera_forage.robots.khepera import BARRIER
+from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.identification import at_home
 from khepera_forage.task.states import FoodType
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
+_DEGREE = math.pi / 180.0
 
 
-class FoodTypes:
-    """The types of the food objects: drawn when an object is first identified, and known from then on.
-
-    Corresponding food of paired arenas shares one draw: what the teacher has identified, the learner knows too.
-
-    Args:
-        count: Number of food objects in each arena.
-        odds: Odds of PICKABLE, PUSHABLE and POISONOUS.
-        rng: Their own generator.
+@dataclass(slots=True)
+class FoodObject:
+    """One food object of an arena.
 
     Attributes:
-        known: Type of each object as far as it is identified.
+        x: Last known place in pixels.
+        y: Last known place in pixels.
+        type: A `FoodType`, drawn at the start of the episode.
+        known: The type as far as it is identified, otherwise UNKNOWN.
+        delivered: Whether it has been brought home.
+        carried: Whether it has been in the gripper since it was last seen: it may turn up as another track.
     """
 
-    def __init__(self, count: int, odds: tuple[float, float, float], rng: np.random.Generator) -> None:
-        # All uniform numbers are taken at once: which object is identified first changes no type.
-        self._types = [drawn_type(float(u), odds[0], odds[1]) for u in rng.random(count)]
-        self.known = [FoodType.UNKNOWN] * count
-
-    def identify(self, index: int) -> None:
-        """From now on the type of this object is known."""
-        self.known[index] = self._types[index]
+    x: float
+    y: float
+    type: int = 0
+    known: int = 0
+    delivered: bool = False
+    carried: bool = False
 
 
-class FoodRegister:
-    """The food of one arena, and the one robot that forages there.
+@dataclass(slots=True)
+class Link:
+    """Which food object a track shows; a free slot has label -1."""
 
-    Args:
-        site: The arena.
-        places: Where each food object lies at first, in pixels.
-        types: Shared by corresponding arenas.
+    label: int = -1
+    food: int = -1
+
+
+@dataclass(slots=True)
+class FoodTracker:
+    """What becomes of the food of one arena, and of the one robot that forages there.
 
     Attributes:
-        delivered: Whether each object has been brought home.
-        settled: Labels of regions that are no candidates for nearest food.
-        delivered_food: Objects brought home that are not poisonous.
-        poison_home: Poisonous objects brought home.
-        deliverable: Objects that are not known to be poisonous.
+        held: Number of the food object in the gripper; -1 without one.
+        type_in_gripper: Its type as far as it is identified; UNKNOWN without one.
+        delivered: Food objects brought home that are not poisonous.
+        poison_home: Poisonous food objects brought home.
+        deliverable: Food objects that are not known to be poisonous.
+        food_seen: Whether there is a candidate food.
+        food_x: Nearest candidate food in pixels; 0 without one.
+        food_y: Nearest candidate food in pixels; 0 without one.
+        foods: The food objects.
+        links: Twice as many slots as food objects.
     """
 
-    def __init__(self, site: Site, places: Sequence[tuple[float, float]], types: FoodTypes) -> None:
-        self._site = site
-        self._types = types
-        self._places = list(places)
-        self._objects: dict[int, int] = {}
-        self._held: int | None = None
-        # Objects that were in the gripper since they were last seen: they may turn up under another label.
-        self._carried: set[int] = set()
-        self.delivered = [False] * len(places)
-        self.settled: set[int] = set()
-        self._told: object = None
-        self.delivered_food = self.poison_home = 0
-        self.deliverable = len(places)
+    held: int = -1
+    type_in_gripper: int = 0
+    delivered: int = 0
+    poison_home: int = 0
+    deliverable: int = 0
+    food_seen: bool = False
+    food_x: float = 0.0
+    food_y: float = 0.0
+    foods: list[FoodObject] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
 
-    @property
-    def known(self) -> list[FoodType]:
-        """Type of each object as far as it is identified."""
-        return self._types.known
 
-    @property
-    def type_in_gripper(self) -> FoodType:
-        """Type of the object in the gripper; UNKNOWN without one or before it is identified."""
-        return FoodType.UNKNOWN if self._held is None else self.known[self._held]
+def update_food(
+    tracker: Any,
+    foods: Any,
+    links: Any,
+    tracks: Any,
+    arena: ArenaMap,
+    x: float,
+    y: float,
+    orientation: float,
+    object_present: bool,
+    explored: bool,
+) -> None:
+    """Account for one round: gripped, identified and delivered food, and the nearest candidate.
 
-    @property
-    def collected(self) -> list[bool]:
-        """Whether each object has been brought home and is not poisonous."""
-        return [d and k != FoodType.POISONOUS for d, k in zip(self.delivered, self.known, strict=True)]
+    Args:
+        tracker: The `FoodTracker` record; changed in place.
+        foods: Its `FoodObject` records; changed in place.
+        links: Its `Link` records; changed in place.
+        tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
+        arena: The arena of this robot.
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        orientation: Of the robot, degrees.
+        object_present: Whether the optical barrier is interrupted.
+        explored: Whether food has been explored in this round (`identification.explored`).
+    """
+    if object_present:
+        cosine, sine = cosine_sine(orientation * _DEGREE)
+        _follow_gripper(tracker, foods, x + _GRIPPER * cosine, y + _GRIPPER * sine, explored)
+    else:
+        tracker.held = -1
+    _follow_tracks(tracker, foods, links, tracks, arena)
+    _count(tracker, foods)
+    _find_nearest(tracker, foods, links, tracks, arena, x, y)
 
-    @property
-    def finished(self) -> bool:
-        """Whether every object is delivered or known to be poisonous."""
-        return self.delivered_food == self.deliverable
 
-    def _count(self) -> None:
-        poisonous = [k == FoodType.POISONOUS for k in self.known]
-        self.delivered_food = sum(self.collected)
-        self.poison_home = sum(d and p for d, p in zip(self.delivered, poisonous, strict=True))
-        self.deliverable = len(poisonous) - sum(poisonous)
-        self.settled = {
-            label
-            for label, k in self._objects.items()
-            if self.delivered[k] or (poisonous[k] and k != self._held)
-        }
+def share_identified(foods: Any, others: Any) -> None:
+    """Make known what has been identified in a corresponding arena: corresponding food is of one type (4.5)."""
+    for k in range(len(foods)):
+        if foods[k].known != FoodType.UNKNOWN:
+            others[k].known = foods[k].known
 
-    def object_of(self, label: int) -> int | None:
-        """Number of the food object that a region shows, if it is tied to one."""
-        return self._objects.get(label)
 
-    def update(self, scene: Scene, own: Region, before: Senses, after: Senses, applied: Motors) -> None:
-        """Take in what one round has brought.
+def is_finished(tracker: Any) -> bool:
+    """Whether every food object is delivered or known to be poisonous."""
+    return bool(tracker.delivered == tracker.deliverable)
 
-        Args:
-            scene: What the camera reports now.
-            own: The robot's own marker.
-            before: What the robot sensed when the round began.
-            after: What it senses now.
-            applied: What its motors did in between.
-        """
-        if after.object_presence:
-            heading = math.radians(own.orientation)
-            gripper = own.x + _GRIPPER * math.cos(heading), own.y + _GRIPPER * math.sin(heading)
-            if self._held is None:
-                self._held = self._nearest(gripper, range(len(self._places)))
-            self._places[self._held] = gripper
-            self._carried.add(self._held)
-            if self.known[self._held] == FoodType.UNKNOWN and explored(before, after, applied):
-                self._types.identify(self._held)
+
+def is_collected(food: Any) -> bool:
+    """Whether food has been brought home and is not poisonous."""
+    return bool(food.delivered and food.known != FoodType.POISONOUS)
+
+
+def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool) -> None:
+    """Food in the gripper is where the gripper is, and has been identified once it is explored."""
+    if tracker.held < 0:
+        nearest, best = 0, math.inf
+        for k in range(len(foods)):
+            dx, dy = foods[k].x - x, foods[k].y - y
+            squared = dx * dx + dy * dy
+            if squared < best:
+                nearest, best = k, squared
+        tracker.held = nearest
+    held = foods[tracker.held]
+    held.x, held.y, held.carried = x, y, True
+    if explored and held.known == FoodType.UNKNOWN:
+        held.known = held.type
+
+
+def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> None:
+    """Link new tracks to food objects, follow those that are found, and see which lie at home."""
+    for link in links:
+        if link.label >= 0 and not _is_watched(link.label, tracks, arena):
+            link.label = -1
+    for k in range(len(tracks)):
+        track = tracks[k]
+        if track.label < 0 or not track.found or track.holes != 0 or not is_within(track.x, track.y, arena):
+            continue
+        food = _linked_food(track.label, links)
+        if food < 0:
+            food = _link(track, foods, links)
+        if food < 0 or food == tracker.held:
+            continue
+        shown = foods[food]
+        shown.x, shown.y, shown.carried = track.x, track.y, False
+        if not shown.delivered and at_home(shown.x, shown.y, arena):
+            shown.delivered = True
+            shown.known = shown.type
+
+
+def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
+    """Whether there still is a track with this label in the arena."""
+    for track in tracks:
+        if track.label == label:
+            return is_within(track.x, track.y, arena)
+    return False
+
+
+def _linked_food(label: int, links: Any) -> int:
+    """Number of the food object that a track shows; -1 if it is not linked to one."""
+    for link in links:
+        if link.label == label:
+            return int(link.food)
+    return -1
+
+
+def _link(track: Any, foods: Any, links: Any) -> int:
+    """Link a new track to the nearest food object that no other track shows, or that was carried since."""
+    nearest, best = -1, math.inf
+    for k in range(len(foods)):
+        food = foods[k]
+        free = True
+        for link in links:
+            if link.label >= 0 and link.food == k:
+                free = False
+        dx, dy = food.x - track.x, food.y - track.y
+        squared = dx * dx + dy * dy
+        if (free or food.carried) and squared < best:
+            nearest, best = k, squared
+    if nearest >= 0:
+        for link in links:
+            if link.label < 0:
+                link.label, link.food = track.label, nearest
+                break
+    return nearest
+
+
+def _count(tracker: Any, foods: Any) -> None:
+    """Count delivered, poisonous and deliverable food."""
+    delivered, poison_home, deliverable = 0, 0, 0
+    for food in foods:
+        if food.known == FoodType.POISONOUS:
+            poison_home += 1 if food.delivered else 0
         else:
-            self._held = None
-        self._tie(scene)
-        if (self._held, self.known, self.delivered, self._objects) != self._told:
-            self._told = self._held, self.known[:], self.delivered[:], self._objects.copy()
-            self._count()
+            deliverable += 1
+            delivered += 1 if food.delivered else 0
+    tracker.delivered, tracker.poison_home, tracker.deliverable = delivered, poison_home, deliverable
+    tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else FoodType.UNKNOWN.value
 
-    def _tie(self, scene: Scene) -> None:
-        """Tie new regions to objects, follow them, and see which lie at home."""
-        site = self._site
-        labels = self._objects
-        live = set()
-        for region in scene.regions:
-            if region.holes or not within(region, site):
-                continue
-            live.add(region.label)
-            if not region.found:
-                continue
-            if region.label not in labels:
-                tied = {labels[r.label] for r in scene.regions if r.label in labels} - self._carried
-                free = [k for k in range(len(self._places)) if k not in tied]
-                if not free:
-                    continue
-                labels[region.label] = self._nearest((region.x, region.y), free)
-            k = labels[region.label]
-            if k == self._held:
-                continue
-            self._carried.discard(k)
-            self._places[k] = region.x, region.y
-            if not self.delivered[k] and at_home(
-                region.x, region.y, site.home_x, site.home_y, site.home_radius
-            ):
-                self.delivered[k] = True
-                self._types.identify(k)
-        for label in labels.keys() - live:
-            del labels[label]
 
-    def _nearest(self, place: tuple[float, float], objects: Sequence[int]) -> int:
-        return min(objects, key=lambda k: math.dist(place, self._places[k]))
+def _find_nearest(
+    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
+) -> None:
+    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food."""
+    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    best = math.inf
+    for track in tracks:
+        if track.label < 0 or track.holes != 0:
+            continue
+        dx, dy = track.x - x, track.y - y
+        squared = dx * dx + dy * dy
+        if squared < best and is_within(track.x, track.y, arena):
+            food = _linked_food(track.label, links)
+            if food < 0 or is_candidate(foods[food], food == tracker.held):
+                best = squared
+                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
+
+
+def is_candidate(food: Any, held: bool) -> bool:
+    """Whether food may be the nearest food: not delivered, and not known to be poisonous unless it is held."""
+    return not food.delivered and (food.known != FoodType.POISONOUS or held)

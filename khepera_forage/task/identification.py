@@ -2,6 +2,7 @@
 
 from khepera_forage.geometry.angles import length
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, Senses
+from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.states import FoodType
 
 _DOWN = ARM_DOWN - 3
@@ -43,6 +44,6 @@ def drawn_type(draw: float, pickable: float, pushable: float) -> FoodType:
     return FoodType.POISONOUS
 
 
-def at_home(x: float, y: float, home_x: float, home_y: float, home_radius: float) -> bool:
-    """Whether a food object's centre is inside the home; all in pixels."""
-    return length(x - home_x, y - home_y) <= home_radius
+def at_home(x: float, y: float, arena: ArenaMap) -> bool:
+    """Whether a food object's centre, in pixels, is inside the home."""
+    return bool(length(x - arena.home_x, y - arena.home_y) <= arena.home_radius)

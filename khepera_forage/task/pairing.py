@@ -1,56 +1,113 @@
-"""Teacher and learners beside each other: who is apart, and the way a learner is led (4.5.2)."""
+"""Teacher and learner beside each other (4.5, 4.5.2): separation, silence, and how the learner is led.
 
-from collections.abc import Sequence
+The functions take *records*: objects with the fields of `Pairing`.
+"""
 
-from khepera_forage.envs.forager import Forager
+from dataclasses import dataclass
+from typing import Any
+
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.following import follow, recover, separated
+from khepera_forage.task.states import Behaviour
 
 
-class Company:
-    """The robots of a training episode, the teacher first; its own entry in each list means nothing.
-
-    Args:
-        foragers: Each in its own copy of the arena.
+@dataclass(slots=True)
+class Pairing:
+    """One learner and its teacher.
 
     Attributes:
-        apart: Whether each learner is separated from the teacher.
-        rounds: For how many rounds it has been.
+        separated: Whether the learner is significantly apart from the teacher.
+        separated_rounds: For how many rounds it has been.
         separations: How often it has become so.
+        teacher_x: The teacher's place in the learner's arena, pixels.
+        teacher_y: The teacher's place in the learner's arena, pixels.
+        teacher_orientation: Degrees.
     """
 
-    def __init__(self, foragers: Sequence[Forager]) -> None:
-        self._foragers = foragers
-        count = len(foragers)
-        self.apart = [False] * count
-        self.rounds = [0] * count
-        self.separations = [0] * count
-        self.update()
+    separated: bool = False
+    separated_rounds: int = 0
+    separations: int = 0
+    teacher_x: float = 0.0
+    teacher_y: float = 0.0
+    teacher_orientation: float = 0.0
 
-    def teacher_beside(self, i: int) -> tuple[float, float, float]:
-        """Where the teacher is, moved into another robot's arena: x and y in pixels, degrees."""
-        teacher, there, here = self._foragers[0].raw, self._foragers[0].site, self._foragers[i].site
-        x = teacher.x + here.home_x - there.home_x
-        return x, teacher.y + here.home_y - there.home_y, teacher.orientation
 
-    def update(self) -> None:
-        """Look who is apart after a round."""
-        for i, forager in enumerate(self._foragers[1:], 1):
-            x, y, _ = self.teacher_beside(i)
-            apart = separated(forager.raw.x, forager.raw.y, x, y)
-            self.separations[i] += apart and not self.apart[i]
-            self.rounds[i] = self.rounds[i] + 1 if apart else 0
-            self.apart[i] = apart
+def update_pairing(
+    pairing: Any,
+    x: float,
+    y: float,
+    arena: ArenaMap,
+    teacher_x: float,
+    teacher_y: float,
+    teacher_orientation: float,
+    teacher_arena: ArenaMap,
+    decisions: DecisionValues,
+) -> None:
+    """Account for one round.
 
-    def lead(self, i: int, motors: Motors, silent: bool) -> Motors:
-        """A learner's motors, bent towards the teacher.
+    Args:
+        pairing: The `Pairing` record; changed in place.
+        x: Of the learner, pixels.
+        y: Of the learner.
+        arena: The learner's.
+        teacher_x: Of the teacher, in its own arena.
+        teacher_y: Of the teacher, in its own arena.
+        teacher_orientation: Degrees.
+        teacher_arena: The teacher's.
+        decisions: `DecisionValues`.
+    """
+    pairing.teacher_x = teacher_x + arena.home_x - teacher_arena.home_x
+    pairing.teacher_y = teacher_y + arena.home_y - teacher_arena.home_y
+    pairing.teacher_orientation = teacher_orientation
+    apart = separated(x, y, pairing.teacher_x, pairing.teacher_y, decisions)
+    if apart and not pairing.separated:
+        pairing.separations += 1
+    pairing.separated_rounds = pairing.separated_rounds + 1 if apart else 0
+    pairing.separated = apart
 
-        Args:
-            i: The learner.
-            motors: What its behaviour commands.
-            silent: Whether it hears nothing; if it is apart too, it recovers.
-        """
-        own, (x, y, orientation) = self._foragers[i].raw, self.teacher_beside(i)
-        if self.apart[i] and silent:
-            return recover(motors, own.x, own.y, own.orientation, x, y)
-        return follow(motors, own.x, own.y, own.orientation, x, y, orientation)
+
+def teacher_says(state: int, any_separated: bool) -> int:
+    """What the teacher executes and says (4.5): WAIT, which is silence, while a learner is separated."""
+    # States and behaviours correspond one to one (4.4.1).
+    return Behaviour.WAIT.value if any_separated else state
+
+
+def lead(
+    pairing: Any,
+    motors: Motors,
+    behaviour: int,
+    x: float,
+    y: float,
+    orientation: float,
+    decisions: DecisionValues,
+) -> Motors:
+    """A learner's motors, bent towards the teacher (4.5.2).
+
+    Args:
+        pairing: The `Pairing` record.
+        motors: What the learner's behaviour commands.
+        behaviour: That behaviour; a separated learner that waits recovers.
+        x: Of the learner, pixels.
+        y: Of the learner.
+        orientation: Of the learner, degrees.
+        decisions: `DecisionValues`.
+    """
+    if pairing.separated and behaviour == Behaviour.WAIT:
+        return recover(motors, x, y, orientation, pairing.teacher_x, pairing.teacher_y, decisions)
+    return follow(
+        motors,
+        x,
+        y,
+        orientation,
+        pairing.teacher_x,
+        pairing.teacher_y,
+        pairing.teacher_orientation,
+        decisions,
+    )
+
+
+def attempt_ends(complete: bool, rounds: int, limit: int, separated_rounds: int, patience: int) -> bool:
+    """Whether an attempt at a training episode has ended: complete, out of time, or separated for too long (5.3.1)."""
+    return complete or rounds >= limit or separated_rounds >= patience

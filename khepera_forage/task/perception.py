@@ -1,44 +1,15 @@
 """Scene and Senses to raw data (4.2.2), and raw data to the state vector (4.3)."""
 
 import math
-from collections.abc import Container
 from typing import NamedTuple
 
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
+from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Senses
+from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.vision.scene import Region, Scene
-
-_OUTSIDE = 4.0
-"""Pixels by which a region may seem to lie outside its enclosure and still belong to it."""
-
-
-class Site(NamedTuple):
-    """What a robot knows of its own arena from the beginning, in pixels.
-
-    Attributes:
-        home_x: Centre of its home.
-        home_y: Centre of its home.
-        home_radius: Whole pixels.
-        home_opening: Degrees from the home to the middle of the floor: the side on which it can be passed.
-        diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
-        bounds: Smallest x and y, largest x and y.
-        walls: For each wall one end, the way to the other, and the square of its length.
-    """
-
-    home_x: float
-    home_y: float
-    home_radius: int
-    home_opening: float
-    diagonal: int
-    bounds: tuple[float, float, float, float]
-    walls: tuple[tuple[float, float, float, float, float], ...]
-
-
-def wall_of(x1: float, y1: float, x2: float, y2: float) -> tuple[float, float, float, float, float]:
-    """A wall between two points as `Site.walls` keeps it."""
-    ex, ey = x2 - x1, y2 - y1
-    return x1, y1, ex, ey, ex * ex + ey * ey
 
 
 class RawData(NamedTuple):
@@ -93,78 +64,45 @@ class RawData(NamedTuple):
     food_bearing: float
 
 
-def within(region: Region, site: Site) -> bool:
-    """Whether a region lies in this enclosure."""
-    x1, y1, x2, y2 = site.bounds
-    return x1 - _OUTSIDE <= region.x <= x2 + _OUTSIDE and y1 - _OUTSIDE <= region.y <= y2 + _OUTSIDE
-
-
-def own_region(scene: Scene, site: Site, holes: int) -> Region | None:
+def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
     """The robot's own marker: the region with as many holes in its own enclosure; None before it was ever seen."""
     for region in scene.regions:
-        if region.holes == holes and within(region, site):
+        if region.holes == holes and is_within(region.x, region.y, arena):
             return region
     return None
 
 
-def nearest_food(scene: Scene, site: Site, x: float, y: float, settled: Container[int]) -> Region | None:
-    """The nearest region without holes in the enclosure whose label is not settled; None without one.
-
-    Args:
-        scene: What the camera reports.
-        site: The enclosure.
-        x: Of the robot.
-        y: Of the robot.
-        settled: Labels that are no candidates: delivered or known to be poisonous.
-    """
-    nearest = None
-    best = math.inf
-    for region in scene.regions:
-        if not region.holes and region.label not in settled and within(region, site):
-            dx, dy = region.x - x, region.y - y
-            squared = dx * dx + dy * dy
-            if squared < best:
-                nearest, best = region, squared
-    return nearest
-
-
-def perceive(senses: Senses, own: Region, food: Region | None, food_type: int, site: Site) -> RawData:
-    """Raw data of one robot.
+def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap) -> RawData:
+    """Raw data of one robot, after the food tracker has accounted for the round.
 
     Args:
         senses: What the robot reports of itself.
         own: Its marker's region.
-        food: Region of the nearest candidate food, if any.
-        food_type: Of the object in the gripper, as far as it is known.
-        site: Its enclosure.
+        tracker: The food tracker of its arena.
+        arena: Its arena.
     """
     x, y = own.x, own.y
     nearest = math.inf
     wall_x = wall_y = 0.0
-    for x1, y1, ex, ey, long in site.walls:
-        # `way_to_wall`, written out: four calls would take one part in sixty of a simulated step.
-        t = ((x - x1) * ex + (y - y1) * ey) / long
-        t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-        dx, dy = x1 + t * ex - x, y1 + t * ey - y
+    for wall in arena.walls:
+        dx, dy = to_wall(x, y, wall)
         squared = dx * dx + dy * dy
         if squared < nearest:
             nearest, wall_x, wall_y = squared, dx, dy
-    if food is None:
-        return raw_data(
-            senses, x, y, own.orientation, own.found, False, 0.0, 0.0, food_type, wall_x, wall_y, site
-        )
     return raw_data(
-        senses, x, y, own.orientation, own.found, True, food.x, food.y, food_type, wall_x, wall_y, site
+        senses,
+        x,
+        y,
+        own.orientation,
+        own.found,
+        tracker.food_seen,
+        tracker.food_x,
+        tracker.food_y,
+        tracker.type_in_gripper,
+        wall_x,
+        wall_y,
+        arena,
     )
-
-
-def way_to_wall(
-    x: float, y: float, x1: float, y1: float, ex: float, ey: float, squared: float
-) -> tuple[float, float]:
-    """From a place to the nearest point of a wall as `Site.walls` keeps it."""
-    t = ((x - x1) * ex + (y - y1) * ey) / squared
-    t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-    return x1 + t * ex - x, y1 + t * ey - y
 
 
 def raw_data(
@@ -179,7 +117,7 @@ def raw_data(
     food_type: int,
     wall_x: float,
     wall_y: float,
-    site: Site,
+    arena: ArenaMap,
 ) -> RawData:
     """Raw data of one robot, once its regions have been picked from the scene.
 
@@ -195,10 +133,10 @@ def raw_data(
         food_type: Of the object in the gripper, as far as it is known.
         wall_x: From the robot to the nearest point of a wall.
         wall_y: From the robot to the nearest point of a wall.
-        site: Its enclosure.
+        arena: Its arena.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
-    home_x, home_y = site.home_x - x, site.home_y - y
+    home_x, home_y = arena.home_x - x, arena.home_y - y
     to_x, to_y = food_x - x, food_y - y
     food_distance, food_bearing = length(to_x, to_y), turn_to(bearing_of(to_x, to_y), orientation)
     return RawData(
@@ -214,10 +152,10 @@ def raw_data(
         food_x,
         food_y,
         food_type if senses.object_presence else FoodType.UNKNOWN,
-        site.home_x,
-        site.home_y,
-        site.home_radius,
-        site.home_opening,
+        arena.home_x,
+        arena.home_y,
+        arena.home_radius,
+        arena.home_opening,
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
         length(home_x, home_y),

@@ -4,6 +4,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from khepera_forage.robots.khepera import ARM_RAISED
+from khepera_forage.task.decisions import FARTHER_STATE, DecisionValues
 
 
 class FoodType(IntEnum):
@@ -48,7 +49,7 @@ class Behaviour(IntEnum):
 
 
 BEHAVIOURS = tuple(Behaviour)
-"""By number: looking one up here is ten times as fast as making it of its number."""
+"""Behaviours by number: this lookup is ten times as fast as calling the enum."""
 
 
 class StateVector(NamedTuple):
@@ -69,26 +70,18 @@ class StateVector(NamedTuple):
     robot_food_distance: int
 
 
-NEXT_TO_FOOD = 20
-"""RobotNextToFoodThreshold in pixels: 100 mm, where a lowering gripper just clears the food. Our decision."""
-CLOSE_TO_FOOD = 30
-"""RobotCloseToFoodThreshold in pixels. Our decision."""
-CARRY_HEIGHT = ARM_RAISED + 10
-"""Up to this position an arm counts as raised (figure 4.2: PickUpHeight + 10)."""
-
-
-def classify(vector: StateVector, home_radius: int) -> State:
+def classify(vector: StateVector, home_radius: float, decisions: DecisionValues) -> State:
     """The state that a state vector stands for: the tree of figure 4.2.
-
-    Ties go to the nearer state: at home, next to and close to food when the distance equals the threshold.
 
     Args:
         vector: What is perceived now.
         home_radius: In pixels.
+        decisions: `DecisionValues`.
     """
     presence, home, food_type, arm, food = vector
+    at_home = _reaches(home, home_radius, decisions)
     if presence:
-        if home <= home_radius:
+        if at_home:
             return State.AT_HOME_WITH_FOOD
         if food_type == FoodType.UNKNOWN:
             return State.ORIENTED_WITH_FOOD
@@ -97,15 +90,27 @@ def classify(vector: StateVector, home_radius: int) -> State:
         if food_type == FoodType.PUSHABLE:
             return State.READY_TO_PUSH_FOOD
         if food_type == FoodType.PICKABLE:
-            return State.READY_TO_PICK_UP_FOOD if arm > CARRY_HEIGHT else State.FOOD_IN_HAND
+            return State.FOOD_IN_HAND if is_raised(arm, decisions) else State.READY_TO_PICK_UP_FOOD
         return State.UNKNOWN
-    if home <= home_radius:
+    if at_home:
         return State.AT_HOME_NO_FOOD
-    if food <= NEXT_TO_FOOD:
+    if _reaches(food, decisions.next_to_food, decisions):
         return State.NEXT_TO_FOOD
-    if food <= CLOSE_TO_FOOD:
+    if _reaches(food, decisions.close_to_food, decisions):
         return State.CLOSE_TO_FOOD
     return State.SEARCH
+
+
+def is_raised(arm: int, decisions: DecisionValues) -> bool:
+    """Whether an arm counts as raised (figure 4.2: up to PickUpHeight + 10)."""
+    return bool(arm <= ARM_RAISED + decisions.carry_margin)
+
+
+def _reaches(distance: float, threshold: float, decisions: DecisionValues) -> bool:
+    """Whether a distance belongs to the nearer state of a threshold."""
+    if decisions.equal_distance == FARTHER_STATE:
+        return bool(distance < threshold)
+    return bool(distance <= threshold)
 
 
 def behaviour_for(state: State) -> Behaviour:

@@ -4,11 +4,10 @@ import math
 
 from khepera_forage.geometry.angles import arcsine, sine, turn_to
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-TURN, QUICK_TURN = 5.0, 8.0
-"""Speed units of each wheel in a turn on the spot, by up to 70 degrees and by more."""
 _CAREFUL = 8.0
 """Speed units in front of an obstacle, and back from one."""
 _ON_THE_SPOT = 35.0
@@ -47,10 +46,10 @@ def detour(raw: RawData) -> float:
     return math.copysign(berth, side) - aside
 
 
-def steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
+def steer(raw: RawData, error: float, speed: float, decisions: DecisionValues) -> tuple[float, float]:
     """Wheels that turn by `error` degrees while driving, off walls and obstacles."""
     if abs(error) > _ON_THE_SPOT:
-        return _turn_on_the_spot(raw, error)
+        return _turn_on_the_spot(raw, error, decisions)
     turn = error * (0.3 if abs(error) > 10.0 else 0.2)
     if raw.arm < ARM_ON_FLOOR:
         a, b, c, d, e, f = raw.proximity
@@ -64,9 +63,9 @@ def steer(raw: RawData, error: float, speed: float) -> tuple[float, float]:
     return speed - turn, speed + turn
 
 
-def _turn_on_the_spot(raw: RawData, error: float) -> tuple[float, float]:
+def _turn_on_the_spot(raw: RawData, error: float, decisions: DecisionValues) -> tuple[float, float]:
     """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
-    turn = math.copysign(QUICK_TURN if abs(error) > 70.0 else TURN, error)
+    turn = math.copysign(decisions.quick_turn_speed if abs(error) > 70.0 else decisions.turn_speed, error)
     wall = raw.wall_bearing
     if raw.wall_distance < _SWING:
         if abs(wall) < 30.0:

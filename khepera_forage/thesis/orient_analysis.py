@@ -1,7 +1,7 @@
-"""Why 'orient with food' is missed: what votes when the robot has come next to food with its arm still raised.
+"""Why 'orient with food' is missed: the imitator's confidence in it when a robot arrives next to food (5.4.1.2).
 
-It is the moment on which failures hang (5.4.1.2). No simulation is needed to look at it: the votes of an imitator
-are a function of its experience and of where the food lies.
+No simulation is needed. The confidence levels (4.6.2) depend only on the imitator's experience and on the state vector,
+which follows from the place of the food.
 """
 
 from collections.abc import Sequence
@@ -13,28 +13,31 @@ from numpy.typing import NDArray
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
-from khepera_forage.task.states import NEXT_TO_FOOD, Behaviour, FoodType, StateVector
-from khepera_forage.thesis.statistics import bootstrap, ratio, replications, tally
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import Behaviour, FoodType, StateVector
+from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.thesis.statistics import bootstrap, ratio, replications, sums_by_replication
 from khepera_forage.thesis.tables import Column, Table, Value
 
-BEYOND = (-10, 0, 10, 20, 40, 60)
-"""Pixels by which the food lies further from home than in training."""
-_ARRIVING = (NEXT_TO_FOOD - 2, NEXT_TO_FOOD - 1, NEXT_TO_FOOD)
-"""Pixels to the food at which a robot first finds itself next to it."""
+PIXELS_BEYOND = (-10, 0, 10, 20, 40, 60)
+"""Places of the food: pixels further from home than in training, on the line of training."""
+_NEXT_TO_FOOD = round(Decisions().next_to_food)
+_FIRST_FOOD_DISTANCES = (_NEXT_TO_FOOD - 2, _NEXT_TO_FOOD - 1, _NEXT_TO_FOOD)
+"""Possible distances to the food, in pixels, at which a robot is first next to it."""
 
 
 @dataclass(frozen=True, slots=True)
-class VoteRow:
-    """Confidence levels of one imitator on arriving next to food.
+class OrientRow:
+    """Mean confidence levels of one imitator on arriving next to food at one place.
 
     Attributes:
         replication: Number of the repetition of the whole design.
-        episodes: Training episodes the imitator had.
-        file_id: The thesis' name of its training files.
-        beyond: Pixels by which the food lies further from home than in training, on the line of training.
+        episodes: Training episodes of the imitator.
+        file_id: The thesis's name of its training files.
+        beyond: Pixels by which the food lies further from home than in training.
         orient: Confidence level of ORIENT WITH FOOD, which is correct.
-        move_slowly: Of MOVE SLOWLY.
-        search: Of SEARCH FOR FOOD.
+        move_slowly: Confidence level of MOVE SLOWLY.
+        search: Confidence level of SEARCH FOR FOOD.
     """
 
     replication: int
@@ -46,59 +49,57 @@ class VoteRow:
     search: float
 
 
-def arrivals(training_distance: int) -> NDArray[np.int64]:
-    """What a robot perceives on arriving next to food, for food at several distances from home.
-
-    Args:
-        training_distance: Pixels between food and home in training.
+def arrival_vectors() -> NDArray[np.int64]:
+    """The state vectors of a robot that arrives next to food with its arm raised.
 
     Returns:
-        State vectors, of shape (distances, ways of arriving, 5), in the order of `BEYOND`.
+        Shape (places of `PIXELS_BEYOND`, distances to the food, 5).
     """
     return np.array(
         [
             [
-                StateVector(0, training_distance + beyond + food, FoodType.UNKNOWN, ARM_RAISED, food)
-                for food in _ARRIVING
+                StateVector(0, round(TRAINING_DISTANCE) + beyond + food, FoodType.UNKNOWN, ARM_RAISED, food)
+                for food in _FIRST_FOOD_DISTANCES
             ]
-            for beyond in BEYOND
+            for beyond in PIXELS_BEYOND
         ]
     )
 
 
-def levels_of(imitator: NearestNeighbourImitator, vectors: NDArray[np.int64]) -> NDArray[np.float64]:
+def imitator_levels(imitator: NearestNeighbourImitator, vectors: NDArray[np.int64]) -> NDArray[np.float64]:
     """Confidence levels (4.6.2) of the ten behaviours, in the last axis.
 
     Args:
         imitator: Fitted.
         vectors: State vectors in the last axis, of any shape before it.
     """
-    levels = np.zeros((*vectors.shape[:-1], STATES))
-    for place in np.ndindex(vectors.shape[:-1]):
-        for behaviour, level in imitator.confidence_levels(StateVector(*vectors[place].tolist())).items():
-            levels[place][behaviour] = level
-    return levels
+    flat = vectors.reshape(-1, vectors.shape[-1])
+    levels = np.zeros((len(flat), STATES))
+    levels[:, imitator.classes_] = imitator.predict_proba(flat)
+    return levels.reshape(*vectors.shape[:-1], STATES)
 
 
-def votes(levels: NDArray[np.float64], replication: int, episodes: int, file_id: str) -> list[VoteRow]:
-    """What one imitator says to `arrivals`.
+def orient_rows(
+    levels: NDArray[np.float64], replication: int, episodes: int, file_id: str
+) -> list[OrientRow]:
+    """The rows of one imitator, one for each place of the food.
 
     Args:
-        levels: Its confidence levels of the ten behaviours, of shape (distances, ways of arriving, 10).
+        levels: Its confidence levels for `arrival_vectors`, of shape (places, distances to the food, 10).
         replication: For the rows.
         episodes: For the rows.
         file_id: For the rows.
     """
-    asked = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
+    shown = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
     means = levels.mean(axis=1)
     return [
-        VoteRow(replication, episodes, file_id, beyond, *(round(float(mean[b]), 6) for b in asked))
-        for beyond, mean in zip(BEYOND, means, strict=True)
+        OrientRow(replication, episodes, file_id, beyond, *(round(float(mean[b]), 6) for b in shown))
+        for beyond, mean in zip(PIXELS_BEYOND, means, strict=True)
     ]
 
 
-def vote_table(rows: Sequence[VoteRow], rng: np.random.Generator) -> Table:
-    """Mean confidence level of ORIENT by place of the food and amount of training.
+def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
+    """Mean confidence level of ORIENT WITH FOOD by place of the food and number of training episodes.
 
     Args:
         rows: Of one noise condition.
@@ -106,22 +107,24 @@ def vote_table(rows: Sequence[VoteRow], rng: np.random.Generator) -> Table:
     """
     episodes = sorted({row.episodes for row in rows})
     lines: list[tuple[Value, ...]] = []
-    for beyond in BEYOND:
+    for beyond in PIXELS_BEYOND:
         levels: list[Value] = []
         for count in episodes:
             cell = [row for row in rows if (row.beyond, row.episodes) == (beyond, count)]
-            sums = tally(cell, replications(cell), lambda row: 100 * row.orient, lambda row: 1.0)
+            sums = sums_by_replication(
+                cell, replications(cell), lambda row: 100 * row.orient, lambda row: 1.0
+            )
             levels.append(bootstrap(sums, ratio, rng))
         if levels:
             lines.append((f"{beyond:+d}" if beyond else "0", *levels))
     return Table(
-        "votes",
+        "orient",
         "Why 'orient with food' is missed",
-        "Confidence level (%) of 'orient with food' at the moment a robot arrives next to food with its arm still "
-        "raised, by how many pixels further from home the food lies than in training. In training the arm is "
-        "lowered as soon as the robot orients, so an episode adds one or two such vectors beside some twenty of "
-        "'move slowly' and 'search'; and as start, food and home lie on one line, all of these are about equally "
-        "far from a robot next to food that lies further out: the vote is then a draw among them.",
+        "Confidence level (%) of 'orient with food' when a robot arrives next to food with its arm still raised, by "
+        "how many pixels further from home the food lies than in training. In training the arm is lowered as soon as "
+        "the robot orients, so that an episode records only one or two such vectors, against about twenty of 'move "
+        "slowly' and 'search for food'. Start, food and home lie on one line in training. If the food lies further "
+        "from home, many of these vectors are therefore equally near, and the behaviour is drawn among them.",
         (Column("pixels beyond"), *(Column(f"{count} episodes", 1, estimate=True) for count in episodes)),
         lines,
     )

@@ -144,8 +144,8 @@ def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> i
 def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> int:
     """Cost of continuing a track with a detection: 0 is best, `FORBIDDEN` is never done.
 
-    A track that was found until now is near its last place, and one that has been lost for a while may be anywhere. So a
-    lost track never takes the detection of a tracked region that passes its last place.
+    A track that was found until now is near its last place, and one that has been lost for a while may be anywhere. So
+    a lost track never takes the detection of a tracked region that passes its last place.
 
     Args:
         track: A `Track` record.
@@ -225,7 +225,7 @@ def _match_by_cost(tracks: Any, detections: Any, count: int, by_place: bool) -> 
 
 def _is_shown(tracks: Any, detection: int) -> bool:
     """Whether a track continues with this detection."""
-    for track in tracks:
+    for track in tracks:  # noqa: SIM110 (numba compiles no generator expressions)
         if track.label >= 0 and track.detection == detection:
             return True
     return False

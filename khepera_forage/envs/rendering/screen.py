@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
 from khepera_forage.sim.world import World
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import Behaviour, FoodType
 
 RENDER_MODES = ("human", "rgb_array")
 
@@ -100,11 +100,7 @@ def foods_shown(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ..
         world: Where it lies, arena by arena in the order of the foragers.
         foragers: One an arena.
     """
-    known = [
-        (food_type, delivered)
-        for forager in foragers
-        for food_type, delivered in zip(forager.register.known, forager.register.delivered, strict=True)
-    ]
+    known = [(FoodType(food.known), food.delivered) for forager in foragers for food in forager.tracker.foods]
     return tuple(
         FoodView(x=place.x, y=place.y, food_type=food_type, lifted=place.lifted, delivered=delivered)
         for place, (food_type, delivered) in zip(world.food_places(), known, strict=True)

@@ -5,7 +5,7 @@ from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost, Senses, applicable
+from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost, Senses, applicable, check_finite
 from khepera_forage.robots.serial import emergency_stop as stopping
 from khepera_forage.robots.serial.line_events import Interrupted, LineCounts, Restarted, Traffic
 from khepera_forage.robots.serial.link import SerialLink
@@ -97,6 +97,7 @@ class SerialKhepera:
         Raises:
             ValueError: A value that is not a finite number.
         """
+        check_finite(motors)
         left, right, arm, jaw = applicable(motors)
         limit = self._max_speed
         self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)

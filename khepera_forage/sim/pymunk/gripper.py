@@ -13,19 +13,18 @@ from khepera_forage.geometry.polygon import Segment
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     ARM_RAISED,
-    ARM_SPEED,
     BARRIER,
     FINGER_THICKNESS,
     FOOD_RADIUS,
     JAW_ON_FOOD,
     JAW_OPEN,
     JAW_ROOT,
-    JAW_SPEED,
     RADIUS,
     half_gap,
 )
 from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
+from khepera_forage.sim.world import Timing
 
 _THIN = FINGER_THICKNESS / 2
 _TOUCH = 0.5
@@ -39,6 +38,7 @@ class PymunkGripper:
         space: The pymunk space to live in.
         body: Of the robot.
         fingers: Their length, mm.
+        timing: How fast arm and jaw move.
 
     Attributes:
         arm: Position 255 (down) to 215 (raised).
@@ -46,7 +46,8 @@ class PymunkGripper:
         held: The food between the closed fingers, or None.
     """
 
-    def __init__(self, space: pymunk.Space, body: pymunk.Body, fingers: float) -> None:
+    def __init__(self, space: pymunk.Space, body: pymunk.Body, fingers: float, timing: Timing) -> None:
+        self._timing = timing
         self._space = space
         self._body = body
         self._tip = JAW_ROOT + fingers
@@ -95,7 +96,7 @@ class PymunkGripper:
             others: Bodies of the other robots.
         """
         was_on_floor = self.on_floor
-        step = ARM_SPEED * dt
+        step = self._timing.arm_speed * dt
         arm = min(target, self.arm + step) if target > self.arm else max(target, self.arm - step)
         if arm >= ARM_ON_FLOOR and not was_on_floor and not self._room_below(foods, others):
             self.arm = ARM_ON_FLOOR - 1.0
@@ -154,7 +155,7 @@ class PymunkGripper:
         """
         if not self.wants_to_move_jaw(target):
             return
-        step = JAW_SPEED * dt
+        step = self._timing.jaw_speed * dt
         jaw = min(target, self.jaw + step) if target > self.jaw else max(target, self.jaw - step)
         if jaw > self.jaw and walls and self._open_into_wall(jaw, walls):
             return

@@ -11,7 +11,6 @@ from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
     ARM_RAISED,
-    CONTROL_PERIOD,
     FINGER_TIP,
     JAW_OPEN,
     MASS,
@@ -23,6 +22,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     Senses,
     applicable,
+    check_finite,
 )
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.robots.proximity import cast, measured
@@ -32,6 +32,7 @@ from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
 from khepera_forage.sim.pymunk.gripper import PymunkGripper
 from khepera_forage.sim.pymunk.nearby import discs_near, may_push
+from khepera_forage.sim.world import Timing
 
 _TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
@@ -44,8 +45,6 @@ _set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.
 _set_angle: Callable[[pymunk.Body, float], None] = pymunk.Body.angle.fset  # type: ignore[attr-defined]
 _set_velocity: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.velocity.fset  # type: ignore[attr-defined]
 _set_spin: Callable[[pymunk.Body, float], None] = pymunk.Body.angular_velocity.fset  # type: ignore[attr-defined]
-_PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
-"""Encoder pulses a round at one speed unit."""
 
 
 class PymunkKhepera:
@@ -58,6 +57,7 @@ class PymunkKhepera:
         noise: Its troubles.
         bias: Lasting share by which the left and the right wheel travel too far.
         parameters: Its constant deviations.
+        timing: How long a round lasts, and how fast arm and jaw move.
     """
 
     def __init__(
@@ -68,6 +68,7 @@ class PymunkKhepera:
         noise: Noise,
         bias: tuple[float, float],
         parameters: RobotParameters,
+        timing: Timing,
     ) -> None:
         self.body = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
         self.body.position = pose[:2]
@@ -83,7 +84,9 @@ class PymunkKhepera:
         pull.max_bias = twist.max_bias = 0
         pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
         space.add(self.body, shape, self._wheels, pull, twist)
-        self.gripper = PymunkGripper(space, self.body, parameters.finger_length)
+        self.gripper = PymunkGripper(space, self.body, parameters.finger_length, timing)
+        self._duration = timing.round_duration
+        self._pulses_a_round = SPEED_UNIT * self._duration / PULSE
         self.foods: Sequence[PymunkFood] = ()
         self.others: Sequence[pymunk.Body] = ()
         self._walls = WallWatch(walls)
@@ -112,6 +115,7 @@ class PymunkKhepera:
 
     def drive(self, motors: Motors) -> Motors:
         """Take a command for the coming rounds; returns it in whole speed units, within limits."""
+        check_finite(motors)
         self._command = applicable(motors)
         return self._command
 
@@ -148,17 +152,17 @@ class PymunkKhepera:
         left, right, arm, jaw = self._command
         gripper = self.gripper
         if arm != gripper.arm:
-            gripper.move_arm(arm, CONTROL_PERIOD, self.foods, self.others)
+            gripper.move_arm(arm, self._duration, self.foods, self.others)
         slip = self._noise.wheel_slip
         left_speed = left * SPEED_UNIT * (self._left_share + slip * wheel_draws[0])
         right_speed = right * SPEED_UNIT * (self._right_share + slip * wheel_draws[1])
         forward = self._forward = (left_speed + right_speed) / 2
         turn = self._turn = (right_speed - left_speed) / WHEEL_BASE
-        travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
+        travel = (abs(forward) + abs(turn) * FINGER_TIP) * self._duration
         x, y, heading = self.pose
         # Away from walls the direction in the middle of the round does for all of it: the chord ends where the arc
         # does, to less than 0.1 mm. Where a wall may turn the robot, the wheels are pointed step by step.
-        heading += turn * CONTROL_PERIOD / 2
+        heading += turn * self._duration / 2
         self._velocity = forward * math.cos(heading), forward * math.sin(heading)
         self._steering, self._free = False, True
         pushing, moving = may_push(x, y, travel, gripper.on_floor, gripper.held, self.foods, self.others)
@@ -178,8 +182,8 @@ class PymunkKhepera:
         velocity_x, velocity_y = self._rolling = self._velocity
         turn = self._turning = self._turn
         if velocity_x or velocity_y or turn:
-            x, y = x + velocity_x * CONTROL_PERIOD, y + velocity_y * CONTROL_PERIOD
-            angle += turn * CONTROL_PERIOD
+            x, y = x + velocity_x * self._duration, y + velocity_y * self._duration
+            angle += turn * self._duration
             _set_position(self.body, (x, y))
             _set_angle(self.body, angle)
         self._glided = True
@@ -218,8 +222,8 @@ class PymunkKhepera:
 
     def _end_round(self, x: float, y: float, angle: float) -> None:
         left, right, _, _ = self._command
-        self._left_pulses += left * _PULSES
-        self._right_pulses += right * _PULSES
+        self._left_pulses += left * self._pulses_a_round
+        self._right_pulses += right * self._pulses_a_round
         self._senses = None
         self.pose = Pose(x, y, angle)
         self._walls.survey(x, y)

@@ -7,7 +7,7 @@ import numpy as np
 import pymunk
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import CONTROL_PERIOD, FOOD_RADIUS, RADIUS
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import (
@@ -22,7 +22,7 @@ from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
 from khepera_forage.sim.pymunk.khepera import FINE_TRAVEL, SUBSTEPS, PymunkKhepera
 from khepera_forage.sim.pymunk.noise_blocks import Draws
-from khepera_forage.sim.world import FoodPlace, Layout
+from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.simulated_camera import OverheadCamera, Truth
 
 
@@ -34,6 +34,7 @@ class PymunkWorld:
         markers: Number of holes of each robot's marker, 1 or 2; one robot each.
         noise: The laboratory's troubles.
         robot_parameters: Deviations of each robot; none by default.
+        timing: How long a round lasts, and how fast arm and jaw move.
 
     Raises:
         ValueError: No arena, no robot, a marker with another number of holes, or not one `RobotParameters` per robot.
@@ -45,6 +46,7 @@ class PymunkWorld:
         markers: Sequence[int] = (2,),
         noise: Noise | None = None,
         robot_parameters: Sequence[RobotParameters] | None = None,
+        timing: Timing | None = None,
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
@@ -59,6 +61,7 @@ class PymunkWorld:
             (RobotParameters(),) * len(markers) if robot_parameters is None else tuple(robot_parameters)
         )
         self.arenas = tuple(arenas)
+        self._timing = Timing() if timing is None else timing
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
         self.robots: tuple[PymunkKhepera, ...] = ()
@@ -105,7 +108,9 @@ class PymunkWorld:
         space.add(*walls)
         self.foods = tuple(PymunkFood(space, place) for place in layout.foods)
         self.robots = tuple(
-            PymunkKhepera(space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), parameters)
+            PymunkKhepera(
+                space, start, arena.segments, self.noise, (float(b[0]), float(b[1])), parameters, self._timing
+            )
             for start, arena, b, parameters in zip(
                 layout.starts, homes, bias, self.robot_parameters, strict=True
             )
@@ -147,7 +152,7 @@ class PymunkWorld:
         for robot in self.robots:
             robot.engage()
         busy = [robot for robot in self.robots if robot.busy]
-        dt = CONTROL_PERIOD / substeps
+        dt = self._timing.round_duration / substeps
         step = self._space.step
         for _ in range(substeps):
             for robot in busy:

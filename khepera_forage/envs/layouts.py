@@ -1,0 +1,194 @@
+"""Layouts of episodes: drawn by the rules of `task.placement`, or as `reset(options=...)` gives them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from khepera_forage.counter_rng import random_bits
+from khepera_forage.envs.forager import floor_of
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import FOOD_RADIUS
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.layout_checks import check_robot
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+
+def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues) -> Layout:
+    """A random start and random food places (5.4.1.1).
+
+    Args:
+        arena: Where.
+        foods: Number of food objects.
+        key: From `task.placement.layout_key`.
+        decisions: Of the task.
+
+    Raises:
+        ValueError: The arena has no room.
+    """
+    start, places = Start(), [Place() for _ in range(foods)]
+    if not draw_layout(start, places, key, floor_of(arena), decisions):
+        raise no_room(arena, foods)
+    return _layout_of(start, places)
+
+
+def no_room(arena: Arena, foods: int) -> ValueError:
+    """The error of an arena in which no random layout was found."""
+    return ValueError(
+        f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
+    )
+
+
+def given_layout(
+    arena: Arena, foods: int, options: Mapping[str, Any], key: int, decisions: DecisionValues
+) -> Layout:
+    """The layout that `reset(options=...)` asks for; what it leaves open is random.
+
+    Args:
+        arena: Where.
+        foods: Number of food objects of the environment.
+        options: `start`: (x mm, y mm, heading degrees); `foods`: one (x mm, y mm) an object.
+        key: From `task.placement.layout_key`.
+        decisions: Of the task.
+
+    Raises:
+        ValueError: An unknown option, a wrong number of values, a place that is not on the free floor.
+    """
+    start, places = given_places(arena, foods, options)
+    if start is not None and places is not None:
+        return Layout((start,), places)
+    drawn = random_layout(arena, foods, key, decisions)
+    return Layout(drawn.starts if start is None else (start,), drawn.foods if places is None else places)
+
+
+def given_places(
+    arena: Arena, foods: int, options: Mapping[str, Any]
+) -> tuple[Pose | None, tuple[Point, ...] | None]:
+    """Start and food places that `reset(options=...)` gives; None for what it leaves open.
+
+    Raises:
+        ValueError: As `given_layout`.
+    """
+    _check_names(options)
+    start, places = None, None
+    if "start" in options:
+        start = _start_of(options)
+        check_robot(arena, start)
+    if "foods" in options:
+        places = _foods_of(options, foods)
+        for place in places:
+            arena.check_free("food", place, FOOD_RADIUS)
+    return start, places
+
+
+def arenas_with_marks(arenas: Sequence[Arena], options: Mapping[str, Any]) -> Sequence[Arena]:
+    """The arenas with the marks of training where `reset(options=...)` asks for them.
+
+    Args:
+        arenas: One a robot, each a copy of the first at an offset.
+        options: `start`: (x mm, y mm, heading degrees) in the first arena; `foods`: one (x mm, y mm) an object,
+            as many as there are marks for. The same places, moved along, are marked in the other arenas.
+
+    Raises:
+        ValueError: As `given_layout`.
+    """
+    # PettingZoo's api_test resets with {"options": 1}, which must do nothing.
+    options = {name: value for name, value in options.items() if name != "options"}
+    _check_names(options)
+    if not options:
+        return arenas
+    first = arenas[0]
+    start = _start_of(options) if "start" in options else first.start
+    foods = _foods_of(options, len(first.foods)) if "foods" in options else first.foods
+    moved = []
+    for arena in arenas:
+        dx, dy = arena.home.x - first.home.x, arena.home.y - first.home.y
+        moved.append(
+            replace(
+                arena,
+                start=Pose(start.x + dx, start.y + dy, start.heading),
+                foods=tuple(Point(food.x + dx, food.y + dy) for food in foods),
+            )
+        )
+    return moved
+
+
+def training_layout(arenas: Sequence[Arena], noise: Noise, key: int) -> Layout:
+    """Every robot and food object on its mark (figure 5.1), as well as an operator can put it there (4.5.2).
+
+    Args:
+        arenas: One a robot.
+        noise: Its placement errors.
+        key: From `task.placement.layout_key`; each arena has numbers of its own.
+
+    Raises:
+        ValueError: Nothing stands free, however often it is put down again.
+    """
+    starts: tuple[Pose, ...] = ()
+    foods: tuple[Point, ...] = ()
+    for side, arena in enumerate(arenas):
+        start, places = Start(), [Place() for _ in arena.foods]
+        heading_error = math.radians(noise.placement_heading_error)
+        if not place_by_hand(
+            start,
+            places,
+            random_bits(key, side),
+            arena.start,
+            arena.foods,
+            noise.placement_error,
+            heading_error,
+            floor_of(arena),
+        ):
+            raise no_room_on_marks(arena, noise)
+        layout = _layout_of(start, places)
+        starts, foods = starts + layout.starts, foods + layout.foods
+    return Layout(starts, foods)
+
+
+def no_room_on_marks(arena: Arena, noise: Noise) -> ValueError:
+    """The error of training marks on which nothing stands free."""
+    return ValueError(
+        f"{arena.name}: start or food too near a wall for a placement error of {noise.placement_error:g} mm; move the "
+        "marks, or make the error smaller"
+    )
+
+
+def tracker_of(places: Sequence[Point]) -> FoodTracker:
+    """The food tracker at the start of an episode with food at these places, in mm."""
+    foods = [FoodObject(place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL) for place in places]
+    return FoodTracker(deliverable=len(foods), foods=foods, links=[Link() for _ in range(2 * len(foods))])
+
+
+def _layout_of(start: Start, places: Sequence[Place]) -> Layout:
+    return Layout(
+        (Pose(start.x, start.y, start.heading),), tuple(Point(place.x, place.y) for place in places)
+    )
+
+
+def _check_names(options: Mapping[str, Any]) -> None:
+    unknown = set(options) - {"start", "foods"}
+    if unknown:
+        raise ValueError(f"reset option {sorted(unknown)[0]!r} is unknown; allowed: 'start', 'foods'")
+
+
+def _start_of(options: Mapping[str, Any]) -> Pose:
+    x, y, degrees = _numbers("start", options["start"], 3, "(x mm, y mm, heading degrees)")
+    return Pose(x, y, math.radians(degrees))
+
+
+def _foods_of(options: Mapping[str, Any], count: int) -> tuple[Point, ...]:
+    places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in options["foods"])
+    if len(places) != count:
+        raise ValueError(f"{len(places)} foods given; allowed: {count}, the number of this environment")
+    return places
+
+
+def _numbers(name: str, values: Sequence[float], count: int, form: str) -> tuple[float, ...]:
+    numbers = tuple(float(v) for v in values)
+    if len(numbers) != count or not all(math.isfinite(n) for n in numbers):
+        raise ValueError(f"reset option {name!r} has {values!r}; allowed: {form}, finite")
+    return numbers

@@ -1,0 +1,78 @@
+"""Walls as line segments: distances to them, and how much room there is at a place. Plain functions, also compiled.
+
+A wall is a *record*: an object with the fields of `Wall`. In compiled code that is a record of a numpy array.
+"""
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from khepera_forage.geometry.polygon import Corner, Segment, edges, line_of
+
+
+class Wall(NamedTuple):
+    """One straight wall.
+
+    Attributes:
+        x1: One end.
+        y1: One end.
+        ex: From that end to the other.
+        ey: From that end to the other.
+        share: 1 / its squared length.
+        normal_x: Unit normal of its line.
+        normal_y: Unit normal of its line.
+        offset: Of the line along its normal.
+        polygon: 0 for the outer wall, from 1 for obstacles. Walls of one polygon follow one another.
+    """
+
+    x1: float
+    y1: float
+    ex: float
+    ey: float
+    share: float
+    normal_x: float
+    normal_y: float
+    offset: float
+    polygon: int
+
+
+def wall_of(segment: Segment, polygon: int = 0) -> Wall:
+    """The wall along a line segment (x1, y1, x2, y2)."""
+    x1, y1, x2, y2 = segment
+    ex, ey = x2 - x1, y2 - y1
+    return Wall(x1, y1, ex, ey, 1.0 / (ex * ex + ey * ey), *line_of(segment), polygon)
+
+
+@lru_cache(maxsize=256)
+def walls_of(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Wall, ...]:
+    """The walls of an enclosure.
+
+    Args:
+        polygons: Corners of the outer wall, then those of each obstacle.
+    """
+    return tuple(wall_of(side, k) for k, corners in enumerate(polygons) for side in edges(corners))
+
+
+def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
+    """From a place to the nearest point of a wall."""
+    dx, dy = wall.x1 - x, wall.y1 - y
+    t = min(1.0, max(0.0, -(dx * wall.ex + dy * wall.ey) * wall.share))
+    return dx + t * wall.ex, dy + t * wall.ey
+
+
+def clearance(x: float, y: float, walls: Any) -> float:
+    """Distance from a place to the nearest wall; negative outside the outer wall and inside obstacles."""
+    least = math.inf
+    free, odd, polygon = True, False, 0
+    for k in range(len(walls)):
+        wall = walls[k]
+        if wall.polygon != polygon:
+            free = free and odd == (polygon == 0)
+            odd, polygon = False, wall.polygon
+        dx, dy = to_wall(x, y, wall)
+        least = min(least, dx * dx + dy * dy)
+        # A ray to the right of the place crosses a polygon an odd number of times from inside.
+        if (wall.y1 > y) != (wall.y1 + wall.ey > y) and x < wall.x1 + (y - wall.y1) * wall.ex / wall.ey:
+            odd = not odd
+    free = free and odd == (polygon == 0)
+    return math.sqrt(least) if free else -math.sqrt(least)

@@ -1,0 +1,69 @@
+"""What a robot knows of its arena from the beginning, in pixels, and the floor on which everything is placed, in mm."""
+
+from typing import Any, NamedTuple
+
+_OUTSIDE = 4.0
+"""Pixels by which a region may seem to lie outside its arena and still belong to it."""
+
+
+class ArenaMap(NamedTuple):
+    """What a robot knows of its own arena, in pixels.
+
+    Attributes:
+        home_x: Centre of its home.
+        home_y: Centre of its home.
+        home_radius: Whole pixels.
+        home_opening: Degrees from the home to the middle of the floor: the side on which the home can be passed.
+        diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
+        left: Smallest x.
+        bottom: Smallest y.
+        right: Largest x.
+        top: Largest y.
+        walls: `geometry.walls.Wall` records.
+    """
+
+    home_x: float
+    home_y: float
+    home_radius: int
+    home_opening: float
+    diagonal: int
+    left: float
+    bottom: float
+    right: float
+    top: float
+    walls: Any
+
+
+class Floor(NamedTuple):
+    """The floor of an arena, in mm.
+
+    Attributes:
+        left: Smallest x.
+        bottom: Smallest y.
+        right: Largest x.
+        top: Largest y.
+        home_x: Centre of the home.
+        home_y: Centre of the home.
+        home_radius: Of the home.
+        walls: `geometry.walls.Wall` records.
+    """
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+    home_x: float
+    home_y: float
+    home_radius: float
+    walls: Any
+
+
+def is_within(x: float, y: float, arena: ArenaMap) -> bool:
+    """Whether a region at this place, in pixels, lies in the arena."""
+    # Without a chained comparison, which numba compiles to branches.
+    return (
+        (arena.left - _OUTSIDE <= x)
+        & (x <= arena.right + _OUTSIDE)
+        & (arena.bottom - _OUTSIDE <= y)
+        & (y <= arena.top + _OUTSIDE)
+    )

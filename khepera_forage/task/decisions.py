@@ -1,0 +1,243 @@
+"""`Decisions`: everything that the thesis leaves open, each with our reading of it.
+
+`Noise` describes devices; `Decisions` describes how we read the thesis. Every rule of the task takes its numbers from
+here at run time, so that one reading can be changed in one place, for every backend.
+"""
+
+from collections import namedtuple
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+from khepera_forage.task.decision_fields import Field, check, choice, count, number, parse
+
+_NEARER, _FARTHER = "nearer state", "farther state"
+
+
+@dataclass(frozen=True, slots=True)
+class Decisions:
+    """How this package reads what the thesis leaves open.
+
+    Distances between regions are in pixels of 5 mm, as in the thesis; what lies on the floor is in mm; speeds are in
+    units of 8 mm/s.
+
+    Raises:
+        ValueError: A value out of range or of the wrong type; the message quotes the value and what is allowed.
+    """
+
+    # Time.
+    round_duration: float = number(
+        0.1, 0.05, 0.5, "s", "4.5", "Length of a round (MultiStep). Commands take effect together at its end."
+    )
+    arm_travel_time: float = number(
+        1.0, 0.1, 2.0, "s", "4.2.2", "Time the arm takes between down (255) and raised (215)."
+    )
+    jaw_travel_time: float = number(
+        0.6, 0.1, 2.0, "s", "4.2.2", "Time the jaw takes between open (200) and closed (0)."
+    )
+
+    # The set-up of figure 5.1, whose picture did not survive: start, food and home in one line.
+    start_to_wall: float = number(
+        90.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
+    )
+    food_to_home: float = number(180.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
+    home_to_wall: float = number(
+        100.0, 50.0, 110.0, "mm", "5.2", "From the home's centre to the wall behind it."
+    )
+    home_radius: float = number(
+        100.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".'
+    )
+
+    # What the camera shows.
+    food_beside_robot: str = choice(
+        ("seen at its last place",),
+        "4.2.2",
+        "Where food is that the robot's marker hides: at its last place, until that is visible and empty.",
+    )
+    no_food_distance: str = choice(
+        ("diagonal of the arena",), "4.3", "RobotFoodDistance while there is no candidate food."
+    )
+    held_food: str = choice(
+        ("candidate at its last place",), "4.3", "How food in the gripper counts for RobotFoodDistance."
+    )
+
+    # States (tables 4.1, 4.2; figure 4.2).
+    next_to_food: float = number(
+        20.0,
+        10.0,
+        30.0,
+        "pixels",
+        "4.2.1",
+        "RobotNextToFoodThreshold: a lowering gripper just clears the food.",
+    )
+    close_to_food: float = number(30.0, 20.0, 60.0, "pixels", "4.2.1", "RobotCloseToFoodThreshold.")
+    equal_distance: str = choice(
+        (_NEARER, _FARTHER),
+        "4.2.1",
+        "State at a distance that equals a threshold, which matches no row of table 4.2.",
+    )
+    carry_margin: float = number(
+        10.0,
+        0.0,
+        30.0,
+        "arm positions",
+        "4.2.1",
+        "Above raised (215), up to which an arm counts as raised (fig. 4.2).",
+    )
+
+    # What the behaviours command (4.2): speeds of the wheels.
+    search_speed: float = number(12.0, 4.0, 20.0, "speed units", "4.2", "SEARCH FOR FOOD.")
+    home_speed: float = number(12.0, 4.0, 20.0, "speed units", "4.2", "GO HOME.")
+    slow_speed: float = number(
+        8.0, 2.0, 20.0, "speed units", "4.2", "MOVE SLOWLY, AVOID FOOD, AVOID HOME, RELEASE FOOD."
+    )
+    push_speed: float = number(8.0, 2.0, 20.0, "speed units", "4.2.3", "PUSH FOOD.")
+    orient_speed: float = number(
+        4.0, 1.0, 12.0, "speed units", "4.2", "ORIENT WITH FOOD, on towards the barrier."
+    )
+    retreat_speed: float = number(
+        5.0, 1.0, 12.0, "speed units", "4.2", "Backwards, off food and out of the home."
+    )
+    circle_speed: float = number(
+        1.5, 0.0, 12.0, "speed units", "4.2", "Mean speed of SEARCH with no food in sight: a circle of 16 mm."
+    )
+    turn_speed: float = number(
+        5.0, 1.0, 12.0, "speed units", "4.2", "Each wheel, in a turn on the spot of up to 70 degrees."
+    )
+    quick_turn_speed: float = number(8.0, 1.0, 20.0, "speed units", "4.2", "The same, in a larger turn.")
+
+    # How the behaviours orient and carry (3.4, 3.7, 4.2).
+    searching_arm: str = choice(("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it.")
+    beside_food: str = choice(
+        ("back off",), "4.2", "SEARCH and MOVE SLOWLY with food nearer than `back_off_distance`."
+    )
+    back_off_distance: float = number(
+        13.0,
+        0.0,
+        20.0,
+        "pixels",
+        "4.2",
+        "Distance to food from which SEARCH and MOVE SLOWLY do not shove it.",
+    )
+    aimed: float = number(
+        5.0, 1.0, 15.0, "degrees", "3.7", "Off the food, within which a robot counts as oriented."
+    )
+    astray: float = number(
+        20.0, 10.0, 90.0, "degrees", "3.7", "Off the food, beyond which ORIENT raises the arm to turn."
+    )
+    missed_distance: float = number(
+        10.0,
+        5.0,
+        15.0,
+        "pixels",
+        "3.7",
+        "Nearer food is in the gripper, or the try was missed and ORIENT backs off.",
+    )
+    release_depth: float = number(
+        7.0, 0.0, 15.0, "pixels", "4.2", "Inside the rim of the home, where food is released."
+    )
+
+    # Following (4.5.2).
+    same_place: float = number(
+        2.0, 0.0, 10.0, "pixels", "4.5.2", "Within this, the learner is where the teacher is."
+    )
+    same_heading: float = number(
+        8.0, 0.0, 45.0, "degrees", "4.5.2", "Within this, both go in the same direction."
+    )
+    separation: float = number(
+        14.0, 5.0, 40.0, "pixels", "4.5.2", 'Beyond this, they are "significantly apart".'
+    )
+    recovery_speed: float = number(
+        6.0, 1.0, 12.0, "speed units", "4.5.2", "Of a separated learner that catches up."
+    )
+    following_gain: float = number(
+        0.1, 0.01, 1.0, "speed units/degree", "4.5.2", "Of the arc towards the teacher."
+    )
+    patience: int = count(
+        100, 1, 10_000, "rounds", "5.3.1", "Of separation, after which a training attempt is given up."
+    )
+    most_attempts: int = count(
+        200, 1, 100_000, "attempts", "5.2", "At a training episode, after which it is hopeless."
+    )
+    poison_in_training: str = choice(
+        ("left with the arm raised",), "5.3", "When an episode with poisonous food is complete."
+    )
+
+    # Placement (5.4.1.1: "random in every recall episode").
+    food_to_walls: float = number(
+        50.0, 20.0, 100.0, "mm", "5.4.1.1", "From random food to the walls: the gripper fits."
+    )
+    food_spacing: float = number(
+        100.0, 40.0, 200.0, "mm", "5.4.2.1", "Between the centres of random food objects."
+    )
+
+    # Devices.
+    recall_marker: int = count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            check(Field.of(field), getattr(self, field.name))
+        if self.close_to_food < self.next_to_food:
+            raise ValueError(
+                f"decision close_to_food is {self.close_to_food!r}; allowed: at least next_to_food, "
+                f"{self.next_to_food!r}"
+            )
+        if self.home_radius > self.home_to_wall:
+            raise ValueError(
+                f"decision home_radius is {self.home_radius!r}; allowed: at most home_to_wall, {self.home_to_wall!r}"
+            )
+
+    def values(self) -> "DecisionValues":
+        """The decisions as rules take them: numbers, and for a choice its position among the allowed ones."""
+        numbers: list[Any] = [Field.of(field).as_number(getattr(self, field.name)) for field in fields(self)]
+        return DecisionValues(*numbers)
+
+    def differing(self, other: "Decisions") -> dict[str, tuple[Any, Any]]:
+        """Fields in which two sets differ: name to this set's value and the other's."""
+        pairs = {f.name: (getattr(self, f.name), getattr(other, f.name)) for f in fields(self)}
+        return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+    def changed(self) -> dict[str, Any]:
+        """Fields that differ from the defaults, with their values: what files and rows store."""
+        return {name: own for name, (own, _) in self.differing(Decisions()).items()}
+
+    @classmethod
+    def from_changes(cls, changes: dict[str, Any]) -> "Decisions":
+        """The set that differs from the defaults in these fields.
+
+        Raises:
+            ValueError: An unknown field, or a value out of range.
+        """
+        known = {field.name for field in fields(cls)}
+        for name in changes:
+            if name not in known:
+                raise ValueError(f"decision {name!r} is unknown; allowed: {', '.join(sorted(known))}")
+        return replace(cls(), **changes)
+
+    @classmethod
+    def parse(cls, assignments: list[str]) -> "Decisions":
+        """The set that the command line's `--decision NAME=VALUE` options describe.
+
+        Raises:
+            ValueError: Not of this form, an unknown field, or a value out of range.
+        """
+        changes = {}
+        by_name = {field.name: Field.of(field) for field in fields(cls)}
+        for assignment in assignments:
+            name, sign, text = assignment.partition("=")
+            if not sign:
+                raise ValueError(f"decision {assignment!r}; allowed: NAME=VALUE, such as next_to_food=17")
+            changes[name] = parse(by_name[name], text) if name in by_name else text
+        return cls.from_changes(changes)
+
+
+if TYPE_CHECKING:
+    DecisionValues = Decisions
+else:
+    DecisionValues = namedtuple("DecisionValues", [field.name for field in fields(Decisions)])
+    """`Decisions` as numbers, in the same order: what rules take."""
+
+DEFAULT_VALUES = Decisions().values()
+"""Those of the default decisions."""
+
+FARTHER_STATE: Any = 1.0
+"""`equal_distance` as a number."""

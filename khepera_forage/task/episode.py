@@ -1,0 +1,134 @@
+"""The account of an episode: steps, reward, end and score (5.3, 5.4), and decisions by state.
+
+The functions take *records*: objects with the fields of `Episode`, `DecisionCounts` and `food_tracking.FoodTracker`.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.food_tracking import is_finished
+from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
+
+STATES = 10
+"""States that occur (4.4)."""
+
+
+@dataclass(slots=True)
+class Episode:
+    """One robot's account of an episode.
+
+    Attributes:
+        steps: Steps so far.
+        correct: Steps on which the teacher would have done the same.
+        reward: Of the last step.
+        terminated: Whether everything is delivered or known to be poisonous.
+        truncated: Whether the episode has reached its limit.
+        score: Equation 5.1, in percent.
+        penalty: Taken off the score for food left in the arena, in percent.
+        value: Food delivered less poison brought home, before the step.
+    """
+
+    steps: int = 0
+    correct: int = 0
+    reward: float = 0.0
+    terminated: bool = False
+    truncated: bool = False
+    score: float = 0.0
+    penalty: float = 0.0
+    value: int = 0
+
+
+@dataclass(slots=True)
+class DecisionCounts:
+    """Decisions of a policy, counted by state.
+
+    Attributes:
+        by_state: Steps in each of the ten states.
+        wrong_by_state: Those of them in which the teacher would have done something else.
+        orient_without_food: Steps in which ORIENT WITH FOOD was wrong and no food was within the close threshold.
+    """
+
+    by_state: list[int] = field(default_factory=lambda: [0] * STATES)
+    wrong_by_state: list[int] = field(default_factory=lambda: [0] * STATES)
+    orient_without_food: int = 0
+
+
+def begin_episode(episode: Any, tracker: Any) -> None:
+    """Start the account of an episode, after the first perception."""
+    episode.steps = episode.correct = 0
+    episode.reward, episode.terminated, episode.truncated = 0.0, False, False
+    episode.score, episode.penalty = 0.0, penalty(tracker.delivered, tracker.deliverable)
+
+
+def begin_step(episode: Any, tracker: Any, correct: bool) -> None:
+    """Account for a decision, before it is carried out.
+
+    Args:
+        episode: The `Episode` record; changed in place.
+        tracker: The `FoodTracker` record.
+        correct: Whether the teacher would have done the same.
+    """
+    episode.steps += 1
+    episode.correct += 1 if correct else 0
+    episode.value = tracker.delivered - tracker.poison_home
+
+
+def end_step(episode: Any, tracker: Any, limit: int) -> None:
+    """Account for what a step has brought: reward, end and score.
+
+    Args:
+        episode: The `Episode` record; changed in place.
+        tracker: The `FoodTracker` record, after the step.
+        limit: Steps after which the episode is truncated.
+    """
+    gain = tracker.delivered - tracker.poison_home - episode.value
+    episode.reward = gain - 1.0 / limit
+    episode.terminated = is_finished(tracker)
+    episode.truncated = episode.steps >= limit and not episode.terminated
+    episode.penalty = penalty(tracker.delivered, tracker.deliverable)
+    episode.score = score(episode.correct, episode.steps, tracker.delivered, tracker.deliverable)
+
+
+def has_done_its_part(
+    tracker: Any, foods: Any, vector: StateVector, home_radius: float, decisions: DecisionValues
+) -> bool:
+    """Whether a robot has done its part of a training episode (5.3).
+
+    It has delivered its food and left home. Poisonous food must be avoided, not just identified: otherwise no learner
+    would ever be shown how. So the arm must be raised again with nothing in the gripper.
+
+    Args:
+        tracker: The `FoodTracker` record.
+        foods: Its `FoodObject` records.
+        vector: The state vector.
+        home_radius: In pixels.
+        decisions: `DecisionValues`.
+    """
+    poison = False
+    for food in foods:
+        poison = poison or food.known == FoodType.POISONOUS
+    if poison and (vector.object_presence or not is_raised(vector.arms_height, decisions)):
+        return False
+    return is_finished(tracker) and vector.robot_home_distance > home_radius
+
+
+def count_decision(
+    counts: Any, state: int, behaviour: int, food_distance: float, decisions: DecisionValues
+) -> None:
+    """Count one decision.
+
+    Args:
+        counts: The `DecisionCounts` record; changed in place.
+        state: The `State` in which it was made.
+        behaviour: What was decided on.
+        food_distance: Attribute of the state vector, pixels.
+        decisions: `DecisionValues`.
+    """
+    counts.by_state[state] += 1
+    # States and behaviours correspond one to one (4.4.1).
+    if behaviour != state:
+        counts.wrong_by_state[state] += 1
+        if behaviour == Behaviour.ORIENT_WITH_FOOD and food_distance > decisions.close_to_food:
+            counts.orient_without_food += 1
