@@ -1,4 +1,4 @@
-"""The lanes of a block for which something is to be done, side by side: then instructions work on no others."""
+"""Packing: the numbers of marked lanes side by side, so that a loop works on these lanes only."""
 
 from typing import Any
 
@@ -9,43 +9,47 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import inline, kernel, stand_in
-from khepera_forage.sim.compiled.rows import LANES
 
 _ONE, _WORD = np.uint64(1), 64
+_STRIDE = 8
+"""Numbers that one instruction handles."""
 
 
 @kernel
-def pack(w: NDArray[np.float64], marks: int, numbers: int, count: int) -> int:
+def pack(marks: NDArray[np.float64], lane: NDArray[np.uint16], count: int) -> int:
     """Write the numbers of the marked lanes side by side.
 
-    The marks are gathered to words of 64 bits, and only bits that are set are looked at: mostly few lanes are marked.
+    The marks are gathered into words of 64 bits, and only set bits are visited: mostly few lanes are marked.
 
     Args:
-        w: The work rows.
-        marks: Row of the marks, 1 or 0.
-        numbers: Row to write to.
-        count: How many numbers it has already.
+        marks: One number a lane, 1.0 or 0.0.
+        lane: Where to write the numbers of the lanes.
+        count: How many numbers `lane` has already.
 
     Returns:
-        How many it has then.
+        How many numbers `lane` has then.
     """
-    whole = LANES // _WORD * _WORD
+    lanes = marks.shape[0]
+    whole = lanes // _WORD * _WORD
     for first in range(0, whole, _WORD):
         bits = np.uint64(0)
         for k in range(_WORD):
-            bits |= _bit(w[marks * LANES + first + k], k)
-        count = _write(w, numbers, count, first, bits)
+            bits |= _bit(marks[first + k], k)
+        count = _write(lane, count, first, bits)
     bits = np.uint64(0)
-    for k in range(LANES % _WORD):
-        bits |= _bit(w[marks * LANES + whole + k], k)
-    return _write(w, numbers, count, whole, bits)
+    for k in range(lanes % _WORD):
+        bits |= _bit(marks[whole + k], k)
+    return _write(lane, count, whole, bits)
 
 
 @inline
-def packed(w: NDArray[np.float64], numbers: int, n: int) -> int:
-    """Number n of those that `pack` wrote to a row."""
-    # Of an index that might be negative, for all the compiler knows, every use would be checked.
-    return int(w[numbers * LANES + n]) & 0xFFFF
+def rounded_up(count: int, lanes: int) -> int:
+    """A number of packed lanes rounded up, so that a loop over them has no remainder.
+
+    What the loop writes beyond `count` must not be used.
+    """
+    stride = min(_STRIDE, lanes)
+    return (count + stride - 1) & -stride
 
 
 @inline
@@ -54,24 +58,24 @@ def _bit(mark: float, k: int) -> np.uint64:
 
 
 @inline
-def _write(w: NDArray[np.float64], numbers: int, count: int, first: int, bits: np.uint64) -> int:
-    """Write the numbers of the bits that are set, counted from `first`."""
+def _write(lane: NDArray[np.uint16], count: int, first: int, bits: np.uint64) -> int:
+    """Write the numbers of the set bits, counted from `first`."""
     while bits != 0:
-        w[numbers * LANES + count] = first + lowest(bits)
+        lane[count] = first + lowest(bits)
         bits &= bits - _ONE
         count += 1
     return count
 
 
 def lowest(bits: np.uint64) -> int:
-    """Number of the lowest bit that is set, where one is."""
+    """Number of the lowest set bit of a word that is not 0."""
     whole = int(bits)
     return (whole & -whole).bit_length() - 1
 
 
 @intrinsic
 def _count_zeros(typing_context: Any, bits: Any) -> Any:
-    """Compiled: one instruction, to which numba gives no name."""
+    """Count trailing zeros: one instruction for which numba has no name."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.cttz(arguments[0], cgutils.true_bit)

@@ -30,6 +30,8 @@ MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 
 FOOD_RADIUS_PX = FOOD_RADIUS / MM_PER_PIXEL
+_SURE = 5.0
+"""Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
 _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
 _HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
 _HALF_DIAGONAL = math.hypot(_HALF_LENGTH, _HALF_WIDTH)
@@ -82,16 +84,39 @@ def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> b
         plates: The markers, 120 x 80 mm, long side along the heading.
     """
     reach = _HALF_DIAGONAL + radius
-    for plate_x, plate_y, cos, sin in plates:
-        dx, dy = x - plate_x, y - plate_y
-        if dx * dx + dy * dy > reach * reach:
-            continue
-        # In the marker's own frame: distance of the centre beyond its sides, zero between them.
-        ahead = max(abs(dx * cos + dy * sin) - _HALF_LENGTH, 0.0)
-        aside = max(abs(dy * cos - dx * sin) - _HALF_WIDTH, 0.0)
-        if ahead * ahead + aside * aside <= radius * radius:
+    for plate in plates:
+        dx, dy = x - plate.x, y - plate.y
+        if dx * dx + dy * dy <= reach * reach and touches_plate(x, y, radius, plate):
             return True
     return False
+
+
+def touches_plate(x: float, y: float, radius: float, plate: Plate) -> bool:
+    """Whether a disc touches a marker; arguments as for `under_plate`."""
+    plate_x, plate_y, cos, sin = plate
+    dx, dy = x - plate_x, y - plate_y
+    # In the marker's own frame: distance of the centre beyond its sides, zero between them.
+    ahead = max(abs(dx * cos + dy * sin) - _HALF_LENGTH, 0.0)
+    aside = max(abs(dy * cos - dx * sin) - _HALF_WIDTH, 0.0)
+    return ahead * ahead + aside * aside <= radius * radius
+
+
+def visible_clearance(position_jitter: float) -> float:
+    """Distance in mm from every marker at which food surely shows.
+
+    Args:
+        position_jitter: Standard deviation of the place of a region, in pixels.
+    """
+    return FOOD_RADIUS + _SURE * position_jitter * MM_PER_PIXEL
+
+
+def shows_beside_lost_food(x: float, y: float, lost_x: float, lost_y: float) -> bool:
+    """Whether food at one place (mm) would show although the tracker does not see the food at another place.
+
+    Whatever hides a food object also hides the floor around it.
+    """
+    dx, dy = x - lost_x, y - lost_y
+    return dx * dx + dy * dy > 4 * FOOD_RADIUS * FOOD_RADIUS
 
 
 def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:

@@ -18,11 +18,11 @@ from khepera_forage.vision.shapes import (
     distance_to_segment,
     in_picture,
     marker_outline,
+    shows_beside_lost_food,
     under_plate,
+    visible_clearance,
 )
 
-_SURE = 5.0
-"""Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
 _BLOCK = 64
 """Frames for which random numbers are drawn at a time."""
 
@@ -210,7 +210,7 @@ class OverheadCamera:
     def _visible(self, x: float, y: float) -> bool:
         """Whether food at a place in the picture (pixels) would have shown in this frame."""
         x, y = x * MM_PER_PIXEL, y * MM_PER_PIXEL
-        clear = FOOD_RADIUS + _SURE * self._noise.position_jitter * MM_PER_PIXEL
-        return not under_plate(x, y, clear, self._plates) and all(
-            math.hypot(x - food_x, y - food_y) > 2 * FOOD_RADIUS for food_x, food_y in self._lost_foods
+        clearance = visible_clearance(self._noise.position_jitter)
+        return not under_plate(x, y, clearance, self._plates) and all(
+            shows_beside_lost_food(x, y, food_x, food_y) for food_x, food_y in self._lost_foods
         )

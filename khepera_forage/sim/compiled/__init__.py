@@ -1,8 +1,4 @@
-"""Thousands of simulated worlds at once: bodies and camera of one robot and its food each, no task.
+"""Simulated bodies compiled by numba: one robot, its food and a camera in each of many worlds. No task.
 
-Needs numba (the extra `fast`). `BatchWorld` is what to use; the other modules are what its kernel is made of.
+Needs numba (extra `fast`). `CompiledWorld` in `world` is one world; `stepping` has the kernels for blocks of worlds.
 """
-
-from khepera_forage.sim.compiled.world import BatchWorld
-
-__all__ = ["BatchWorld"]

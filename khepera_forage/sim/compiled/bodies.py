@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.compilation.decorators import inline, sequence
+from khepera_forage.compilation.decorators import sequence
 from khepera_forage.compilation.threads import most_threads_for
 from khepera_forage.sim.compiled.records import (
     LANES,
@@ -56,10 +56,3 @@ def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
         bodies.scratch[thread],
         bodies.detections[thread],
     )
-
-
-@inline
-def filled(count: int) -> int:
-    """A number of lanes rounded up to whole instructions: used until the kernels of bodies work on records."""
-    stride = min(8, LANES)
-    return (count + stride - 1) & -stride

@@ -1,12 +1,10 @@
-"""What a robot of a batch could touch in a round, and what it would touch at the free end of it."""
+"""Broad phase: which robots could touch something in a round, and which do at the free end of the round."""
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.compilation.packing import pack, packed
+from khepera_forage.compilation.packing import pack, rounded_up
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
@@ -18,143 +16,121 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.sim.broad_phase import GRIPPER_AHEAD, GRIPPER_RADIUS, PUSHED, SHOVED
-from khepera_forage.sim.compiled import parameters as setting
-from khepera_forage.sim.compiled import rows as at
-from khepera_forage.sim.compiled.bodies import filled
 from khepera_forage.sim.compiled.gripper import finger_overlap, palm_overlap
-from khepera_forage.sim.compiled.rows import LANES
 
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
-# What `watch_walls` looks at of the lanes near a wall, packed into the scratch rows.
-_OF_ROUND = np.array((at.FREE_X, at.FREE_Y, at.FREE_COS, at.FREE_SIN, at.FREE_JAW))
-_OF_ROBOT = np.array((at.X, at.Y, at.HELD, at.GRIP_X, at.GRIP_Y))
-_X, _Y, _COS, _SIN, _JAW, _FROM_X, _FROM_Y, _HELD, _GRIP_X, _GRIP_Y, _LANE = (
-    at.SCRATCH + n for n in range(11)
-)
-_TOUCHES = at.MARK
+_EXTENT = 94.0
+"""mm from a robot's centre to the furthest point of the robot and the food in its gripper."""
 _FAR = 30.0
-"""mm a round from which a finger could pass through food unnoticed: then every step of the round is looked at."""
+"""mm a round from which a finger could pass through food unnoticed: the round is then calculated step by step."""
 
 half_gap = inline(half_gap)
 
 
 @kernel
-def look_around(
-    s: NDArray[np.float64],
-    w: NDArray[np.float64],
-    f: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-) -> None:
-    """Mark what could be touched in this round, and from that how far the wheels lag: as `PymunkWorld` has it.
-
-    Chipmunk moves bodies by the speed of the step before. So where it is at work, a robot changes its speed one physics
-    step late: 20 ms, or less near a wall, where steps are finer. In the open, where no physics is needed, nothing lags.
-    """
-    for food in range(foods):
-        base = food * at.FOOD_ROWS * LANES
-        for i in range(LANES):
-            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-            reach = PUSHED if s[at.ARM * LANES + i] >= ARM_ON_FLOOR else SHOVED
-            reach += w[at.TRAVEL * LANES + i]
-            near = dx * dx + dy * dy < reach * reach and s[at.HELD * LANES + i] != food
-            w[at.NEAR_FOOD * LANES + i] = 1.0 if near else w[at.NEAR_FOOD * LANES + i]
-    for wall in range(walls.shape[0]):
-        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
-        share = walls[wall, setting.SHARE]
-        for i in range(LANES):
-            x, y = s[at.X * LANES + i] - x1, s[at.Y * LANES + i] - y1
-            travel = w[at.TRAVEL * LANES + i]
+def find_near(robot: Any, foods: Any, scratch: Any, walls: Any) -> None:
+    """Mark the worlds in which the robot could touch food, or a wall, in this round."""
+    lanes = robot.x.shape[0]
+    for k in range(foods.shape[0]):
+        food = foods[k]
+        for i in range(lanes):
+            dx, dy = food.x[i] - robot.x[i], food.y[i] - robot.y[i]
+            reach = PUSHED if robot.arm[i] >= ARM_ON_FLOOR else SHOVED
+            reach += scratch.travel[i]
+            near = dx * dx + dy * dy < reach * reach and robot.held[i] != k
+            scratch.near_food[i] = 1.0 if near else scratch.near_food[i]
+    for j in range(walls.shape[0]):
+        x1, y1, ex, ey, share = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey, walls[j].share
+        for i in range(lanes):
+            x, y = robot.x[i] - x1, robot.y[i] - y1
+            travel = scratch.travel[i]
             t = min(1.0, max(0.0, (x * ex + y * ey) * share))
             dx, dy = x - t * ex, y - t * ey
-            reach = travel + (PUSHED if w[at.NEAR_FOOD * LANES + i] != 0.0 else RADIUS)
+            reach = travel + (PUSHED if scratch.near_food[i] != 0.0 else RADIUS)
             body = dx * dx + dy * dy < reach * reach
-            x += GRIPPER_AHEAD * s[at.COS * LANES + i]
-            y += GRIPPER_AHEAD * s[at.SIN * LANES + i]
+            x += GRIPPER_AHEAD * robot.cos[i]
+            y += GRIPPER_AHEAD * robot.sin[i]
             t = min(1.0, max(0.0, (x * ex + y * ey) * share))
             dx, dy = x - t * ex, y - t * ey
             reach = travel + GRIPPER_RADIUS
             near = body or dx * dx + dy * dy < reach * reach
-            w[at.NEAR_WALL * LANES + i] = 1.0 if near else w[at.NEAR_WALL * LANES + i]
+            scratch.near_wall[i] = 1.0 if near else scratch.near_wall[i]
 
 
 @kernel
-def watch_walls(
-    s: NDArray[np.float64], w: NDArray[np.float64], walls: NDArray[np.float64], corners: NDArray[np.float64]
-) -> None:
-    """Mark the worlds whose robot would touch a wall at the free end of the round: some of those that are near one."""
-    count = pack(w, at.NEAR_WALL, _LANE, 0)
+def find_wall_contacts(robot: Any, scratch: Any, walls: Any, corners: Any) -> None:
+    """Mark the worlds whose robot would touch a wall at the free end of the round."""
+    lanes = robot.x.shape[0]
+    count = pack(scratch.near_wall, scratch.lane, 0)
     for n in range(count):
-        i = packed(w, _LANE, n)
-        for row in range(len(_OF_ROUND)):
-            w[(_X + row) * LANES + n] = w[_OF_ROUND[row] * LANES + i]
-        for row in range(len(_OF_ROBOT)):
-            w[(_FROM_X + row) * LANES + n] = s[_OF_ROBOT[row] * LANES + i]
-        w[_TOUCHES * LANES + n] = 0.0
-    whole = filled(count)
-    for wall in range(walls.shape[0]):
-        x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
-        share = walls[wall, setting.SHARE]
-        nx, ny, offset = walls[wall, 5], walls[wall, 6], walls[wall, 7]
-        for n in range(whole):
-            x, y = w[_X * LANES + n], w[_Y * LANES + n]
-            c, d = w[_COS * LANES + n], w[_SIN * LANES + n]
-            wide = half_gap(w[_JAW * LANES + n]) + FINGER_THICKNESS
-            # Which side of the wall the robot is on now.
-            side = nx * w[_FROM_X * LANES + n] + ny * w[_FROM_Y * LANES + n] - offset
+        i = scratch.lane[n]
+        scratch.near_x[n], scratch.near_y[n] = scratch.free_x[i], scratch.free_y[i]
+        scratch.near_cos[n], scratch.near_sin[n] = scratch.free_cos[i], scratch.free_sin[i]
+        scratch.near_jaw[n] = scratch.free_jaw[i]
+        scratch.near_from_x[n], scratch.near_from_y[n] = robot.x[i], robot.y[i]
+        scratch.near_held[n] = robot.held[i]
+        scratch.near_grip_x[n], scratch.near_grip_y[n] = robot.grip_x[i], robot.grip_y[i]
+        scratch.near_touches[n] = 0.0
+    for j in range(walls.shape[0]):
+        x1, y1, ex, ey, share = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey, walls[j].share
+        nx, ny, offset = walls[j].normal_x, walls[j].normal_y, walls[j].offset
+        for n in range(rounded_up(count, lanes)):
+            x, y = scratch.near_x[n], scratch.near_y[n]
+            cos, sin = scratch.near_cos[n], scratch.near_sin[n]
+            wide = half_gap(scratch.near_jaw[n]) + FINGER_THICKNESS
+            # The side of the wall on which the robot is now.
+            side = nx * scratch.near_from_x[n] + ny * scratch.near_from_y[n] - offset
             side = math.copysign(1.0, side)
             off = side * (nx * x + ny * y - offset)
             t = ((x - x1) * ex + (y - y1) * ey) * share
             t = min(1.0, max(0.0, t))
             dx, dy = x - x1 - t * ex, y - y1 - t * ey
             body = dx * dx + dy * dy < RADIUS * RADIUS
-            # How far forward and left of the robot lead away from the wall.
-            ahead, aside = side * (nx * c + ny * d), abs(nx * -d + ny * c)
+            # The parts of the robot's forward and left directions that lead away from the wall.
+            ahead, aside = side * (nx * cos + ny * sin), abs(nx * -sin + ny * cos)
             tip = off + FINGER_TIP * ahead - wide * aside < 0.0
             root = off + JAW_ROOT * ahead - _PALM * aside < 0.0
-            held = w[_HELD * LANES + n] >= 0.0
+            held = scratch.near_held[n] >= 0.0
             grip = (
                 held
-                and off + w[_GRIP_X * LANES + n] * ahead - aside * abs(w[_GRIP_Y * LANES + n]) < FOOD_RADIUS
+                and off + scratch.near_grip_x[n] * ahead - aside * abs(scratch.near_grip_y[n]) < FOOD_RADIUS
             )
-            # Beyond its ends a wall touches nothing; the robot reaches no further than 94 mm.
+            # Beyond its ends a wall touches nothing.
             along = (x - x1) * ex + (y - y1) * ey
-            reach = 94.0 * math.sqrt(ex * ex + ey * ey)
+            reach = _EXTENT * math.sqrt(ex * ex + ey * ey)
             beside = along > -reach and along < ex * ex + ey * ey + reach
             if body or (beside and (tip or root or grip)):
-                w[_TOUCHES * LANES + n] = 1.0
+                scratch.near_touches[n] = 1.0
     for n in range(count):
-        i = packed(w, _LANE, n)
-        w[at.TOUCHES * LANES + i] = max(w[at.TOUCHES * LANES + i], w[_TOUCHES * LANES + n])
-    for corner in range(corners.shape[0]):
-        cx, cy = corners[corner, 0], corners[corner, 1]
-        for i in range(LANES):
-            dx, dy = cx - w[at.FREE_X * LANES + i], cy - w[at.FREE_Y * LANES + i]
-            c, d = w[at.FREE_COS * LANES + i], w[at.FREE_SIN * LANES + i]
-            u, v = dx * c + dy * d, dy * c - dx * d
-            if finger_overlap(u, v, w[at.FREE_JAW * LANES + i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
-                w[at.TOUCHES * LANES + i] = 1.0
+        i = scratch.lane[n]
+        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n])
+    for j in range(corners.shape[0]):
+        x, y = corners[j].x, corners[j].y
+        for i in range(lanes):
+            dx, dy = x - scratch.free_x[i], y - scratch.free_y[i]
+            cos, sin = scratch.free_cos[i], scratch.free_sin[i]
+            u, v = dx * cos + dy * sin, dy * cos - dx * sin
+            if finger_overlap(u, v, scratch.free_jaw[i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
+                scratch.touches[i] = 1.0
 
 
 @kernel
-def watch_food(s: NDArray[np.float64], w: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
-    """Mark the worlds whose robot would touch food, other than in its gripper, at the free end of the round."""
-    for food in range(foods):
-        base = food * at.FOOD_ROWS * LANES
-        for i in range(LANES):
-            x, y = f[base + at.FOOD_X * LANES + i], f[base + at.FOOD_Y * LANES + i]
-            dx, dy = x - w[at.FREE_X * LANES + i], y - w[at.FREE_Y * LANES + i]
-            c, d = w[at.FREE_COS * LANES + i], w[at.FREE_SIN * LANES + i]
-            u, v = dx * c + dy * d, dy * c - dx * d
-            low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-            held = s[at.HELD * LANES + i]
+def find_food_contacts(robot: Any, foods: Any, scratch: Any) -> None:
+    """Mark the worlds whose robot would touch food, other than held food, at the free end of the round."""
+    for k in range(foods.shape[0]):
+        food = foods[k]
+        for i in range(robot.x.shape[0]):
+            dx, dy = food.x[i] - scratch.free_x[i], food.y[i] - scratch.free_y[i]
+            cos, sin = scratch.free_cos[i], scratch.free_sin[i]
+            u, v = dx * cos + dy * sin, dy * cos - dx * sin
+            low = robot.arm[i] >= ARM_ON_FLOOR
+            held = robot.held[i]
             reach = RADIUS + FOOD_RADIUS
             body = u * u + v * v < reach * reach
-            fingers = finger_overlap(u, v, w[at.FREE_JAW * LANES + i], FOOD_RADIUS) > 0.0
+            fingers = finger_overlap(u, v, scratch.free_jaw[i], FOOD_RADIUS) > 0.0
             palm = palm_overlap(u, v, FOOD_RADIUS) > 0.0
-            gx, gy = u - s[at.GRIP_X * LANES + i], v - s[at.GRIP_Y * LANES + i]
+            gx, gy = u - robot.grip_x[i], v - robot.grip_y[i]
             other = held >= 0.0 and gx * gx + gy * gy < 4 * FOOD_RADIUS * FOOD_RADIUS
-            fast = w[at.TRAVEL * LANES + i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
-            if held != food and (body or (low and (fingers or palm or other or fast))):
-                w[at.TOUCHES * LANES + i] = 1.0
+            fast = scratch.travel[i] > _FAR and u * u + v * v < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2
+            if held != k and (body or (low and (fingers or palm or other or fast))):
+                scratch.touches[i] = 1.0

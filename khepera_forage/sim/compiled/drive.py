@@ -1,35 +1,24 @@
-"""The beginning of a round: the arm's move, what the wheels will travel, and where that leads if nothing resists."""
+"""The start of a round: the arm moves, the wheels' slip is drawn, and the free end of the round is predicted.
+
+The free end of a round is where the robot gets if nothing resists. `move_freely` takes it in all worlds in which the
+robot touches nothing; `contact` moves the others step by step.
+"""
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.compilation.packing import pack, packed
+from khepera_forage.compilation.packing import pack
 from khepera_forage.compilation.trigonometry import cosine_sine
-from khepera_forage.robots.khepera import (
-    ARM_ON_FLOOR,
-    ARM_SPEED,
-    CONTROL_PERIOD,
-    FINGER_TIP,
-    JAW_SPEED,
-    PULSE,
-    SPEED_UNIT,
-    WHEEL_BASE,
-)
-from khepera_forage.sim.compiled import parameters as setting
-from khepera_forage.sim.compiled import rows as at
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, PULSE, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.sim.compiled.gripper import room_below
-from khepera_forage.sim.compiled.numbers import normal, word
-from khepera_forage.sim.compiled.rows import LANES
+from khepera_forage.sim.compiled.numbers import DRAW_WHEELS, DRAWS, normal, word
 from khepera_forage.sim.pymunk.khepera import FINE_TRAVEL, SUBSTEPS
 
-_32 = np.uint64(32)
-_DRAWS = np.uint64(at.DRAWS)
-_FIRST, _SECOND, _DITHER = (np.uint64(at.DRAW_WHEELS + n) for n in range(3))
-_ARM_STEP, _JAW_STEP = ARM_SPEED * CONTROL_PERIOD, JAW_SPEED * CONTROL_PERIOD
-_PULSES = SPEED_UNIT * CONTROL_PERIOD / PULSE
+_32, _DRAWS = np.uint64(32), np.uint64(DRAWS)
+_LEFT, _RIGHT, _DITHER = (np.uint64(DRAW_WHEELS + n) for n in range(3))
 
 
 @inline
@@ -39,103 +28,96 @@ def towards(target: float, value: float, step: float) -> float:
 
 
 @kernel
-def begin_round(
-    s: NDArray[np.float64],
-    w: NDArray[np.float64],
-    f: NDArray[np.float64],
-    keys: NDArray[np.uint64],
-    foods: int,
-    noise: NDArray[np.float64],
-) -> None:
-    """Move the arms, draw the wheels' slip, and work out the free end of the round for every world of a block."""
-    slip = noise[setting.WHEEL_SLIP]
-    for i in range(LANES):
-        arm, target = s[at.ARM * LANES + i], s[at.ARM_TO * LANES + i]
-        moved = towards(target, arm, _ARM_STEP)
-        w[at.SCRATCH * LANES + i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
-        s[at.ARM * LANES + i] = moved
-    for n in range(pack(w, at.SCRATCH, at.MARK, 0)):
-        i = packed(w, at.MARK, n)
-        if not room_below(s, f, foods, i):
-            s[at.ARM * LANES + i] = ARM_ON_FLOOR - 1.0
-    for i in range(LANES):
-        key = keys[at.KEY * LANES + i]
-        first = keys[at.ROUND * LANES + i] * _DRAWS
+def begin_round(robot: Any, foods: Any, scratch: Any, constants: Any) -> None:
+    """Move the arms, and draw the wheels' slip of this round."""
+    duration, slip = constants[0].round_duration, constants[0].wheel_slip
+    arm_step, jaw_step = constants[0].arm_speed * duration, constants[0].jaw_speed * duration
+    lanes = robot.x.shape[0]
+    for i in range(lanes):
+        arm = robot.arm[i]
+        moved = towards(robot.arm_target[i], arm, arm_step)
+        scratch.marked[i] = 1.0 if moved >= ARM_ON_FLOOR and arm < ARM_ON_FLOOR else 0.0
+        robot.arm[i] = moved
+    for n in range(pack(scratch.marked, scratch.lane, 0)):
+        i = scratch.lane[n]
+        if not room_below(robot, foods, i):
+            robot.arm[i] = ARM_ON_FLOOR - 1.0
+    for i in range(lanes):
+        key, first = robot.key[i], robot.round[i] * _DRAWS
         dither = word(key, first + _DITHER)
-        left_normal = normal(word(key, first + _FIRST), dither)
-        right_normal = normal(word(key, first + _SECOND), dither >> _32)
-        left = s[at.LEFT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_LEFT * LANES + i] + slip * left_normal)
-        right = (
-            s[at.RIGHT * LANES + i] * SPEED_UNIT * (1.0 + s[at.BIAS_RIGHT * LANES + i] + slip * right_normal)
-        )
+        left_normal = normal(word(key, first + _LEFT), dither)
+        right_normal = normal(word(key, first + _RIGHT), dither >> _32)
+        left = robot.left[i] * SPEED_UNIT * (1.0 + robot.bias_left[i] + slip * left_normal)
+        right = robot.right[i] * SPEED_UNIT * (1.0 + robot.bias_right[i] + slip * right_normal)
         forward, turn = (left + right) / 2, (right - left) / WHEEL_BASE
-        # A jaw that holds food closes no further; one that opens from it is followed step by step.
-        held = s[at.HELD * LANES + i] >= 0.0
-        jaw, jaw_to = s[at.JAW * LANES + i], s[at.JAW_TO * LANES + i]
-        w[at.FREE_JAW * LANES + i] = jaw if held else towards(jaw_to, jaw, _JAW_STEP)
-        travel = (abs(forward) + abs(turn) * FINGER_TIP) * CONTROL_PERIOD
-        w[at.TRAVEL * LANES + i] = travel
-        w[at.TOUCHES * LANES + i] = 1.0 if held and jaw_to > jaw else 0.0
-        w[at.FORWARD * LANES + i] = forward
-        w[at.TURN * LANES + i] = turn
-        w[at.NEAR_WALL * LANES + i] = 0.0
-        w[at.NEAR_FOOD * LANES + i] = 0.0
+        # A jaw that holds food closes no further. One that opens and releases food is moved step by step.
+        held = robot.held[i] >= 0.0
+        jaw, target = robot.jaw[i], robot.jaw_target[i]
+        scratch.free_jaw[i] = jaw if held else towards(target, jaw, jaw_step)
+        scratch.travel[i] = (abs(forward) + abs(turn) * FINGER_TIP) * duration
+        scratch.touches[i] = 1.0 if held and target > jaw else 0.0
+        scratch.forward[i] = forward
+        scratch.turn[i] = turn
+        scratch.near_wall[i] = 0.0
+        scratch.near_food[i] = 0.0
 
 
 @kernel
-def aim(s: NDArray[np.float64], w: NDArray[np.float64]) -> None:
-    """Where the round ends if nothing resists."""
-    for i in range(LANES):
-        travel = w[at.TRAVEL * LANES + i]
-        still = travel == 0.0 and w[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
-        wall, food = w[at.NEAR_WALL * LANES + i] != 0.0, w[at.NEAR_FOOD * LANES + i] != 0.0
+def predict(robot: Any, scratch: Any, constants: Any) -> None:
+    """Compute the free end of the round.
+
+    Chipmunk moves bodies by the speed of the step before. So where `PymunkWorld` needs physics, near walls and food, a
+    robot changes its speed one physics step late: 20 ms, or less near a wall, where steps are finer.
+    """
+    duration = constants[0].round_duration
+    for i in range(robot.x.shape[0]):
+        travel = scratch.travel[i]
+        still = travel == 0.0 and scratch.free_jaw[i] == robot.jaw[i]
+        wall, food = scratch.near_wall[i] != 0.0, scratch.near_food[i] != 0.0
         steps = max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if wall else float(SUBSTEPS)
         lag = 1.0 / steps if (wall or food) and not still else 0.0
-        w[at.LAG * LANES + i] = lag
-        forward = w[at.FORWARD * LANES + i] + lag * (
-            s[at.LAST_FORWARD * LANES + i] - w[at.FORWARD * LANES + i]
-        )
-        turn = w[at.TURN * LANES + i] + lag * (s[at.LAST_TURN * LANES + i] - w[at.TURN * LANES + i])
-        heading = s[at.HEADING * LANES + i]
-        # The direction in the middle of the round does for all of it: the chord ends where the arc does.
-        c, d = cosine_sine(heading + turn * CONTROL_PERIOD / 2)
-        end = heading + turn * CONTROL_PERIOD
-        end_c, end_s = cosine_sine(end)
-        w[at.FREE_X * LANES + i] = s[at.X * LANES + i] + forward * c * CONTROL_PERIOD
-        w[at.FREE_Y * LANES + i] = s[at.Y * LANES + i] + forward * d * CONTROL_PERIOD
-        w[at.FREE_HEADING * LANES + i] = end
-        w[at.FREE_COS * LANES + i] = end_c
-        w[at.FREE_SIN * LANES + i] = end_s
+        scratch.lag[i] = lag
+        forward = scratch.forward[i] + lag * (robot.last_forward[i] - scratch.forward[i])
+        turn = scratch.turn[i] + lag * (robot.last_turn[i] - scratch.turn[i])
+        heading = robot.heading[i]
+        # The chord of an arc has the direction of the arc's middle.
+        cos, sin = cosine_sine(heading + turn * duration / 2)
+        end = heading + turn * duration
+        end_cos, end_sin = cosine_sine(end)
+        scratch.free_x[i] = robot.x[i] + forward * cos * duration
+        scratch.free_y[i] = robot.y[i] + forward * sin * duration
+        scratch.free_heading[i] = end
+        scratch.free_cos[i] = end_cos
+        scratch.free_sin[i] = end_sin
 
 
 @kernel
-def glide(s: NDArray[np.float64], w: NDArray[np.float64]) -> None:
-    """Take the free end of the round where nothing is touched, or where nothing moves."""
-    for i in range(LANES):
+def move_freely(robot: Any, scratch: Any, constants: Any) -> None:
+    """Move the robots that touch nothing, or do not move, to the free end of the round."""
+    pulses = SPEED_UNIT * constants[0].round_duration / PULSE
+    for i in range(robot.x.shape[0]):
         still = (
-            w[at.TRAVEL * LANES + i] == 0.0
-            and s[at.LAST_FORWARD * LANES + i] == 0.0
-            and s[at.LAST_TURN * LANES + i] == 0.0
-            and w[at.FREE_JAW * LANES + i] == s[at.JAW * LANES + i]
+            scratch.travel[i] == 0.0
+            and robot.last_forward[i] == 0.0
+            and robot.last_turn[i] == 0.0
+            and scratch.free_jaw[i] == robot.jaw[i]
         )
-        opens = s[at.HELD * LANES + i] >= 0.0 and s[at.JAW_TO * LANES + i] > s[at.JAW * LANES + i]
-        touches = w[at.TOUCHES * LANES + i] != 0.0 and (opens or not still)
-        w[at.TOUCHES * LANES + i] = 1.0 if touches else 0.0
-        s[at.PULSES_LEFT * LANES + i] += s[at.LEFT * LANES + i] * _PULSES
-        s[at.PULSES_RIGHT * LANES + i] += s[at.RIGHT * LANES + i] * _PULSES
-        _take(s, w, i, at.X, at.FREE_X, touches)
-        _take(s, w, i, at.Y, at.FREE_Y, touches)
-        _take(s, w, i, at.HEADING, at.FREE_HEADING, touches)
-        _take(s, w, i, at.COS, at.FREE_COS, touches)
-        _take(s, w, i, at.SIN, at.FREE_SIN, touches)
-        _take(s, w, i, at.JAW, at.FREE_JAW, touches)
-        _take(s, w, i, at.LAST_FORWARD, at.FORWARD, touches)
-        _take(s, w, i, at.LAST_TURN, at.TURN, touches)
+        opens = robot.held[i] >= 0.0 and robot.jaw_target[i] > robot.jaw[i]
+        touches = scratch.touches[i] != 0.0 and (opens or not still)
+        scratch.touches[i] = 1.0 if touches else 0.0
+        robot.pulses_left[i] += robot.left[i] * pulses
+        robot.pulses_right[i] += robot.right[i] * pulses
+        robot.x[i] = _either(touches, robot.x[i], scratch.free_x[i])
+        robot.y[i] = _either(touches, robot.y[i], scratch.free_y[i])
+        robot.heading[i] = _either(touches, robot.heading[i], scratch.free_heading[i])
+        robot.cos[i] = _either(touches, robot.cos[i], scratch.free_cos[i])
+        robot.sin[i] = _either(touches, robot.sin[i], scratch.free_sin[i])
+        robot.jaw[i] = _either(touches, robot.jaw[i], scratch.free_jaw[i])
+        robot.last_forward[i] = _either(touches, robot.last_forward[i], scratch.forward[i])
+        robot.last_turn[i] = _either(touches, robot.last_turn[i], scratch.turn[i])
 
 
 @inline
-def _take(s: NDArray[np.float64], w: NDArray[np.float64], i: int, row: int, end: int, touches: bool) -> None:
-    """Replace a number where nothing is touched."""
-    # Both are read first: a condition that reads one of them only is a branch, and no lane is like its neighbour.
-    stays, goes = s[row * LANES + i], w[end * LANES + i]
-    s[row * LANES + i] = stays if touches else goes
+def _either(first: bool, one: float, other: float) -> float:
+    """One number or the other; both are loaded before the choice, so that the loop vectorises."""
+    return one if first else other

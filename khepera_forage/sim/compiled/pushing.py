@@ -1,98 +1,83 @@
-"""Food that is pushed in a batch: out of the robot's way, out of walls, and off other food."""
+"""Pushed food: out of the robot's way, out of walls, and away from other food."""
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from khepera_forage.compilation.decorators import inline
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, RADIUS
-from khepera_forage.sim.compiled import rows as at
 from khepera_forage.sim.compiled.gripper import push_out, seen_from
-from khepera_forage.sim.compiled.rows import LANES
 from khepera_forage.sim.compiled.walls import from_wall, squared_from_wall
 
 _FRICTION = 0.04
-"""Of a finger along food: pymunk's, the product of 0.2 for each."""
+"""Friction of a finger along food: pymunk multiplies 0.2 of each."""
 
 
 @inline
-def push_food(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    foods: int,
-    i: int,
-    walls: NDArray[np.float64],
-    forward: float,
-    turn: float,
-) -> float:
-    """Move food out of the robot's way, out of walls and off other food.
+def push_food(robot: Any, foods: Any, i: int, walls: Any, forward: float, turn: float) -> float:
+    """Move food out of the robot's way, out of walls and away from other food.
 
     Args:
-        s: The robots' rows.
-        f: The food's rows.
-        foods: Number of food objects in a world.
+        robot: A block of robots.
+        foods: The food objects of the block.
         i: The lane.
-        walls: Those that are near.
-        forward: How far the robot has just gone, mm: its fingers carry along what they touch.
-        turn: How far it has turned, radians.
+        walls: The walls near the robot.
+        forward: Distance that the robot has just moved, mm: its fingers drag food that they touch.
+        turn: Angle that it has turned, radians.
 
     Returns:
-        How far food was moved in all, mm.
+        Sum of the distances that food was moved, mm.
     """
     moved = 0.0
-    held = s[at.HELD * LANES + i]
-    low = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-    for food in range(foods):
-        if food == held:
+    held = robot.held[i]
+    low = robot.arm[i] >= ARM_ON_FLOOR
+    for k in range(foods.shape[0]):
+        if k == held:
             continue
-        base = food * at.FOOD_ROWS * LANES + i
-        from_x, from_y = f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES]
-        u, v = seen_from(s, f, food, i)
+        food = foods[k]
+        from_x, from_y = food.x[i], food.y[i]
+        u, v = seen_from(robot, food, i)
         if u * u + v * v > (FINGER_TIP + 4 * FOOD_RADIUS) ** 2:
             continue
         u, v = _apart(u, v, 0.0, 0.0, RADIUS + FOOD_RADIUS)
         if low:
             if held >= 0.0:
-                u, v = _apart(u, v, s[at.GRIP_X * LANES + i], s[at.GRIP_Y * LANES + i], 2 * FOOD_RADIUS)
-            depth, along, aside = push_out(u, v, s[at.JAW * LANES + i], FOOD_RADIUS)
+                u, v = _apart(u, v, robot.grip_x[i], robot.grip_y[i], 2 * FOOD_RADIUS)
+            depth, along, aside = push_out(u, v, robot.jaw[i], FOOD_RADIUS)
             if depth > 0.0:
-                # Food slides on the floor the way it is pushed: within the cone of friction it stays where it
-                # touches the finger, beyond that it slips along it.
+                # Within the cone of friction food moves with the point of the finger that it touches; beyond the cone
+                # it slips along the finger.
                 slip = along * turn * u - aside * (forward - turn * v)
                 drag = min(_FRICTION * depth, max(-_FRICTION * depth, slip))
                 u, v = u + depth * along - drag * aside, v + depth * aside + drag * along
-        c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-        x, y = s[at.X * LANES + i] + u * c - v * d, s[at.Y * LANES + i] + u * d + v * c
-        f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES] = x, y
+        cos, sin = robot.cos[i], robot.sin[i]
+        x, y = robot.x[i] + u * cos - v * sin, robot.y[i] + u * sin + v * cos
+        food.x[i], food.y[i] = x, y
         moved += abs(x - from_x) + abs(y - from_y)
     if moved > 0.0:
-        for food in range(foods):
-            if food != held:
-                moved += _settle(f, foods, i, food, held, walls)
+        for k in range(foods.shape[0]):
+            if k != held:
+                moved += _settle(foods, k, i, held, walls)
     return moved
 
 
 @inline
-def _settle(
-    f: NDArray[np.float64], foods: int, i: int, food: int, held: float, walls: NDArray[np.float64]
-) -> float:
-    """Move one food object out of walls, and others off it."""
-    base = food * at.FOOD_ROWS * LANES + i
-    x, y = f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES]
+def _settle(foods: Any, k: int, i: int, held: float, walls: Any) -> float:
+    """Move food object `k` out of walls, and others away from it; returns the sum of the distances."""
+    food = foods[k]
+    x, y = food.x[i], food.y[i]
     moved = 0.0
-    for wall in range(walls.shape[0]):
-        if squared_from_wall(x, y, walls, wall) < FOOD_RADIUS * FOOD_RADIUS:
-            far, nx, ny = from_wall(x, y, walls, wall)
+    for j in range(walls.shape[0]):
+        if squared_from_wall(x, y, walls[j]) < FOOD_RADIUS * FOOD_RADIUS:
+            far, nx, ny = from_wall(x, y, walls[j])
             x, y = x + nx * (FOOD_RADIUS - far), y + ny * (FOOD_RADIUS - far)
             moved += FOOD_RADIUS - far
-    f[base + at.FOOD_X * LANES], f[base + at.FOOD_Y * LANES] = x, y
-    for other in range(foods):
-        if other != food and other != held:
-            there = other * at.FOOD_ROWS * LANES + i
-            from_x, from_y = f[there + at.FOOD_X * LANES], f[there + at.FOOD_Y * LANES]
+    food.x[i], food.y[i] = x, y
+    for n in range(foods.shape[0]):
+        if n != k and n != held:
+            other = foods[n]
+            from_x, from_y = other.x[i], other.y[i]
             to_x, to_y = _apart(from_x, from_y, x, y, 2 * FOOD_RADIUS)
-            f[there + at.FOOD_X * LANES], f[there + at.FOOD_Y * LANES] = to_x, to_y
+            other.x[i], other.y[i] = to_x, to_y
             moved += abs(to_x - from_x) + abs(to_y - from_y)
     return moved
 

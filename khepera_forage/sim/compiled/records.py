@@ -79,7 +79,14 @@ corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """A corner of walls that points into the floor."""
 
 track_dtype = np.dtype(
-    [("label", "i8"), ("x", "f8"), ("y", "f8"), ("holes", "i8"), ("found", "?"), ("detection", "i8")],
+    [
+        ("label", "i8"),
+        ("x", "f8"),
+        ("y", "f8"),
+        ("holes", "i8"),
+        ("found", "?"),
+        ("detection", "i8"),
+    ],
     align=True,
 )
 """The fields of `vision.association.Track`: one track of one world."""
@@ -108,7 +115,7 @@ def food_dtype(lanes: int) -> np.dtype[Any]:
 
 def scratch_dtype(lanes: int) -> np.dtype[Any]:
     """Numbers that are needed within a round only: one record serves all blocks of a thread."""
-    return np.dtype([*_over(lanes, _SCRATCH), ("lane", "i8", (lanes,))])  # lane: numbers of packed lanes
+    return np.dtype([*_over(lanes, _SCRATCH), ("lane", "u2", (lanes,))])  # lane: numbers of packed lanes
 
 
 def _over(lanes: int, names: tuple[str, ...]) -> list[Any]:

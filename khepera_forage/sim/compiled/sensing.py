@@ -1,178 +1,148 @@
-"""The end of a round: held food comes along, the optical barrier, arm and jaw, and the eight infra-reds."""
+"""The end of a round: held food moves along; optical barrier, arm, jaw and the eight infra-reds are read."""
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.compilation.packing import pack, packed
+from khepera_forage.compilation.packing import pack, rounded_up
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, PRESENT
 from khepera_forage.robots.proximity import _AT_RANGE as AT_RANGE
 from khepera_forage.robots.proximity import _GAIN as GAIN
 from khepera_forage.robots.proximity import _OFFSET as OFFSET
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS
-from khepera_forage.sim.compiled import parameters as setting
-from khepera_forage.sim.compiled import rows as at
-from khepera_forage.sim.compiled.bodies import filled
 from khepera_forage.sim.compiled.gripper import in_barrier
-from khepera_forage.sim.compiled.numbers import lower, upper, word
-from khepera_forage.sim.compiled.rows import LANES
+from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper, word
 
-_DRAWS = np.uint64(at.DRAWS)
-_FIRST, _ONE = np.uint64(at.DRAW_PROXIMITY), np.uint64(1)
+_DRAWS = np.uint64(DRAWS)
+_FIRST = np.uint64(DRAW_PROXIMITY)
 _SENSORS = np.array(SENSORS)
 _FRONT = 6
 """Sensors that a lowered arm hides."""
 _LOW, _SPAN = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
-# The lanes in reach of a wall or of food are packed into the scratch rows: what is there in the robot's frame.
-_AHEAD, _ASIDE, _ALONG, _ACROSS, _SQUARE, _LANE, _NEAR, _HIDDEN = (at.SCRATCH + n for n in range(8))
 
 
 @kernel
-def end_round(s: NDArray[np.float64], f: NDArray[np.float64], foods: int) -> None:
-    """Take held food along, and read barrier, arm and jaw."""
-    for i in range(LANES):
-        s[at.PRESENT * LANES + i] = 0.0
-        s[at.ARM_READ * LANES + i] = math.floor(s[at.ARM * LANES + i] + 0.5)
-        s[at.JAW_READ * LANES + i] = math.floor(s[at.JAW * LANES + i] + 0.5)
-    for food in range(foods):
-        base = food * at.FOOD_ROWS * LANES
-        for i in range(LANES):
-            held = s[at.HELD * LANES + i]
-            c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-            x, y = s[at.X * LANES + i], s[at.Y * LANES + i]
-            u, v = s[at.GRIP_X * LANES + i], s[at.GRIP_Y * LANES + i]
-            food_x = x + u * c - v * d if held == food else f[base + at.FOOD_X * LANES + i]
-            food_y = y + u * d + v * c if held == food else f[base + at.FOOD_Y * LANES + i]
-            f[base + at.FOOD_X * LANES + i] = food_x
-            f[base + at.FOOD_Y * LANES + i] = food_y
+def end_round(robot: Any, foods: Any) -> None:
+    """Move held food along, and read barrier, arm and jaw."""
+    lanes = robot.x.shape[0]
+    for i in range(lanes):
+        robot.object_presence[i] = 0.0
+        robot.arm_reading[i] = math.floor(robot.arm[i] + 0.5)
+        robot.jaw_reading[i] = math.floor(robot.jaw[i] + 0.5)
+    for k in range(foods.shape[0]):
+        food = foods[k]
+        for i in range(lanes):
+            held = robot.held[i]
+            cos, sin = robot.cos[i], robot.sin[i]
+            x, y = robot.x[i], robot.y[i]
+            u, v = robot.grip_x[i], robot.grip_y[i]
+            food_x = x + u * cos - v * sin if held == k else food.x[i]
+            food_y = y + u * sin + v * cos if held == k else food.y[i]
+            food.x[i] = food_x
+            food.y[i] = food_y
             dx, dy = food_x - x, food_y - y
-            crossed = in_barrier(dx * c + dy * d, dy * c - dx * d, s[at.JAW * LANES + i])
-            reached = held == food or (held < 0.0 and s[at.ARM * LANES + i] >= ARM_ON_FLOOR)
-            s[at.PRESENT * LANES + i] = PRESENT if crossed and reached else s[at.PRESENT * LANES + i]
+            crossed = in_barrier(dx * cos + dy * sin, dy * cos - dx * sin, robot.jaw[i])
+            reached = held == k or (held < 0.0 and robot.arm[i] >= ARM_ON_FLOOR)
+            robot.object_presence[i] = PRESENT if crossed and reached else robot.object_presence[i]
 
 
 @kernel
-def cast(
-    s: NDArray[np.float64],
-    w: NDArray[np.float64],
-    f: NDArray[np.float64],
-    foods: int,
-    walls: NDArray[np.float64],
-) -> None:
-    """Noise-free readings of all sensors: the function `cast` of `robots.proximity` for every world of a block."""
-    for row in range(at.PROXIMITY, at.PROXIMITY + 8):
-        for i in range(LANES):
-            s[row * LANES + i] = 0.0
-    for wall in range(walls.shape[0]):
-        nx, ny, offset = (
-            walls[wall, setting.NORMAL_X],
-            walls[wall, setting.NORMAL_Y],
-            walls[wall, setting.OFFSET],
-        )
-        for i in range(LANES):
-            off = abs(nx * s[at.X * LANES + i] + ny * s[at.Y * LANES + i] - offset)
-            _mark(s, w, i, off < REACH)
-        sees, count = _pack(w)
-        _cast_wall(s, w, walls, wall, sees, count)
-    for food in range(foods):
-        base = food * at.FOOD_ROWS * LANES
-        for i in range(LANES):
-            dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-            dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-            lifted = s[at.HELD * LANES + i] == food and s[at.ARM * LANES + i] < ARM_ON_FLOOR
-            near = dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted
-            _mark(s, w, i, near)
-        sees, count = _pack(w)
-        _cast_food(s, w, f, base, sees, count)
+def cast(robot: Any, foods: Any, scratch: Any, walls: Any) -> None:
+    """Noise-free readings of all sensors: `robots.proximity.cast` in every world of a block."""
+    lanes = robot.x.shape[0]
+    for sensor in range(8):
+        for i in range(lanes):
+            robot.proximity[sensor, i] = 0.0
+    for j in range(walls.shape[0]):
+        wall = walls[j]
+        nx, ny, offset = wall.normal_x, wall.normal_y, wall.offset
+        for i in range(lanes):
+            off = abs(nx * robot.x[i] + ny * robot.y[i] - offset)
+            _mark(robot, scratch, i, off < REACH)
+        visible = pack(scratch.in_range, scratch.lane, 0)
+        count = pack(scratch.in_range_arm_down, scratch.lane, visible)
+        _cast_wall(robot, scratch, wall, visible, count)
+    for k in range(foods.shape[0]):
+        food = foods[k]
+        for i in range(lanes):
+            dx, dy = food.x[i] - robot.x[i], food.y[i] - robot.y[i]
+            lifted = robot.held[i] == k and robot.arm[i] < ARM_ON_FLOOR
+            _mark(robot, scratch, i, dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted)
+        visible = pack(scratch.in_range, scratch.lane, 0)
+        count = pack(scratch.in_range_arm_down, scratch.lane, visible)
+        _cast_food(robot, food, scratch, visible, count)
 
 
 @inline
-def _mark(s: NDArray[np.float64], w: NDArray[np.float64], i: int, near: bool) -> None:
-    """Note whether something is in reach: in one row or the other, as the arm hides the front sensors or not."""
-    hidden = s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-    w[_NEAR * LANES + i] = 1.0 if near and not hidden else 0.0
-    w[_HIDDEN * LANES + i] = 1.0 if near and hidden else 0.0
+def _mark(robot: Any, scratch: Any, i: int, near: bool) -> None:
+    """Mark whether an obstacle is in range, separately for robots whose arm hides the front sensors."""
+    hidden = robot.arm[i] >= ARM_ON_FLOOR
+    scratch.in_range[i] = 1.0 if near and not hidden else 0.0
+    scratch.in_range_arm_down[i] = 1.0 if near and hidden else 0.0
 
 
 @inline
-def _pack(w: NDArray[np.float64]) -> tuple[int, int]:
-    """Write the numbers of the marked lanes side by side, those first whose arm does not hide the front sensors.
+def _cast_wall(robot: Any, scratch: Any, wall: Any, visible: int, count: int) -> None:
+    """Readings of one wall in the packed lanes.
 
-    Returns:
-        How many these are, and how many there are in all.
+    Args:
+        robot: A block of robots.
+        scratch: The scratch record.
+        wall: The wall.
+        visible: How many lanes there are whose arm does not hide the front sensors; these come first.
+        count: How many packed lanes there are.
     """
-    sees = pack(w, _NEAR, _LANE, 0)
-    return sees, pack(w, _HIDDEN, _LANE, sees)
-
-
-@inline
-def _cast_wall(
-    s: NDArray[np.float64],
-    w: NDArray[np.float64],
-    walls: NDArray[np.float64],
-    wall: int,
-    sees: int,
-    count: int,
-) -> None:
-    """One wall as some sensors of the packed lanes see it."""
-    x1, y1, ex, ey = walls[wall, 0], walls[wall, 1], walls[wall, 2], walls[wall, 3]
-    share = walls[wall, setting.SHARE]
+    lanes = robot.x.shape[0]
+    x1, y1, ex, ey, share = wall.x1, wall.y1, wall.ex, wall.ey, wall.share
     for n in range(count):
-        i = packed(w, _LANE, n)
-        c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-        dx, dy = x1 - s[at.X * LANES + i], y1 - s[at.Y * LANES + i]
-        w[_AHEAD * LANES + n] = dx * c + dy * d
-        w[_ASIDE * LANES + n] = dy * c - dx * d
-        w[_ALONG * LANES + n] = ex * c + ey * d
-        w[_ACROSS * LANES + n] = ey * c - ex * d
+        i = scratch.lane[n]
+        cos, sin = robot.cos[i], robot.sin[i]
+        dx, dy = x1 - robot.x[i], y1 - robot.y[i]
+        scratch.ahead[n] = dx * cos + dy * sin
+        scratch.aside[n] = dy * cos - dx * sin
+        scratch.along[n] = ex * cos + ey * sin
+        scratch.across[n] = ey * cos - ex * sin
     for sensor in range(8):
-        reached = sees if sensor < _FRONT else count
+        reached = visible if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(filled(reached)):
-            along, aside = w[_ALONG * LANES + n], w[_ACROSS * LANES + n]
-            dx, dy = w[_AHEAD * LANES + n] - forward, w[_ASIDE * LANES + n] - left
+        for n in range(rounded_up(reached, lanes)):
+            along, aside = scratch.along[n], scratch.across[n]
+            dx, dy = scratch.ahead[n] - forward, scratch.aside[n] - left
             t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
-            w[_SQUARE * LANES + n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
-        _keep(s, w, sensor, reached)
+            scratch.reading[n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
+        _keep_largest(robot, scratch, sensor, reached)
 
 
 @inline
-def _cast_food(
-    s: NDArray[np.float64],
-    w: NDArray[np.float64],
-    f: NDArray[np.float64],
-    base: int,
-    sees: int,
-    count: int,
-) -> None:
-    """One food object as some sensors of the packed lanes see it."""
+def _cast_food(robot: Any, food: Any, scratch: Any, visible: int, count: int) -> None:
+    """Readings of one food object in the packed lanes; arguments as for `_cast_wall`."""
+    lanes = robot.x.shape[0]
     for n in range(count):
-        i = packed(w, _LANE, n)
-        c, d = s[at.COS * LANES + i], s[at.SIN * LANES + i]
-        dx = f[base + at.FOOD_X * LANES + i] - s[at.X * LANES + i]
-        dy = f[base + at.FOOD_Y * LANES + i] - s[at.Y * LANES + i]
-        w[_AHEAD * LANES + n] = dx * c + dy * d
-        w[_ASIDE * LANES + n] = dy * c - dx * d
+        i = scratch.lane[n]
+        cos, sin = robot.cos[i], robot.sin[i]
+        dx, dy = food.x[i] - robot.x[i], food.y[i] - robot.y[i]
+        scratch.ahead[n] = dx * cos + dy * sin
+        scratch.aside[n] = dy * cos - dx * sin
     for sensor in range(8):
-        reached = sees if sensor < _FRONT else count
+        reached = visible if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
         axis, across = _SENSORS[sensor, 2], _SENSORS[sensor, 3]
-        for n in range(filled(reached)):
-            dx, dy = w[_AHEAD * LANES + n] - forward, w[_ASIDE * LANES + n] - left
-            w[_SQUARE * LANES + n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
-        _keep(s, w, sensor, reached)
+        for n in range(rounded_up(reached, lanes)):
+            dx, dy = scratch.ahead[n] - forward, scratch.aside[n] - left
+            scratch.reading[n] = _reading(dx, dy, axis, across, FOOD_RADIUS)
+        _keep_largest(robot, scratch, sensor, reached)
 
 
 @inline
 def _reading(dx: float, dy: float, axis: float, across: float, radius: float) -> float:
-    """Of one sensor, of an obstacle (dx, dy) mm from it: `response` times the share for its bearing."""
+    """Reading of one sensor of an obstacle (dx, dy) mm from it: `response` times the share for its bearing."""
     along = dx * axis + dy * across
     distance = math.sqrt(dx * dx + dy * dy)
     near = max(distance - radius, 0.0) + OFFSET
-    # One division for both: 1 / near ** 2 and along / distance.
+    # One division gives both 1 / near ** 2 and along / distance.
     inverse = 1.0 / (near * near * distance)
     response = min(float(MAX_READING), GAIN * (inverse * distance - AT_RANGE))
     reading = response * (2.0 * along * (inverse * near * near) - 1.0)
@@ -181,27 +151,26 @@ def _reading(dx: float, dy: float, axis: float, across: float, radius: float) ->
 
 
 @inline
-def _keep(s: NDArray[np.float64], w: NDArray[np.float64], sensor: int, count: int) -> None:
+def _keep_largest(robot: Any, scratch: Any, sensor: int, count: int) -> None:
     """Keep the largest reading of one sensor."""
-    row = (at.PROXIMITY + sensor) * LANES
     for n in range(count):
-        i = packed(w, _LANE, n)
-        s[row + i] = max(s[row + i], w[_SQUARE * LANES + n])
+        i = scratch.lane[n]
+        robot.proximity[sensor, i] = max(robot.proximity[sensor, i], scratch.reading[n])
 
 
 @kernel
-def measure(s: NDArray[np.float64], keys: NDArray[np.uint64], noise: NDArray[np.float64]) -> None:
-    """Readings as a robot reports them: `measured` of `robots.proximity` for every world of a block."""
-    gain, floor = noise[setting.PROXIMITY_GAIN], noise[setting.PROXIMITY_FLOOR]
+def measure(robot: Any, constants: Any) -> None:
+    """Readings as a robot reports them: `robots.proximity.measured` in every world of a block."""
+    gain, floor = constants[0].proximity_gain, constants[0].proximity_floor
     for pair in range(4):
         number = _FIRST + np.uint64(pair)
-        one, two = (at.PROXIMITY + 2 * pair) * LANES, (at.PROXIMITY + 2 * pair + 1) * LANES
-        front = 2 * pair < _FRONT
-        for i in range(LANES):
-            bits = word(keys[at.KEY * LANES + i], keys[at.ROUND * LANES + i] * _DRAWS + number)
-            hidden = front and s[at.ARM * LANES + i] >= ARM_ON_FLOOR
-            s[one + i] = _measured(s[one + i], hidden, gain, floor, upper(bits))
-            s[two + i] = _measured(s[two + i], hidden, gain, floor, lower(bits))
+        one, other = 2 * pair, 2 * pair + 1
+        front = one < _FRONT
+        for i in range(robot.x.shape[0]):
+            bits = word(robot.key[i], robot.round[i] * _DRAWS + number)
+            hidden = front and robot.arm[i] >= ARM_ON_FLOOR
+            robot.proximity[one, i] = _measured(robot.proximity[one, i], hidden, gain, floor, upper(bits))
+            robot.proximity[other, i] = _measured(robot.proximity[other, i], hidden, gain, floor, lower(bits))
 
 
 @inline
