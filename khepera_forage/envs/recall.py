@@ -22,7 +22,9 @@ from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
+from khepera_forage.envs.rendering.forager_view import food_views, robot_view
+from khepera_forage.envs.rendering.renderer import RENDER_MODES
+from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena
@@ -177,8 +179,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         scene = self.world.camera.look()
         return View(
             arenas=(self.arena,),
-            robots=(robot_shown("robot", forager, self.world, 0, None, self._executed, self.confidence),),
-            foods=foods_shown(self.world, (forager,)),
+            robots=(robot_view("robot", forager, self.world, 0, None, self._executed, self.confidence),),
+            foods=food_views(self.world, (forager,)),
             regions=scene.regions,
             step=self._episode.steps,
             limit=self.limit,

@@ -24,7 +24,9 @@ from khepera_forage.envs.arguments import (
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.screen import RENDER_MODES, Screen, foods_shown, robot_shown
+from khepera_forage.envs.rendering.forager_view import food_views, robot_view
+from khepera_forage.envs.rendering.renderer import RENDER_MODES
+from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.envs.training_episode import TrainingEpisode
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
@@ -261,7 +263,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         return View(
             arenas=self.arenas,
             robots=tuple(
-                robot_shown(
+                robot_view(
                     name,
                     forager,
                     self.world,
@@ -272,7 +274,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                 )
                 for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
             ),
-            foods=foods_shown(self.world, foragers),
+            foods=food_views(self.world, foragers),
             regions=self.world.camera.look().regions,
             step=attempt.steps,
             limit=self.max_cycles,

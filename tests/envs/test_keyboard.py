@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.cli.teaching.keys import BEHAVIOUR_OF, LETTERS
+from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.caption import Caption
 from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
@@ -17,7 +17,7 @@ PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
 
 
 def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
-    return Painter.pixels(KeyboardPainter().paint(view, caption))
+    return Painter.to_array(KeyboardPainter().paint(view, caption))
 
 
 def test_every_behaviour_has_a_letter_of_its_name_and_its_number() -> None:
@@ -29,19 +29,19 @@ def test_every_behaviour_has_a_letter_of_its_name_and_its_number() -> None:
 
 
 def test_above_the_keys_stands_the_picture_of_the_environment() -> None:
-    picture, above = pixels(VIEW, PLAIN), Painter.pixels(Painter().paint(VIEW))
+    picture, above = pixels(VIEW, PLAIN), Painter.to_array(Painter().paint(VIEW))
     assert picture.shape[1] == above.shape[1]
     np.testing.assert_array_equal(picture[: len(above)], above)
 
 
 @pytest.mark.parametrize("behaviour", list(LETTERS))
-@pytest.mark.parametrize("what", ["lit", "last"])
+@pytest.mark.parametrize("what", ["held", "last"])
 def test_a_key_is_marked_in_its_place_and_nowhere_else(behaviour: Behaviour, what: str) -> None:
-    marked = PLAIN._replace(lit=behaviour) if what == "lit" else PLAIN._replace(last=behaviour)
+    marked = PLAIN._replace(held=behaviour) if what == "held" else PLAIN._replace(last=behaviour)
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, marked)
     rows, columns = np.nonzero((before != after).any(axis=2))
     assert len(rows) > 300
-    height, width = len(Painter.pixels(Painter().paint(VIEW))), before.shape[1]
+    height, width = len(Painter.to_array(Painter().paint(VIEW))), before.shape[1]
     row, column = divmod(int(behaviour), COLUMNS)
     middle = (columns.min() + columns.max()) / 2
     assert abs(middle / width - (column + 0.5) / COLUMNS) < 0.03
@@ -50,24 +50,24 @@ def test_a_key_is_marked_in_its_place_and_nowhere_else(behaviour: Behaviour, wha
 
 @pytest.mark.parametrize(
     "changed",
-    [PLAIN._replace(message="Wait."), PLAIN._replace(aside="Space"), PLAIN._replace(warning=True)],
-    ids=["message", "aside", "warning"],
+    [PLAIN._replace(message="Wait."), PLAIN._replace(hint="Space"), PLAIN._replace(warning=True)],
+    ids=["message", "hint", "warning"],
 )
 def test_message_and_warning_show(changed: Caption) -> None:
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
     rows = np.nonzero((before != after).any(axis=2))[0]
-    height = len(Painter.pixels(Painter().paint(VIEW)))
+    height = len(Painter.to_array(Painter().paint(VIEW)))
     assert len(rows) > 0
     assert height <= rows.min() <= rows.max() < height + 36
 
 
 def test_what_is_said_aside_gives_way_to_the_message() -> None:
     long = PLAIN._replace(message="word " * 60)
-    np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(aside="")))
+    np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(hint="")))
 
 
 def test_another_view_is_another_picture_and_the_old_one_comes_back() -> None:
     painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
-    first = Painter.pixels(painter.paint(VIEW, PLAIN))
-    assert Painter.pixels(painter.paint(other, PLAIN)).shape != first.shape
-    np.testing.assert_array_equal(Painter.pixels(painter.paint(VIEW, PLAIN)), first)
+    first = Painter.to_array(painter.paint(VIEW, PLAIN))
+    assert Painter.to_array(painter.paint(other, PLAIN)).shape != first.shape
+    np.testing.assert_array_equal(Painter.to_array(painter.paint(VIEW, PLAIN)), first)

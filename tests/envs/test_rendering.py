@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View, save_gif
-from khepera_forage.envs.rendering.layout import TALLEST, WIDEST, Layout, arrange
+from khepera_forage.envs.rendering.layout import MAX_HEIGHT, MAX_WIDTH, Layout, arrange
 from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
@@ -205,8 +205,8 @@ def test_nothing_overlaps(arena: Arena, robots: int) -> None:
     layout = arrange(copies(arena, robots), robots)
     assert layout.size[0] % 2 == layout.size[1] % 2 == 0
     if robots <= 5:
-        assert layout.size[0] <= WIDEST + 2
-        assert layout.size[1] <= TALLEST + 210  # five rectangles stand in two rows
+        assert layout.size[0] <= MAX_WIDTH + 2
+        assert layout.size[1] <= MAX_HEIGHT + 210  # five rectangles stand in two rows
     boxes = [layout.arena, *layout.panels]
     assert len(boxes) == robots + 1
     for i, a in enumerate(boxes):
@@ -320,14 +320,14 @@ for _ in range(2):
     assert not pygame.display.get_init()
 renderer.draw(View((CORRIDOR,)))
 pygame.event.post(pygame.event.Event(pygame.QUIT))
-assert not renderer.dismissed
+assert not renderer.closed_by_user
 renderer.draw(View((CORRIDOR,)))
-assert renderer.dismissed and not pygame.display.get_init()
+assert renderer.closed_by_user and not pygame.display.get_init()
 renderer.draw(View((CORRIDOR,)))
 assert not pygame.display.get_init()
 renderer.close()
 renderer.draw(View((CORRIDOR,)))
-assert not renderer.dismissed and pygame.display.get_init()
+assert not renderer.closed_by_user and pygame.display.get_init()
 renderer.close()
 """,
         SDL_VIDEODRIVER="dummy",

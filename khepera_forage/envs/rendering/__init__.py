@@ -1,6 +1,6 @@
-"""Pictures of the environments: what is shown (`View`), who draws it (`Renderer`), films of it (`save_gif`).
+"""Pictures of the environments: their content (`View`), drawing (`Renderer`), and animated GIFs (`save_gif`).
 
-Importing this needs neither pygame nor Pillow; drawing does (`pip install khepera-forage[render]`).
+Importing this package needs neither pygame nor Pillow; drawing does (`pip install khepera-forage[render]`).
 """
 
 from khepera_forage.envs.rendering.gif import save_gif

@@ -1,4 +1,4 @@
-"""What stands under a picture for a person at the keyboard, as plain values."""
+"""Content of the caption under the picture when a person teaches, as plain values."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -11,16 +11,16 @@ class Caption(NamedTuple):
 
     Attributes:
         letters: The key of each behaviour; its number in table 4.1 is shown beside it.
-        message: What is going on, and what to press.
-        aside: What else can be pressed; left out where there is no room.
-        warning: Whether something is wrong.
-        lit: The behaviour whose key is held, if any.
-        last: The one that was chosen last.
+        message: What happens now, and which keys to press.
+        hint: Other keys; left out if the message leaves no room.
+        warning: Whether the message is a warning.
+        held: The behaviour whose key is held, if any.
+        last: The behaviour chosen last, if any.
     """
 
     letters: Mapping[Behaviour, str]
     message: str = ""
-    aside: str = ""
+    hint: str = ""
     warning: bool = False
-    lit: Behaviour | None = None
+    held: Behaviour | None = None
     last: Behaviour | None = None

@@ -1,4 +1,4 @@
-"""Films: frames to an animated GIF."""
+"""Animated GIFs from frames."""
 
 import os
 from collections.abc import Sequence
@@ -12,37 +12,37 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import PIL.Image
 
-APART = 10
-"""Colours of the palette differ by at least this much in red, green or blue."""
-SAMPLE = 16
-"""Frames from which the palette is made."""
+MIN_DIFFERENCE = 10
+"""Least difference of two colours of the palette in red, green or blue."""
+PALETTE_FRAMES = 16
+"""Number of frames from which the palette is made."""
 
 
 def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], fps: float = 10.0) -> Path:
-    """Write frames as an endlessly repeating GIF; an existing file is replaced in one go, or left as it was.
+    """Write frames as an endlessly repeating GIF; after an error an existing file is unchanged.
 
     Args:
         frames: Pictures of one size, uint8, height x width x 3.
-        path: Of the file; its folder exists.
-        fps: Frames a second; the format keeps whole hundredths of a second, at least two of them.
+        path: Path of the file; its folder must exist.
+        fps: Frames per second, rounded to a frame duration in whole hundredths of a second, at least two.
 
     Returns:
         The path.
 
     Raises:
-        ValueError: No frame, a frame that is not such a picture, or a rate that is not positive.
-        DependencyNotInstalled: Pillow is missing.
+        ValueError: No frames, a frame of another type or size, or a rate that is not positive.
+        DependencyNotInstalled: Pillow is not installed.
     """
     _check(frames, fps)
     try:
         import PIL.Image
     except ImportError as error:
         raise DependencyNotInstalled(
-            "Pillow is not installed; films need it: pip install khepera-forage[render]"
+            "Pillow is not installed; animated GIFs need it: pip install khepera-forage[render]"
         ) from error
     path = Path(path)
-    palette = _palette([frames[i] for i in _spread(len(frames))])
-    # One palette and no dithering: what stands still is then equal from frame to frame, and costs no bytes.
+    palette = _palette([frames[i] for i in _palette_frames(len(frames))])
+    # With one palette and no dithering, static parts are equal from frame to frame and take no bytes.
     pictures = (_picture(f).quantize(palette=palette, dither=PIL.Image.Dither.NONE) for f in frames)
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
@@ -63,7 +63,7 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
 
 def _check(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
     if not 0 < fps < float("inf"):
-        raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames a second")
+        raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames per second")
     if len(frames) == 0:
         raise ValueError("no frames; allowed: at least one")
     for number, frame in enumerate(frames):
@@ -77,7 +77,7 @@ def _check(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
             raise ValueError(f"frame {number} is {what}; allowed: a uint8 array, height x width x 3")
         if frame.size == 0 or frame.shape != frames[0].shape:
             raise ValueError(
-                f"frame {number} is {frame.shape}, frame 0 {frames[0].shape}; allowed: one size, not empty"
+                f"frame {number} is {frame.shape}, frame 0 is {frames[0].shape}; allowed: one size, not empty"
             )
 
 
@@ -87,26 +87,28 @@ def _picture(frame: NDArray[np.uint8]) -> "PIL.Image.Image":
     return PIL.Image.fromarray(np.ascontiguousarray(frame))
 
 
-def _spread(count: int) -> list[int]:
-    """At most `SAMPLE` of so many frames, evenly spread, the first among them."""
-    chosen = min(count, SAMPLE)
+def _palette_frames(count: int) -> list[int]:
+    """Indices of at most `PALETTE_FRAMES` evenly spaced frames, including the first."""
+    chosen = min(count, PALETTE_FRAMES)
     return [i * count // chosen for i in range(chosen)]
 
 
 def _palette(frames: Sequence[NDArray[np.uint8]]) -> "PIL.Image.Image":
-    """One palette for all the film: its most frequent colours, exactly, but none that nearly repeats another.
+    """One palette for all frames: the most frequent colours, without near duplicates.
 
-    A median cut would spend most entries on half-tones of letters, and shift the flat colours.
+    A median cut would spend most entries on the half-tones of letters, and change the colours of flat areas.
     """
     import PIL.Image
 
-    sheet = _picture(np.concatenate(frames))
-    counts = cast("list[tuple[int, tuple[int, int, int]]]", sheet.getcolors(sheet.width * sheet.height))
-    left = np.array([colour for _, colour in sorted(counts, reverse=True)], np.int16)
+    combined = _picture(np.concatenate(frames))
+    counts = cast(
+        "list[tuple[int, tuple[int, int, int]]]", combined.getcolors(combined.width * combined.height)
+    )
+    remaining = np.array([colour for _, colour in sorted(counts, reverse=True)], np.int16)
     chosen: list[int] = []
-    while len(left) and len(chosen) < 3 * 256:
-        chosen.extend(left[0].tolist())
-        left = left[np.abs(left - left[0]).max(axis=1) >= APART]
+    while len(remaining) and len(chosen) < 3 * 256:
+        chosen.extend(remaining[0].tolist())
+        remaining = remaining[np.abs(remaining - remaining[0]).max(axis=1) >= MIN_DIFFERENCE]
     palette = PIL.Image.new("P", (1, 1))
     palette.putpalette(chosen)
     return palette

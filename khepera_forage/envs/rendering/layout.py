@@ -1,4 +1,4 @@
-"""Where everything goes: the arenas on the left, one panel a robot beside them, all as large as fits."""
+"""Layout of a picture: the arenas on the left, one panel per robot beside them, all as large as possible."""
 
 import math
 from typing import NamedTuple
@@ -6,22 +6,22 @@ from typing import NamedTuple
 from khepera_forage.sim.arena import Arena
 
 GAP = 16
-"""Pixels around and between things."""
+"""Pixels around and between arenas and panels."""
 HEADER = 62
 FOOTER = 34
-WIDEST = 1400
-"""Pixels across a picture, for as long as the panels stay legible."""
-TALLEST = 760
-"""Pixels of a picture between header and footer, likewise."""
-LARGEST_SCALE = 1.3
-"""Pixels a millimetre at most."""
-SURROUNDINGS = 30.0
-"""mm of surroundings shown outside the walls."""
+MAX_WIDTH = 1400
+"""Greatest width of a picture in pixels; exceeded only when the panels would become illegible."""
+MAX_HEIGHT = 760
+"""Greatest height in pixels between header and footer; exceeded likewise."""
+MAX_SCALE = 1.3
+"""Greatest number of pixels per mm."""
+MARGIN = 30.0
+"""mm shown outside the walls."""
 
 WIDE_PANEL = (430, 350)
-"""Size of a panel of two columns at text scale 1; if there is room it is made higher, never lower."""
+"""Width and least height of a panel with two columns at text scale 1."""
 TALL_PANEL = (296, 540)
-"""Size of a panel of one column."""
+"""Width and least height of a panel with one column at text scale 1."""
 TEXT_SCALES = (1.2, 1.15, 1.1, 1.05, 1.0, 0.95, 0.9, 0.85, 0.8)
 
 
@@ -35,38 +35,42 @@ class Box(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Where everything goes in a picture.
+    """Positions and sizes of all parts of a picture.
 
     Attributes:
-        size: Width and height of the picture, both even, as encoders of films demand.
-        arena: What shows the arenas.
-        scale: Pixels a millimetre in it.
-        west: x in mm at the left side of `arena`.
-        north: y in mm at its upper side.
-        panels: One a robot.
-        columns: Columns within each panel, 1 or 2.
-        text: Scale of the panels' text.
+        size: Width and height of the picture, both even, as video encoders require.
+        arena: The part that shows the arenas.
+        scale: Pixels per mm in `arena`.
+        left: x in mm at the left side of `arena`.
+        top: y in mm at the upper side of `arena`.
+        panels: One per robot.
+        columns: Columns in each panel, 1 or 2.
+        text_scale: Scale of the panels' text.
     """
 
     size: tuple[int, int]
     arena: Box
     scale: float
-    west: float
-    north: float
+    left: float
+    top: float
     panels: tuple[Box, ...]
     columns: int
-    text: float
+    text_scale: float
 
     def pixel(self, x: float, y: float) -> tuple[int, int]:
-        """Column and row of the picture that show a place in mm."""
+        """Column and row of the picture that show a position in mm."""
         return (
-            self.arena.left + math.floor((x - self.west) * self.scale),
-            self.arena.top + math.floor((self.north - y) * self.scale),
+            self.arena.left + math.floor((x - self.left) * self.scale),
+            self.arena.top + math.floor((self.top - y) * self.scale),
         )
 
 
 def arrange(arenas: tuple[Arena, ...], robots: int) -> Layout:
-    """The best of many arrangements: large arenas, large text, little empty space.
+    """The best of many layouts, with large arenas, large text and little empty space.
+
+    Args:
+        arenas: At least one.
+        robots: Number of panels.
 
     Raises:
         ValueError: No arena.
@@ -77,15 +81,15 @@ def arrange(arenas: tuple[Arena, ...], robots: int) -> Layout:
     x1, y1 = min(b[0] for b in bounds), min(b[1] for b in bounds)
     x2, y2 = max(b[2] for b in bounds), max(b[3] for b in bounds)
     ground = _Ground(
-        x2 - x1 + 2 * SURROUNDINGS,
-        y2 - y1 + 2 * SURROUNDINGS,
-        x1 - SURROUNDINGS,
-        y2 + SURROUNDINGS,
+        x2 - x1 + 2 * MARGIN,
+        y2 - y1 + 2 * MARGIN,
+        x1 - MARGIN,
+        y2 + MARGIN,
         upwards=bounds[-1][1] > bounds[0][1],
     )
     candidates = (
-        _fitted(ground, robots, across, columns, text)
-        for text in TEXT_SCALES
+        _candidate(ground, robots, across, columns, text_scale)
+        for text_scale in TEXT_SCALES
         for columns in (2, 1)
         for across in range(1, max(robots, 1) + 1)
     )
@@ -93,49 +97,59 @@ def arrange(arenas: tuple[Arena, ...], robots: int) -> Layout:
 
 
 class _Ground(NamedTuple):
-    """All arenas with their surroundings, in mm, and whether the later ones stand above the earlier."""
+    """All arenas with their margin, in mm, and whether later arenas lie above earlier ones."""
 
     width: float
     height: float
-    west: float
-    north: float
+    left: float
+    top: float
     upwards: bool
 
 
-def _fitted(ground: _Ground, robots: int, across: int, columns: int, text: float) -> tuple[float, Layout]:
-    """The arrangement with so many panels side by side, of so many columns each, and what it is worth."""
+def _candidate(
+    ground: _Ground, robots: int, across: int, columns: int, text_scale: float
+) -> tuple[float, Layout]:
+    """A layout and its quality.
+
+    Args:
+        ground: The arenas.
+        robots: Number of panels.
+        across: Number of panels side by side.
+        columns: Columns in each panel.
+        text_scale: Scale of the panels' text.
+    """
     down = math.ceil(robots / across)
-    panel = [round(side * text) for side in (WIDE_PANEL if columns == 2 else TALL_PANEL)]
-    # Room for the panels, with the gap that sets them apart from the arenas.
-    aside = across * (panel[0] + GAP) if robots else 0
-    needed = down * (panel[1] + GAP) - GAP
-    room = WIDEST - 2 * GAP - aside
-    scale = max(0.2, min(LARGEST_SCALE, room / ground.width, max(TALLEST, needed) / ground.height))
-    shown = (round(ground.width * scale), round(ground.height * scale))
-    body = max(shown[1], needed)
-    width, height = 2 * GAP + shown[0] + aside, HEADER + body + FOOTER
-    tall = (body - (down - 1) * GAP) // max(down, 1)
-    slots = [
+    panel = [round(side * text_scale) for side in (WIDE_PANEL if columns == 2 else TALL_PANEL)]
+    # Width of the panels, including the gap between them and the arenas.
+    panels_width = across * (panel[0] + GAP) if robots else 0
+    panels_height = down * (panel[1] + GAP) - GAP
+    room = MAX_WIDTH - 2 * GAP - panels_width
+    scale = max(0.2, min(MAX_SCALE, room / ground.width, max(MAX_HEIGHT, panels_height) / ground.height))
+    arena = (round(ground.width * scale), round(ground.height * scale))
+    body = max(arena[1], panels_height)
+    width, height = 2 * GAP + arena[0] + panels_width, HEADER + body + FOOTER
+    panel_height = (body - (down - 1) * GAP) // max(down, 1)
+    panels = [
         Box(
-            2 * GAP + shown[0] + i % across * (panel[0] + GAP),
-            HEADER + i // across * (tall + GAP),
+            2 * GAP + arena[0] + i % across * (panel[0] + GAP),
+            HEADER + i // across * (panel_height + GAP),
             panel[0],
-            tall,
+            panel_height,
         )
         for i in range(robots)
     ]
     layout = Layout(
         size=(width + width % 2, height + height % 2),
-        arena=Box(GAP, HEADER + (body - shown[1]) // 2, *shown),
+        arena=Box(GAP, HEADER + (body - arena[1]) // 2, *arena),
         scale=scale,
-        west=ground.west,
-        north=ground.north,
-        # In one column beside arenas that are stacked upwards, every panel then stands beside its own arena.
-        panels=tuple(reversed(slots) if ground.upwards and across == 1 else slots),
+        left=ground.left,
+        top=ground.top,
+        # Arenas that are stacked upwards have their panels in the same order, each beside its own arena.
+        panels=tuple(reversed(panels) if ground.upwards and across == 1 else panels),
         columns=columns,
-        text=text,
+        text_scale=text_scale,
     )
-    used = (shown[0] * shown[1] + across * down * panel[0] * panel[1]) / ((width - 2 * GAP) * body)
-    # Beyond the limits a picture quickly loses worth, but with many robots some picture there must be.
-    excess = max(width / WIDEST, 1.0) * max(body / TALLEST, 1.0)
-    return min(text, 1.1) * scale * used / excess**4, layout
+    used = (arena[0] * arena[1] + across * down * panel[0] * panel[1]) / ((width - 2 * GAP) * body)
+    # Oversize reduces the quality strongly, but does not exclude a layout: many robots need it.
+    excess = max(width / MAX_WIDTH, 1.0) * max(body / MAX_HEIGHT, 1.0)
+    return min(text_scale, 1.1) * scale * used / excess**4, layout

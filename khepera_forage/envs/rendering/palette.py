@@ -1,19 +1,20 @@
-"""Colours of the pictures; those of food are of the Okabe-Ito set, made for colour-blind readers."""
+"""Colours of the pictures. The colours of food are from the Okabe-Ito palette, made for colour-blind readers."""
 
 from khepera_forage.task.states import FoodType
 
 Colour = tuple[int, int, int]
 
-PAPER: Colour = (244, 246, 249)
-"""Behind everything."""
+BACKGROUND: Colour = (244, 246, 249)
 CARD: Colour = (255, 255, 255)
+"""Background of panels and keys; symbols and text on dark colours."""
 EDGE: Colour = (218, 223, 230)
 """Outlines of cards, dividers."""
 TRACK: Colour = (233, 237, 242)
 """Empty part of a bar."""
 INK: Colour = (31, 41, 55)
-FADED: Colour = (110, 120, 135)
-"""Labels, and whatever is less important than INK."""
+"""Main text."""
+MUTED: Colour = (110, 120, 135)
+"""Labels and secondary text."""
 
 FLOOR: Colour = (228, 233, 239)
 WALL: Colour = (71, 82, 99)
@@ -23,20 +24,20 @@ HOME_EDGE: Colour = (206, 170, 96)
 BODY: Colour = (55, 65, 81)
 WHEEL: Colour = (17, 24, 39)
 LOWERED: Colour = (31, 41, 55)
-"""A gripper on the floor."""
+"""A lowered gripper."""
 RAISED: Colour = (250, 250, 252)
-"""A gripper in the air."""
+"""A raised gripper."""
 SHADOW: Colour = (186, 193, 204)
 MARKER: Colour = (255, 255, 255)
 INFRA_RED: Colour = (213, 94, 0)
 
 FOUND: Colour = (0, 128, 138)
-"""A region that the camera finds."""
+"""A region that is tracked."""
 LOST: Colour = (204, 32, 48)
-"""A region that the camera has lost."""
+"""A region that is lost."""
 LOST_FILL: Colour = (253, 228, 230)
-LAMP: Colour = (240, 176, 0)
-"""Something is in the optical barrier."""
+OBJECT_PRESENT: Colour = (240, 176, 0)
+"""An object is in the optical barrier."""
 WARNING: Colour = (180, 83, 9)
 WARNING_FILL: Colour = (254, 240, 205)
 
@@ -51,8 +52,8 @@ FOOD: dict[FoodType, Colour] = {
 }
 
 
-def mixed(a: Colour, b: Colour, share: float) -> Colour:
-    """`a` with a share 0..1 of `b` in it."""
+def blended(a: Colour, b: Colour, share: float) -> Colour:
+    """A mixture of two colours; `share` 0..1 is that of `b`."""
     share = max(0.0, min(1.0, share))
     return (
         round(a[0] + (b[0] - a[0]) * share),

@@ -1,4 +1,4 @@
-"""The renderer of the environments: views in, pictures or a window out."""
+"""The renderer of the environments: draws views as arrays or in a window."""
 
 import importlib
 import os
@@ -14,31 +14,31 @@ if TYPE_CHECKING:
     from khepera_forage.envs.rendering.painter import Painter
     from khepera_forage.envs.rendering.window import Window
 
-MODES = ("rgb_array", "human")
+RENDER_MODES = ("human", "rgb_array")
 
 
 class Renderer:
-    """Draws views, as arrays or in a window.
+    """Draws views as arrays or in a window.
 
-    "rgb_array" touches no display, and equal views give equal pictures. "human" opens one window at the first
-    view and keeps the pace; once somebody has closed it, further views are neither shown nor waited for.
+    In mode "rgb_array" no display is used, and equal views give equal pictures. In mode "human" the first view opens
+    a window, and `draw` waits so that `fps` is kept. After the user has closed the window, `draw` does nothing.
 
-    A copy, by `copy` or `pickle`, is a fresh renderer of the same mode and rate.
+    A copy, by `copy` or `pickle`, is a new renderer with the same mode and rate.
 
     Attributes:
         mode: "rgb_array" or "human".
-        fps: Frames a second, in a window.
+        fps: Frames per second in a window.
 
     Raises:
         ValueError: Another mode, or a rate that is not positive.
-        DependencyNotInstalled: pygame is missing.
+        DependencyNotInstalled: pygame is not installed.
     """
 
     def __init__(self, mode: str, fps: float = 10) -> None:
-        if mode not in MODES:
-            raise ValueError(f"render mode is {mode!r}; allowed: {', '.join(map(repr, MODES))}")
+        if mode not in RENDER_MODES:
+            raise ValueError(f"render mode is {mode!r}; allowed: {', '.join(map(repr, RENDER_MODES))}")
         if not 0 < fps < float("inf"):
-            raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames a second")
+            raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames per second")
         _require_pygame()
         self.mode = mode
         self.fps = fps
@@ -49,17 +49,20 @@ class Renderer:
         return type(self), (self.mode, self.fps)
 
     @property
-    def dismissed(self) -> bool:
-        """Whether somebody closed the window: nobody watches until the next `close`."""
-        return self._window is not None and self._window.dismissed
+    def closed_by_user(self) -> bool:
+        """Whether the user closed the window; False again after `close`."""
+        return self._window is not None and self._window.closed_by_user
 
     def draw(self, view: View) -> NDArray[np.uint8] | None:
-        """The view as a fresh uint8 array, height x width x 3; or in the window, when nothing is returned.
+        """Draw the view.
+
+        Returns:
+            In mode "rgb_array" a new uint8 array, height x width x 3; otherwise None.
 
         Raises:
             ValueError: The view has no arena.
         """
-        if self.dismissed:
+        if self.closed_by_user:
             return None
         if self._painter is None:
             from khepera_forage.envs.rendering.painter import Painter
@@ -67,7 +70,7 @@ class Renderer:
             self._painter = Painter()
         picture = self._painter.paint(view)
         if self.mode == "rgb_array":
-            return self._painter.pixels(picture)
+            return self._painter.to_array(picture)
         if self._window is None:
             from khepera_forage.envs.rendering.window import Window
 
@@ -76,7 +79,7 @@ class Renderer:
         return None
 
     def close(self) -> None:
-        """Close the window and let go of all surfaces; a second call does nothing, and `draw` begins anew."""
+        """Close the window and release all surfaces; a second call does nothing, and `draw` opens a new window."""
         window, self._window, self._painter = self._window, None, None
         if window is not None:
             window.close()

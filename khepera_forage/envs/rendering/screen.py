@@ -1,25 +1,20 @@
-"""From robots at their task to what a picture shows of them, and the screen that shows it."""
+"""The screen of an environment: its render mode, and a renderer created when it is first needed."""
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.forager import Forager
-from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
-from khepera_forage.sim.world import World
-from khepera_forage.task.states import Behaviour, FoodType
-
-RENDER_MODES = ("human", "rgb_array")
+from khepera_forage.envs.rendering.renderer import RENDER_MODES, Renderer
+from khepera_forage.envs.rendering.view import View
 
 
 class Screen:
-    """Where an environment shows itself; the window, if any, opens with the first picture.
+    """Shows the pictures of one environment; a window opens with the first picture.
 
     Args:
-        mode: One of `RENDER_MODES`, or None.
+        mode: One of `RENDER_MODES`, or None for an environment without pictures.
 
     Raises:
         ValueError: Another mode.
@@ -32,10 +27,10 @@ class Screen:
         self._renderer: Renderer | None = None
 
     def show(self, view: Callable[[], View]) -> NDArray[np.uint8] | None:
-        """A picture as an array in mode `rgb_array`, in the window in mode `human`.
+        """Draw a picture: returned as an array in mode "rgb_array", shown in the window in mode "human".
 
         Args:
-            view: Called for what to show.
+            view: Creates the view; called only if there is a render mode.
         """
         if self._mode is None:
             gym.logger.warn(
@@ -51,58 +46,3 @@ class Screen:
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
-
-
-def robot_shown(
-    name: str,
-    forager: Forager,
-    world: World,
-    index: int,
-    heard: Behaviour | None = None,
-    executed: Behaviour | None = None,
-    confidence: tuple[float, ...] | None = None,
-    separated: bool = False,
-) -> RobotView:
-    """One robot's part of a picture.
-
-    Args:
-        name: Written above its panel.
-        forager: The robot at its task.
-        world: Where it lives.
-        index: Its number there.
-        heard: What it heard, if anybody speaks.
-        executed: What it did last.
-        confidence: Confidence level of each behaviour, if it is an imitator.
-        separated: Whether it is apart from its teacher.
-    """
-    senses = forager.senses
-    return RobotView(
-        pose=world.poses()[index],
-        holes=forager.holes,
-        arm=senses.arm,
-        jaw=senses.jaw,
-        proximity=senses.proximity,
-        name=name,
-        vector=forager.vector,
-        state=forager.state,
-        heard=heard,
-        executed=executed,
-        confidence=confidence,
-        separated=separated,
-        tracked=forager.own.found,
-    )
-
-
-def foods_shown(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ...]:
-    """All food, with what its own arena's robot knows of it.
-
-    Args:
-        world: Where it lies, arena by arena in the order of the foragers.
-        foragers: One an arena.
-    """
-    known = [(FoodType(food.known), food.delivered) for forager in foragers for food in forager.tracker.foods]
-    return tuple(
-        FoodView(x=place.x, y=place.y, food_type=food_type, lifted=place.lifted, delivered=delivered)
-        for place, (food_type, delivered) in zip(world.food_places(), known, strict=True)
-        if math.isfinite(place.x)
-    )

@@ -1,4 +1,4 @@
-"""What a picture shows, as plain values: an environment fills these in and knows nothing of drawing."""
+"""Content of a picture as plain values, which environments fill in without drawing anything."""
 
 from typing import NamedTuple
 
@@ -8,24 +8,23 @@ from khepera_forage.vision.scene import Region
 
 
 class RobotView(NamedTuple):
-    """One robot: its body as it truly is, what it senses, and what it decides.
+    """One robot: its true pose, its senses, and its decision.
 
     Attributes:
-        pose: True place (mm) and heading (radians); not finite where nobody knows it: only its panel is then
-            drawn.
-        holes: In its marker: 1 on the teacher, 2 on a learner.
+        pose: True position (mm) and heading (radians). With values that are not finite only the panel is drawn.
+        holes: Number of holes in its marker: 1 on the teacher, 2 on a learner.
         arm: 255 (down) to 215 (raised).
         jaw: 200 (open) to 0 (closed).
         proximity: The eight infra-red readings 0..1023, in the order of `Senses`.
-        name: Such as "teacher" or "learner 1".
-        vector: The state vector it decides on; None if it has none yet.
-        state: The state that the vector stands for.
-        heard: The behaviour it heard, WAIT being silence; None where nobody speaks.
-        executed: The behaviour it executes; None before its first.
-        confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if it is not an imitator.
-        separated: Whether learner and teacher are apart.
-        tracked: Whether the camera finds it now.
-        note: A few further words, shown beside its name.
+        name: For example "teacher" or "learner 1".
+        vector: The state vector of its decision; None if there is none yet.
+        state: The state to which the vector belongs.
+        heard: The behaviour heard, with WAIT for silence; None in a task without a teacher.
+        executed: The behaviour executed; None before the first.
+        confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if the robot is no imitator.
+        separated: Whether the learner is separated from the teacher.
+        tracked: Whether the camera tracks its marker now.
+        note: Short text beside its name.
     """
 
     pose: Pose
@@ -45,14 +44,14 @@ class RobotView(NamedTuple):
 
 
 class FoodView(NamedTuple):
-    """One food object, where it truly is.
+    """One food object at its true position.
 
     Attributes:
         x: Centre in mm.
         y: Centre in mm.
-        food_type: What it is known to be; UNKNOWN before it is identified.
-        lifted: Whether a gripper holds it off the floor.
-        delivered: Whether it counts as brought home.
+        food_type: Its identified type; UNKNOWN before identification.
+        lifted: Whether a gripper holds it above the floor.
+        delivered: Whether it counts as delivered.
     """
 
     x: float
@@ -63,20 +62,20 @@ class FoodView(NamedTuple):
 
 
 class View(NamedTuple):
-    """All that one picture shows.
+    """Everything that one picture shows.
 
-    The size of the picture depends on the arenas and on the number of robots only, so that all frames of an
-    episode are alike.
+    The size of the picture depends only on the arenas and on the number of robots, so that all pictures of an episode
+    have the same size.
 
     Attributes:
         arenas: At least one.
         robots: One panel each, in this order.
         foods: Every object on the floor or in a gripper.
-        regions: What the camera reports, in its pixels of 5 mm.
-        step: Steps so far.
-        limit: Steps allowed, if there is a limit.
-        score: In percent, if there is one.
-        delivered: Food objects brought home so far.
+        regions: Regions reported by the camera, in its pixels of 5 mm.
+        step: Number of steps so far.
+        limit: Greatest number of steps, if there is a limit.
+        score: In percent, if the task has a score.
+        delivered: Number of food objects delivered so far.
         title: Heading of the picture.
     """
 
