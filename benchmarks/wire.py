@@ -29,11 +29,11 @@ from khepera_forage.robots.khepera import (
     Motors,
 )
 from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.serial.line_events import Traffic
-from khepera_forage.robots.serial.port import BAUDS, BITS_PER_BYTE, seconds_on_wire
+from khepera_forage.robots.serial.port import BAUD_RATES, BITS_PER_BYTE, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.traffic import Traffic
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
@@ -116,7 +116,7 @@ class Drive(NamedTuple):
         rows = []
         with _fleet(self.baud, self.robots, self.seed) as (fleet, advance):
             heard: list[Traffic] = []
-            fleet.robots[0].listen(heard.append)
+            fleet.robots[0].on_traffic(heard.append)
             for number, (left, right) in enumerate(wheels, -_WARM_UP):
                 down = number >= 0 and (number // _MOVEMENT_PERIOD) % 2
                 arm, jaw = (ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)
@@ -165,7 +165,7 @@ def _fleet(baud: int, robots: int, seed: int) -> Iterator[tuple[Fleet, Callable[
 
 def drives(rounds: int, seed: int) -> list[Drive]:
     """One robot at every baud rate, then more robots at one rate."""
-    alone = [Drive(baud, 1, rounds, seed) for baud in BAUDS]
+    alone = [Drive(baud, 1, rounds, seed) for baud in BAUD_RATES]
     return alone + [Drive(FLEET_BAUD, robots, rounds, seed) for robots in FLEETS if robots > 1]
 
 
@@ -187,7 +187,7 @@ def _line_table(rows: Sequence[Round]) -> Table:
         Column(f"within {PERIOD_MS:.0f} ms (%)", digits=0),
     )
     lines = []
-    for baud in BAUDS:
+    for baud in BAUD_RATES:
         for gripper, kind in _KINDS.items():
             own = pick(rows, baud=baud, robots=1, gripper=gripper)
             if own:
@@ -221,7 +221,7 @@ def _picture(rows: Sequence[Round]) -> "Figure":
     figure = new_figure(9.0, 3.6)
     left, right = figure.subplots(1, 2)
     for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
-        for place, baud in enumerate(BAUDS):
+        for place, baud in enumerate(BAUD_RATES):
             own = pick(rows, baud=baud, robots=1, gripper=gripper)
             if own:
                 label = _KINDS[gripper] if place == 0 else None
@@ -231,7 +231,7 @@ def _picture(rows: Sequence[Round]) -> "Figure":
                 left.bar(place + shift, taken, 0.34, color=colour, alpha=0.35)
                 left.bar(place + shift, wire, 0.34, color=colour, label=label)
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--")
-    left.set_xticks(range(len(BAUDS)), list(map(str, BAUDS)))
+    left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
     left.set_xlabel("baud")
     left.set_ylabel("ms a round (median)\nsolid: on the wire; pale: measured")
     left.legend(fontsize=8)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 from _virtual_lab.faults import NOTHING, RATES, DisturbedRow
-from khepera_forage.robots.virtual.line_faults import FAULTS
+from khepera_forage.robots.virtual.faults import FAULTS
 
 
 @dataclass(frozen=True, slots=True)

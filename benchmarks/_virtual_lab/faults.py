@@ -14,8 +14,8 @@ import numpy as np
 from _virtual_lab.watched import Notes, Vector, WatchedTraining, moving
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
-from khepera_forage.rollouts.training import HopelessTraining, train
+from khepera_forage.robots.virtual.faults import FAULTS, Faults
+from khepera_forage.rollouts.training import IncompleteTrainingError, train
 
 RATES = (0.001, 0.01, 0.05)
 LATENESS = (0.02, 0.2)
@@ -120,7 +120,7 @@ class Disturbed:
             number = 0
             while left > 0:
                 path = Path(folder) / f"g{number}.csv"
-                with suppress(_Enough, HopelessTraining):
+                with suppress(_Enough, IncompleteTrainingError):
                     train(env, np.random.SeedSequence(self.seed, spawn_key=(number,)), path=path)
                 for attempt, note in enumerate(env.notes, start=1):
                     rows.append(
@@ -144,7 +144,7 @@ class Disturbed:
             kept=file is not None,
             replies=note.faults.replies,
             faults=note.faults.disturbed,
-            unseen=note.faults.unseen,
+            unseen=note.faults.undetectable,
             disturbed=note.disturbed,
             recovered=note.recovered,
             halted=note.halted,

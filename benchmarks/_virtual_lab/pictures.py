@@ -9,7 +9,7 @@ from _virtual_lab.compared import RECALL_MEASURES, Compared
 from _virtual_lab.disturbances import Disturbance
 from _virtual_lab.faults import NOTHING, RATES
 from _virtual_lab.rounds import LOCK_STEP, PACED, PARTS, TimedRound
-from khepera_forage.robots.virtual.line_faults import FAULTS
+from khepera_forage.robots.virtual.faults import FAULTS
 from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.robots.virtual.line_faults import FaultCounts, Faults
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.faults import FaultCounts, Faults
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.task.states import Behaviour, StateVector
 
 Vector = tuple[StateVector, Behaviour]
@@ -133,7 +133,7 @@ class WatchedTraining(TrainingEnv):
         self._ports += [port for port in self._lab.ports if port not in self._ports]
         total = FaultCounts()
         for port in self._ports:
-            total = _sum(total, port.counts, 1)
+            total = _sum(total, port.fault_counts, 1)
         return total
 
 

@@ -17,7 +17,7 @@ class RobotSettings:
     Attributes:
         port: What `serial.serial_for_url` opens: a device, `socket://host:port`, `rfc2217://host:port`.
         name: How the operator is told of it.
-        baud: One of `BAUDS`.
+        baud: One of `BAUD_RATES`.
         holes: Of the marker on its back, 1 or 2.
         offset: From the arena of the file to this robot's own copy of it, in mm.
     """

@@ -22,7 +22,7 @@ from khepera_forage.lab.toml_table import (
     text,
 )
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
-from khepera_forage.robots.serial.port import BAUDS
+from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -98,7 +98,7 @@ def _robot(table: Table, number_of_it: int) -> RobotSettings:
     entry = RobotSettings(
         port=table.take("port", text),
         name=table.take("name", text, name),
-        baud=table.take("baud", one_of(BAUDS), 38400),
+        baud=table.take("baud", one_of(BAUD_RATES), 38400),
         holes=table.take("holes", one_of((1, 2)), 1 if number_of_it == 0 else 2),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )

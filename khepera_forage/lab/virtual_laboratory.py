@@ -16,9 +16,9 @@ from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettin
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.line_faults import Faults
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import ARENAS, Arena, Point, copies
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -182,7 +182,7 @@ class VirtualLaboratory(Laboratory):
     def _plugged_in(self, settings: LabSettings) -> LabSettings:
         """The settings with the present ports, once every robot that is unplugged has been plugged in."""
         for i, (firmware, (baud, faults, rng)) in enumerate(zip(self._firmwares, self._lines, strict=True)):
-            if i == len(self.ports) or not self.ports[i].plugged:
+            if i == len(self.ports) or not self.ports[i].connected:
                 for unplugged in self.ports[i : i + 1]:
                     unplugged.close()
                 self.ports[i : i + 1] = [VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)]

@@ -1,1 +1,1 @@
-"""What a Khepera is, in any embodiment."""
+"""The Khepera in any embodiment: dimensions, senses, motors, infra-red model, serial driver and virtual robots."""

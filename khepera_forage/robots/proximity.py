@@ -1,10 +1,10 @@
-"""The eight infra-red sensors: what they read of walls and discs around them.
+"""The eight infra-red sensors: readings of the walls and discs around a robot.
 
-One analytic function for every world. A sensor answers to the nearest point of each obstacle, by its distance
-and by how far it lies off the sensor's axis; the largest answer counts.
+The same analytic function serves all simulations. A sensor responds to the nearest point of each obstacle, by its
+distance and its angle off the sensor's axis; the largest response counts.
 
 Response to distance: K-Team's white-paper curve (facts: 1023 up to 8 mm, 450 at 20, 275 at 30, 190 at 40, 150 at
-50), less its value at 60 mm, where the readings of a Khepera I end (KSIM2, PYRO and WART agree on 58 to 60 mm).
+50) minus its value at 60 mm, where the readings of a Khepera I end (KSIM2, PYRO and WART agree on 58 to 60 mm).
 Response to bearing: full on the axis, none at 60 degrees (KIKS), about WART's 1.45 % a degree between.
 """
 
@@ -15,45 +15,46 @@ from khepera_forage.robots.khepera import RADIUS
 
 MAX_READING = 1023
 RANGE = 60.0
-"""mm from the sensor beyond which nothing is seen."""
+"""mm from the sensor to the most distant visible point."""
 REACH = RADIUS + RANGE
-"""mm from the robot's centre beyond which no obstacle is seen."""
+"""mm from the robot's centre to the most distant visible point."""
 HIDDEN_BY_ARM = (1015, 1022)
-"""What sensors 0-5 read, lowest and highest, behind a lowered arm (WSU, on the real robot)."""
+"""Lowest and highest reading of sensors 0-5 behind a lowered arm (WSU, measured on the real robot)."""
 
-_GAIN = 450_000.0
-_OFFSET = 11.5
-_AT_RANGE = 1.0 / (RANGE + _OFFSET) ** 2
+RESPONSE_GAIN = 450_000.0
+RESPONSE_OFFSET = 11.5
+RESPONSE_AT_RANGE = 1.0 / (RANGE + RESPONSE_OFFSET) ** 2
+"""The curve: gain * (1 / (distance + offset)**2 - value at range), with distances in mm."""
 
 
-def _mount(forward: float, left: float, pointing: float) -> tuple[float, float, float, float]:
-    angle = math.radians(pointing)
+def _sensor(forward: float, left: float, degrees: float) -> tuple[float, float, float, float]:
+    angle = math.radians(degrees)
     return forward, left, math.cos(angle), math.sin(angle)
 
 
 SENSORS = (
-    _mount(9.5, 23.0, 90.0),
-    _mount(18.0, 17.5, 45.0),
-    _mount(24.5, 5.5, 10.0),
-    _mount(24.5, -5.5, -10.0),
-    _mount(18.0, -17.5, -45.0),
-    _mount(9.5, -23.0, -90.0),
-    _mount(-23.0, -9.5, 180.0),
-    _mount(-23.0, 9.5, 180.0),
+    _sensor(9.5, 23.0, 90.0),
+    _sensor(18.0, 17.5, 45.0),
+    _sensor(24.5, 5.5, 10.0),
+    _sensor(24.5, -5.5, -10.0),
+    _sensor(18.0, -17.5, -45.0),
+    _sensor(9.5, -23.0, -90.0),
+    _sensor(-23.0, -9.5, 180.0),
+    _sensor(-23.0, 9.5, 180.0),
 )
-"""Place (mm forward, left; KSIM2) and direction (cosine, sine; protocol names) in the order of command N."""
+"""Position (mm forward, left; KSIM2) and direction (cosine, sine; protocol names) in the order of command N."""
 
 
 def response(distance: float) -> float:
     """Reading 0..1023 of white paper straight ahead, `distance` mm from the sensor."""
-    near = (distance if distance > 0.0 else 0.0) + _OFFSET
-    reading = _GAIN * (1.0 / (near * near) - _AT_RANGE)
+    near = (distance if distance > 0.0 else 0.0) + RESPONSE_OFFSET
+    reading = RESPONSE_GAIN * (1.0 / (near * near) - RESPONSE_AT_RANGE)
     if reading <= 0.0:
         return 0.0
     return reading if reading < MAX_READING else float(MAX_READING)
 
 
-def cast(
+def clean_readings(
     x: float,
     y: float,
     cosine: float,
@@ -65,19 +66,19 @@ def cast(
     """Noise-free readings of the eight sensors.
 
     Args:
-        x: Of the robot, mm.
-        y: Of the robot, mm.
-        cosine: Of its heading.
-        sine: Of its heading.
-        walls: Segments (x1, y1, x2, y2), mm; those farther than `REACH` from the robot change nothing.
+        x: Position of the robot, mm.
+        y: Position of the robot, mm.
+        cosine: Cosine of its heading.
+        sine: Sine of its heading.
+        walls: Segments (x1, y1, x2, y2), mm; those farther than `REACH` from the robot have no effect.
         discs: Food and other robots as (x, y, radius), mm.
-        first: Number of the first sensor to cast; those before it stay at 0.
+        first: Number of the first sensor to compute; those before it read 0.
 
     Returns:
         Eight readings 0..1023, in the order of command N.
     """
     readings = [0.0] * 8
-    # Everything is seen from the robot, x forward and y left, where the sensors stand still.
+    # Coordinates are relative to the robot, x forward and y left, so that the sensors are constant.
     for x1, y1, x2, y2 in walls:
         from_x = (x1 - x) * cosine + (y1 - y) * sine
         from_y = (y1 - y) * cosine - (x1 - x) * sine
@@ -116,14 +117,14 @@ def cast(
     return readings
 
 
-def measured(
+def reported_readings(
     clean: Sequence[float], arm_down: bool, gain: float, floor: int, draws: Sequence[float]
 ) -> tuple[int, int, int, int, int, int, int, int]:
-    """Readings as a robot reports them: whole numbers, with their noise, and hidden by a lowered arm.
+    """Readings as a robot reports them: whole numbers with noise; a lowered arm hides sensors 0-5.
 
     Args:
-        clean: Eight noise-free readings, from `cast`.
-        arm_down: Whether the gripper stands before sensors 0-5.
+        clean: Eight noise-free readings, from `clean_readings`.
+        arm_down: Whether the gripper is in front of sensors 0-5.
         gain: Largest error, as a share of the reading.
         floor: Readings up to this are noise.
         draws: Eight uniform numbers in [0, 1).

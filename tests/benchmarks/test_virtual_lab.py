@@ -9,7 +9,7 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.virtual.line_faults import FAULTS, Faults
+from khepera_forage.robots.virtual.faults import FAULTS, Faults
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.world import Layout

@@ -18,7 +18,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     half_gap,
 )
-from khepera_forage.robots.proximity import cast
+from khepera_forage.robots.proximity import clean_readings
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
 from khepera_forage.sim.compiled import BatchWorld
 from khepera_forage.sim.compiled import rows as at
@@ -77,7 +77,7 @@ def test_rays_are_those_of_proximity_to_rounding(arena: Any) -> None:
     seen = 0
     for (x, y, heading), places, got in zip(starts.tolist(), foods.tolist(), readings.tolist(), strict=True):
         discs = [(*place, FOOD_RADIUS) for place in places]
-        clean = cast(x, y, math.cos(heading), math.sin(heading), arena.segments, discs)
+        clean = clean_readings(x, y, math.cos(heading), math.sin(heading), arena.segments, discs)
         assert all(
             abs(int(value) - reading) <= (abs(value - round(value)) < 1e-6)
             for value, reading in zip(clean, got, strict=True)

@@ -17,7 +17,7 @@ from khepera_forage.lab.operator import OperatorGaveUp, Request
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
-from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
 from khepera_forage.sim.arena import RECTANGLE
@@ -163,7 +163,7 @@ def test_a_robot_lost_while_it_is_placed_costs_an_attempt() -> None:
             "start of an episod",
         ]
         assert first not in lab.ports
-        assert not first.plugged
+        assert not first.connected
 
 
 def test_what_was_recorded_is_kept(
@@ -180,7 +180,7 @@ def test_what_was_recorded_is_kept(
             unplug(pair, 1)
 
     with caplog.at_level(logging.WARNING, training.__name__):
-        experience, rows = training.train(env, np.random.SeedSequence(1), path=path, watch=watch)
+        experience, rows = training.train(env, np.random.SeedSequence(1), path=path, callback=watch)
     assert rows[0].reason == training.ROBOT_LOST
     assert rows[-1].complete
     assert rows[0].rounds == 41
@@ -205,8 +205,8 @@ def test_a_recall_that_was_cut_short_is_no_result(alone: VirtualLaboratory) -> N
         if len(steps) == 10:
             unplug(alone, 0)
 
-    with pytest.raises(recalling.RecallCutShort, match=r"after 10 steps: /dev/"):
-        recalling.recall(env, Teacher(env.home_radius), 3, watch=watch)
+    with pytest.raises(recalling.RecallInterruptedError, match=r"after 10 steps: /dev/"):
+        recalling.recall(env, Teacher(env.home_radius), 3, callback=watch)
     assert recalling.recall(env, Teacher(env.home_radius), 3).steps > 20
 
 

@@ -15,7 +15,7 @@ from khepera_forage.lab.settings_file import load
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering.appearance import CameraAppearance

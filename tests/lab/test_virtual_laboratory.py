@@ -21,7 +21,7 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.virtual.line_faults import Faults
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
@@ -115,7 +115,7 @@ def test_disturbed_lines_lose_no_experience() -> None:
         result = training.attempt(env, 1, record)
         assert recorded == true
         assert result.reason != training.ROBOT_LOST
-        assert sum(port.counts.disturbed for port in lab.ports) > 5
+        assert sum(port.fault_counts.disturbed for port in lab.ports) > 5
         assert len(recorded) >= result.rounds - 5
 
 
@@ -137,7 +137,7 @@ def test_nothing_is_left_open() -> None:
     lab = VirtualLaboratory.of("corridor", 2)
     ports = list(lab.ports)
     lab.close()
-    assert not any(port.plugged for port in ports)
+    assert not any(port.connected for port in ports)
     for robot in lab.robots:
         with pytest.raises(ConnectionError):
             robot.transmit()

@@ -4,25 +4,25 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.robots.stage import Stage, staged
+from tests.robots.stage import Stage, make_stage
 
 
 @pytest.fixture
 def stage() -> Stage:
     """A virtual robot in an open arena."""
-    return staged()
+    return make_stage()
 
 
 @pytest.fixture(params=[None, 0], ids=["pty", "tcp"])
 def tcp(request: pytest.FixtureRequest) -> int | None:
-    """Either kind of virtual line."""
+    """Both kinds of endpoint: a pseudo-terminal, or TCP port 0."""
     port: int | None = request.param
     return port
 
 
 @pytest.fixture
-def nothing_left_behind() -> Iterator[None]:
-    """The test leaves no thread and no open file."""
+def no_leaks() -> Iterator[None]:
+    """Check that the test leaves no thread and no open file."""
     threads, files = threading.active_count(), len(os.listdir("/proc/self/fd"))
     yield
     assert threading.active_count() <= threads

@@ -1,4 +1,4 @@
-"""A host's end of a virtual line, for tests."""
+"""The host's end of a virtual serial line, through pyserial."""
 
 import socket
 import time
@@ -7,19 +7,19 @@ from contextlib import contextmanager
 
 import serial
 
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 
 WAIT = 5.0
-"""Seconds after which something that should have come will not."""
+"""Seconds after which an expected event counts as missing."""
 SILENCE = 0.1
-"""Seconds in which something that should not come would have."""
+"""Seconds in which an unexpected reply would have arrived."""
 
 
 @contextmanager
-def opened(khepera: VirtualKhepera, timeout: float = WAIT) -> Iterator[serial.Serial]:
-    """The port of a virtual Khepera, through pyserial."""
+def connected_host(khepera: VirtualKhepera, timeout: float = WAIT) -> Iterator[serial.Serial]:
+    """Open the port of a virtual Khepera."""
     host = serial.serial_for_url(khepera.url, baudrate=38400, stopbits=serial.STOPBITS_TWO, timeout=timeout)
-    # pyserial forgets a socket that the other side has reset instead of closing it.
+    # pyserial does not close a socket that the other side has reset.
     connection: socket.socket | None = getattr(host, "_socket", None)
     try:
         yield host
@@ -29,8 +29,8 @@ def opened(khepera: VirtualKhepera, timeout: float = WAIT) -> Iterator[serial.Se
             connection.close()
 
 
-def ask_for_ever(host: serial.Serial) -> None:
-    """Until the line says that it is no more."""
+def send_until_disconnected(host: serial.Serial) -> None:
+    """Send requests until pyserial reports the disconnection, or for `WAIT` seconds."""
     begin = time.monotonic()
     while time.monotonic() < begin + WAIT:
         host.write(b"H\n")

@@ -1,4 +1,4 @@
-"""A serial device server (RFC 2217) in front of a port, for one client: pyserial's own protocol, a socket, a thread."""
+"""A serial device server (RFC 2217) for one client, built on pyserial's implementation of the protocol."""
 
 import contextlib
 import select
@@ -22,13 +22,13 @@ class _Connection:
 
 
 @contextlib.contextmanager
-def served(device: str) -> Iterator[str]:
-    """The URL under which a port is to be had while this lasts.
+def rfc2217_server(device: str) -> Iterator[str]:
+    """Serve a port; yields the URL of the server.
 
     Args:
-        device: One that has modem lines to report, as `socket://` pretends to; a pseudo-terminal has none.
+        device: A port with modem status lines, which `socket://` emulates; a pseudo-terminal has none.
     """
-    over = threading.Event()
+    stopping = threading.Event()
     with (
         socket.create_server(("127.0.0.1", 0)) as listener,
         serial.serial_for_url(device, 38400, timeout=0) as port,
@@ -37,11 +37,11 @@ def served(device: str) -> Iterator[str]:
         def serve() -> None:
             client, _ = listener.accept()
             connection = _Connection(client)
-            # Its types say less than its documentation, which asks for any port and anything that writes.
+            # Its type hints are narrower than its documentation, which accepts any port and any object with `write`.
             manager = PortManager(cast(Any, port), cast(Any, connection))
             ends: list[Any] = [client, port]
             with client, contextlib.suppress(ConnectionError):
-                while not over.is_set():
+                while not stopping.is_set():
                     ready, _, _ = select.select(ends, [], [], 0.02)
                     if client in ready:
                         data = client.recv(1000)
@@ -56,5 +56,5 @@ def served(device: str) -> Iterator[str]:
         try:
             yield f"rfc2217://127.0.0.1:{listener.getsockname()[1]}"
         finally:
-            over.set()
+            stopping.set()
             thread.join()

@@ -1,4 +1,4 @@
-"""Real drivers on virtual Kheperas: real bytes over pseudo-terminals or TCP, a simulated world behind them."""
+"""A test rig: simulated robots behind virtual Kheperas on pseudo-terminals or TCP ports."""
 
 import contextlib
 import threading
@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.line_faults import Faults
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -24,11 +25,11 @@ FIELD = Arena(
     start=Pose(1000, 1000, 0),
     foods=(Point(100, 100),),
 )
-"""So wide that nothing is hit by chance."""
+"""Wide enough that no robot reaches a wall."""
 
 
 class Rig:
-    """Simulated robots far apart on a wide floor, each behind a virtual Khepera's port."""
+    """Simulated robots far apart on a wide floor, each behind its virtual Khepera."""
 
     def __init__(self, world: PymunkWorld, ports: list[VirtualKhepera], firmwares: list[Firmware]) -> None:
         self.world = world
@@ -51,20 +52,20 @@ class Rig:
                 for firmware in self.firmwares:
                     firmware.tick()
 
-    def wheels(self, number: int = 0) -> tuple[float, float]:
-        """Pulses in one round: what the robot's wheels do now."""
+    def wheel_pulses(self, number: int = 0) -> tuple[float, float]:
+        """Advance one round; returns the pulses that the robot's wheels turned in it."""
         robot = self.robots[number]
         before = robot.sense()
         self.advance()
         after = robot.sense()
         return after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
 
-    def stands(self) -> bool:
-        return all(self.wheels(number) == (0, 0) for number in range(len(self.robots)))
+    def is_stopped(self) -> bool:
+        return all(self.wheel_pulses(number) == (0, 0) for number in range(len(self.robots)))
 
 
 @contextlib.contextmanager
-def rig(
+def make_rig(
     robots: int = 1,
     *,
     tcp: bool = False,
@@ -75,10 +76,10 @@ def rig(
     poses = [Pose(400 + 400 * (i % 4), 600 + 600 * (i // 4), 0.3 * i) for i in range(robots)]
     world = PymunkWorld([FIELD], [1 + i % 2 for i in range(robots)], Noise.none())
     world.reset(np.random.default_rng(seed), Layout(tuple(poses), ()))
-    built = Rig(world, [], [])
+    rig = Rig(world, [], [])
     with contextlib.ExitStack() as stack:
         for number, robot in enumerate(world.robots):
-            firmware = Firmware(robot, built.lock)
+            firmware = Firmware(robot, rig.lock)
             port = VirtualKhepera(
                 firmware,
                 tcp=0 if tcp else None,
@@ -86,9 +87,19 @@ def rig(
                 faults=faults,
                 rng=np.random.default_rng((seed, number)),
             )
-            built.firmwares.append(firmware)
-            built.ports.append(stack.enter_context(port))
-        yield built
+            rig.firmwares.append(firmware)
+            rig.ports.append(stack.enter_context(port))
+        yield rig
 
 
 FORWARD = Motors(5, 5, 215, 200)
+
+
+def run_rounds(rig: Rig, robot: SerialKhepera, motors: Motors, rounds: int = 1) -> Senses:
+    """Drive a robot for a number of rounds; returns its last senses."""
+    for _ in range(rounds):
+        robot.drive(motors)
+        robot.transmit()
+        rig.advance()
+        robot.receive()
+    return robot.sense()

@@ -1,4 +1,4 @@
-"""A virtual Khepera in an open arena, for tests."""
+"""A simulated robot in an open arena with its firmware, without a serial line."""
 
 import threading
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from khepera_forage.sim.world import Layout
 
 
 class Stage(NamedTuple):
-    """A world with one robot, its firmware, and the lock of both."""
+    """A world with one robot, its firmware, and their lock."""
 
     world: PymunkWorld
     firmware: Firmware
@@ -25,14 +25,14 @@ class Stage(NamedTuple):
     def robot(self) -> PymunkKhepera:
         return self.world.robots[0]
 
-    def ask(self, line: str) -> str:
-        """A request and its reply, without line ends."""
-        return self.firmware.answer(line.encode()).decode().removesuffix("\r\n")
+    def request(self, line: str) -> str:
+        """Execute a request; returns the reply without its line ending."""
+        return self.firmware.handle(line.encode()).decode().removesuffix("\r\n")
 
     def numbers(self, line: str) -> list[int]:
-        """The values in the reply to a request."""
+        """Execute a request; returns the values of the reply."""
         letters = line.lower().split(",")[: 3 if line.startswith("T") else 1]
-        fields = self.ask(line).split(",")
+        fields = self.request(line).split(",")
         assert fields[: len(letters)] == letters
         return [int(field) for field in fields[len(letters) :]]
 
@@ -42,8 +42,8 @@ class Stage(NamedTuple):
             self.firmware.tick()
 
 
-def staged(noise: Noise | None = None, food_ahead: float | None = None) -> Stage:
-    """A robot in the middle of the rectangle, looking along x, and food well away or so far ahead of its centre."""
+def make_stage(noise: Noise | None = None, food_ahead: float | None = None) -> Stage:
+    """A robot in the rectangle, heading along x; food far away, or `food_ahead` mm ahead of its centre."""
     world = PymunkWorld([RECTANGLE], (2,), Noise.none() if noise is None else noise)
     food = Point(600.0, 560.0) if food_ahead is None else Point(200.0 + food_ahead, 300.0)
     assert RECTANGLE.clearance(food) > FOOD_RADIUS

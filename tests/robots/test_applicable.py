@@ -1,4 +1,4 @@
-"""What a Khepera makes of a command."""
+"""Motor commands: rounded and limited to the robot's range, rejected if not finite."""
 
 import math
 
@@ -15,6 +15,7 @@ from khepera_forage.robots.khepera import (
     MAX_SPEED,
     Motors,
     applicable,
+    check_finite,
     half_gap,
 )
 
@@ -25,7 +26,7 @@ COMMANDS = st.builds(Motors, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
 
 @given(COMMANDS)
 @PROPERTY
-def test_what_is_applied_is_whole_and_within_limits(motors: Motors) -> None:
+def test_applied_command_is_whole_and_within_limits(motors: Motors) -> None:
     applied = applicable(motors)
     assert all(type(value) is int for value in applied)
     assert -MAX_SPEED <= applied.left <= MAX_SPEED
@@ -36,7 +37,7 @@ def test_what_is_applied_is_whole_and_within_limits(motors: Motors) -> None:
 
 @given(COMMANDS)
 @PROPERTY
-def test_what_was_applied_is_applied_as_it_is(motors: Motors) -> None:
+def test_applied_command_is_not_changed_again(motors: Motors) -> None:
     assert applicable(applicable(motors)) == applicable(motors)
 
 
@@ -47,7 +48,7 @@ def test_what_was_applied_is_applied_as_it_is(motors: Motors) -> None:
     st.sampled_from([JAW_OPEN, JAW_CLOSED]),
 )
 @PROPERTY
-def test_a_command_within_limits_is_at_most_rounded(left: float, right: float, arm: float, jaw: int) -> None:
+def test_command_within_limits_is_only_rounded(left: float, right: float, arm: float, jaw: int) -> None:
     applied = applicable(Motors(left, right, arm, jaw))  # type: ignore[arg-type]  # an arm between positions
     assert abs(applied.left - left) <= 0.5 + 1e-9
     assert abs(applied.right - right) <= 0.5 + 1e-9
@@ -56,7 +57,7 @@ def test_a_command_within_limits_is_at_most_rounded(left: float, right: float, a
 
 
 @pytest.mark.parametrize(
-    ("asked", "applied"),
+    ("command", "applied"),
     [
         (Motors(0, 0, 215, 200), Motors(0, 0, 215, 200)),
         (Motors(20, -20, 255, 0), Motors(20, -20, 255, 0)),
@@ -69,18 +70,18 @@ def test_a_command_within_limits_is_at_most_rounded(left: float, right: float, a
         (Motors(0, 0, 230, 100), Motors(0, 0, 230, 0)),
     ],
 )
-def test_clamped_and_rounded(asked: Motors, applied: Motors) -> None:
-    assert applicable(asked) == applied
+def test_command_is_clamped_and_rounded(command: Motors, applied: Motors) -> None:
+    assert applicable(command) == applied
 
 
 @pytest.mark.parametrize("field", Motors._fields)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_what_is_not_finite_is_refused_with_its_value(field: str, value: float) -> None:
+def test_value_that_is_not_finite_is_rejected(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=rf"{field}={value}.*finite"):
-        applicable(Motors(**{**Motors(1, 2, 255, 0)._asdict(), field: value}))
+        check_finite(Motors(**{**Motors(1, 2, 255, 0)._asdict(), field: value}))
 
 
-def test_the_jaw_stops_on_food_where_the_gap_is_its_width() -> None:
+def test_jaw_on_food_leaves_a_gap_as_wide_as_food() -> None:
     assert half_gap(JAW_CLOSED) == pytest.approx(0.5)
     assert half_gap(JAW_OPEN) == pytest.approx(27.5)
     assert half_gap(JAW_ON_FOOD) == pytest.approx(35.0 / 2)

@@ -1,4 +1,4 @@
-"""The thread that owns a port: order, urgency, errors, and its end."""
+"""The thread that owns a port: order, urgent tasks, errors, and its end."""
 
 import threading
 from collections.abc import Callable
@@ -10,7 +10,7 @@ import pytest
 from khepera_forage.robots.serial.port_thread import PortThread, Task
 
 
-def test_tasks_are_done_in_order_and_return_what_they_return() -> None:
+def test_tasks_run_in_order_and_return_their_values() -> None:
     thread = PortThread("test")
     done: list[int] = []
 
@@ -21,55 +21,55 @@ def test_tasks_are_done_in_order_and_return_what_they_return() -> None:
 
         return work
 
-    tasks = [thread.begin(Task(numbered(i))) for i in range(20)]
+    tasks = [thread.submit(Task(numbered(i))) for i in range(20)]
     assert [-task.result(5.0) for task in tasks] == done == list(range(20))
     thread.end()
 
 
-def test_urgent_tasks_come_first_and_ordinary_ones_make_room() -> None:
+def test_urgent_tasks_run_inside_ordinary_ones() -> None:
     thread = PortThread("test")
     done: list[str] = []
-    begun, pressed = threading.Event(), threading.Event()
+    begun, submitted = threading.Event(), threading.Event()
 
     def ordinary() -> None:
         begun.set()
-        assert pressed.wait(5.0)
-        assert thread.pressing()
-        thread.do_urgent()
-        assert not thread.pressing()
+        assert submitted.wait(5.0)
+        assert thread.must_yield()
+        thread.run_urgent()
+        assert not thread.must_yield()
         done.append("ordinary")
 
     def urgent() -> None:
-        assert not thread.pressing(), "nobody interrupts an urgent task"
+        assert not thread.must_yield(), "an urgent task is never interrupted"
         done.append("urgent")
 
-    first = thread.begin(Task(ordinary))
-    second = thread.begin(Task(lambda: done.append("second")))
+    first = thread.submit(Task(ordinary))
+    second = thread.submit(Task(lambda: done.append("second")))
     assert begun.wait(5.0)
-    hasty = [thread.begin(Task(urgent), urgent=True) for _ in range(2)]
-    pressed.set()
-    for task in (*hasty, first, second):
+    urgent_tasks = [thread.submit(Task(urgent), urgent=True) for _ in range(2)]
+    submitted.set()
+    for task in (*urgent_tasks, first, second):
         task.result(5.0)
     assert done == ["urgent", "urgent", "ordinary", "second"]
     thread.end()
 
 
-def test_an_error_is_raised_to_who_waits_and_the_thread_goes_on() -> None:
+def test_error_is_raised_by_result_and_the_thread_continues() -> None:
     thread = PortThread("test")
 
     def fails() -> None:
         raise KeyError("here")
 
     with pytest.raises(KeyError, match="here"):
-        thread.begin(Task(fails)).result(5.0)
-    assert thread.begin(Task(lambda: 3)).result(5.0) == 3
+        thread.submit(Task(fails)).result(5.0)
+    assert thread.submit(Task(lambda: 3)).result(5.0) == 3
     thread.end()
 
 
-def test_whoever_does_not_want_to_wait_longer_is_told() -> None:
+def test_result_raises_after_its_timeout() -> None:
     thread = PortThread("test")
     gate = threading.Event()
-    task = thread.begin(Task(gate.wait))
+    task = thread.submit(Task(gate.wait))
     with pytest.raises(TimeoutError):
         task.result(0.01)
     gate.set()
@@ -77,11 +77,11 @@ def test_whoever_does_not_want_to_wait_longer_is_told() -> None:
     thread.end()
 
 
-def test_many_are_waited_for_in_the_order_in_which_they_finish() -> None:
+def test_shared_queue_receives_tasks_in_the_order_of_completion() -> None:
     threads = [PortThread(f"test {i}") for i in range(3)]
     gates = [threading.Event() for _ in threads]
     finished: SimpleQueue[Task[Any]] = SimpleQueue()
-    tasks = [t.begin(Task(gate.wait, finished)) for t, gate in zip(threads, gates, strict=True)]
+    tasks = [t.submit(Task(gate.wait, finished)) for t, gate in zip(threads, gates, strict=True)]
     for number in (2, 0, 1):
         gates[number].set()
         assert finished.get(timeout=5.0) is tasks[number]
@@ -89,17 +89,17 @@ def test_many_are_waited_for_in_the_order_in_which_they_finish() -> None:
         thread.end()
 
 
-def test_ending_lets_ordinary_tasks_know() -> None:
+def test_end_makes_ordinary_tasks_give_up() -> None:
     thread = PortThread("test")
     begun = threading.Event()
 
-    def until_told() -> str:
+    def until_ending() -> str:
         begun.set()
-        while not thread.pressing():
+        while not thread.must_yield():
             pass
         return "gave up"
 
-    task = thread.begin(Task(until_told))
+    task = thread.submit(Task(until_ending))
     assert begun.wait(5.0)
     thread.end()
     assert task.result(5.0) == "gave up"

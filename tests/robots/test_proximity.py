@@ -1,4 +1,4 @@
-"""The infra-reds: how they answer to distance, and what they see of walls and discs."""
+"""The infra-red model: response to distance, readings of walls and discs, and noise."""
 
 import math
 
@@ -13,14 +13,14 @@ from khepera_forage.robots.proximity import (
     RANGE,
     REACH,
     SENSORS,
-    cast,
-    measured,
+    clean_readings,
+    reported_readings,
     response,
 )
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=200)
 MIRRORED = (5, 4, 3, 2, 1, 0, 7, 6)
-"""Which sensor stands where another stands in a mirror held along the heading."""
+"""The sensor that mirrors each sensor across the robot's heading."""
 
 Wall = tuple[float, float, float, float]
 Disc = tuple[float, float, float]
@@ -34,17 +34,17 @@ angles = st.floats(-math.pi, math.pi)
 
 
 def read(walls: list[Wall], discs: list[Disc], x: float = 0, y: float = 0, heading: float = 0) -> list[float]:
-    return cast(x, y, math.cos(heading), math.sin(heading), walls, discs)
+    return clean_readings(x, y, math.cos(heading), math.sin(heading), walls, discs)
 
 
 def ahead_of(sensor: int, distance: float) -> tuple[float, float]:
-    """The place that far from a sensor, on its axis."""
+    """The point at a distance from a sensor, on its axis."""
     forward, left, cosine, sine = SENSORS[sensor]
     return forward + distance * cosine, left + distance * sine
 
 
 def facing_wall(sensor: int, distance: float) -> Wall:
-    """A wall square to a sensor's axis."""
+    """A wall perpendicular to a sensor's axis."""
     _, _, cosine, sine = SENSORS[sensor]
     x, y = ahead_of(sensor, distance)
     return x - 200 * sine, y + 200 * cosine, x + 200 * sine, y - 200 * cosine
@@ -55,55 +55,53 @@ def facing_wall(sensor: int, distance: float) -> Wall:
 
 @given(st.floats(-10, 200), st.floats(-10, 200))
 @PROPERTY
-def test_what_is_nearer_never_reads_less(a: float, b: float) -> None:
+def test_response_never_decreases_with_nearness(a: float, b: float) -> None:
     assert response(min(a, b)) >= response(max(a, b))
 
 
 @given(st.floats(8.0, 59.0))
 @PROPERTY
-def test_within_the_fall_nearer_reads_more(distance: float) -> None:
+def test_response_is_strictly_monotonic_in_range(distance: float) -> None:
     assert response(distance) > response(distance + 1.0) or response(distance + 1.0) == MAX_READING
 
 
 @pytest.mark.parametrize("distance", [-1.0, 0.0, 2.0, 8.0])
-def test_contact_reads_full(distance: float) -> None:
+def test_response_at_contact_is_maximal(distance: float) -> None:
     assert response(distance) == MAX_READING
 
 
 @pytest.mark.parametrize("distance", [RANGE, 60.1, 100.0, 1e6])
-def test_beyond_range_nothing(distance: float) -> None:
+def test_response_beyond_range_is_zero(distance: float) -> None:
     assert response(distance) == 0
 
 
 @pytest.mark.parametrize(("distance", "white_paper"), [(20, 450), (30, 275), (40, 190), (50, 150)])
-def test_close_to_the_white_paper_curve_less_its_value_at_the_end_of_the_range(
-    distance: float, white_paper: float
-) -> None:
+def test_response_follows_the_white_paper_curve(distance: float, white_paper: float) -> None:
     # The curve reads 125 at 60 mm, where the readings of a Khepera I end. 40 counts is a tenth of its 450.
     assert response(distance) == pytest.approx(white_paper - 125, abs=41)
 
 
-# ---------------------------------------------------------------- cast
+# ---------------------------------------------------------------- clean readings
 
 
-def test_nothing_in_range_reads_zero() -> None:
+def test_readings_without_obstacles_in_range_are_zero() -> None:
     assert read([], []) == [0.0] * 8
     assert read([(200, -500, 200, 500)], [(0, 150, 17.5), (-120, -10, 17.5)]) == [0.0] * 8
 
 
 @given(angles, st.floats(REACH + 0.1, 500), st.sampled_from([17.5, 27.5]))
 @PROPERTY
-def test_beyond_the_reach_nothing_is_seen(bearing: float, distance: float, radius: float) -> None:
+def test_readings_of_discs_beyond_reach_are_zero(bearing: float, distance: float, radius: float) -> None:
     x, y = (distance + radius) * math.cos(bearing), (distance + radius) * math.sin(bearing)
     assert read([], [(x, y, radius)]) == [0.0] * 8
 
 
 @pytest.mark.parametrize("sensor", range(8))
 @pytest.mark.parametrize("distance", [5.0, 20.0, 45.0])
-def test_the_sensor_that_faces_a_wall_reads_its_distance(sensor: int, distance: float) -> None:
+def test_sensor_facing_a_wall_reads_its_distance(sensor: int, distance: float) -> None:
     readings = read([facing_wall(sensor, distance)], [])
     assert readings[sensor] == pytest.approx(response(distance))
-    # All that look away from it see nothing.
+    # Sensors pointing away from the wall read 0.
     _, _, cosine, sine = SENSORS[sensor]
     for other, reading in zip(SENSORS, readings, strict=True):
         if other[2] * cosine + other[3] * sine < math.cos(math.radians(65)):
@@ -112,7 +110,7 @@ def test_the_sensor_that_faces_a_wall_reads_its_distance(sensor: int, distance: 
 
 @pytest.mark.parametrize("sensor", range(8))
 @pytest.mark.parametrize("distance", [5.0, 30.0, 55.0])
-def test_the_sensor_that_points_at_a_disc_sees_its_rim(sensor: int, distance: float) -> None:
+def test_sensor_pointing_at_a_disc_reads_the_distance_of_its_edge(sensor: int, distance: float) -> None:
     x, y = ahead_of(sensor, distance + 17.5)
     readings = read([], [(x, y, 17.5)])
     assert readings[sensor] == pytest.approx(response(distance))
@@ -122,9 +120,7 @@ def test_the_sensor_that_points_at_a_disc_sees_its_rim(sensor: int, distance: fl
 
 @given(st.integers(0, 7), st.floats(0, 60), st.floats(25, 50))
 @PROPERTY
-def test_a_disc_further_off_the_axis_reads_less_and_beyond_60_degrees_nothing(
-    sensor: int, off: float, distance: float
-) -> None:
+def test_reading_decreases_off_axis_to_zero_at_60_degrees(sensor: int, off: float, distance: float) -> None:
     forward, left, cosine, sine = SENSORS[sensor]
     pointing = math.atan2(sine, cosine)
 
@@ -142,19 +138,17 @@ def test_a_disc_further_off_the_axis_reads_less_and_beyond_60_degrees_nothing(
 
 @given(walls, discs, angles)
 @PROPERTY
-def test_a_mirrored_scene_gives_mirrored_readings(
-    walls: list[Wall], discs: list[Disc], heading: float
-) -> None:
-    there = read(walls, discs, heading=heading)
+def test_mirrored_scene_gives_mirrored_readings(walls: list[Wall], discs: list[Disc], heading: float) -> None:
+    original = read(walls, discs, heading=heading)
     mirrored = read(
         [(x1, -y1, x2, -y2) for x1, y1, x2, y2 in walls], [(x, -y, r) for x, y, r in discs], heading=-heading
     )
-    assert [mirrored[i] for i in MIRRORED] == pytest.approx(there, abs=1e-6)
+    assert [mirrored[i] for i in MIRRORED] == pytest.approx(original, abs=1e-6)
 
 
 @given(walls, discs, angles, st.floats(-2000, 2000), st.floats(-2000, 2000))
 @PROPERTY
-def test_only_what_lies_where_from_the_robot_counts(
+def test_readings_depend_only_on_relative_positions(
     walls: list[Wall], discs: list[Disc], turn: float, dx: float, dy: float
 ) -> None:
     c, s = math.cos(turn), math.sin(turn)
@@ -174,7 +168,7 @@ def test_only_what_lies_where_from_the_robot_counts(
 
 @given(walls, discs)
 @PROPERTY
-def test_the_largest_answer_counts(walls: list[Wall], discs: list[Disc]) -> None:
+def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
     alone = [read([wall], []) for wall in walls] + [read([], [disc]) for disc in discs]
     together = read(walls, discs)
     expected = [max((readings[i] for readings in alone), default=0.0) for i in range(8)]
@@ -183,7 +177,9 @@ def test_the_largest_answer_counts(walls: list[Wall], discs: list[Disc]) -> None
 
 @given(walls, discs, st.tuples(near, near, st.just(17.5)))
 @PROPERTY
-def test_another_obstacle_never_lowers_a_reading(walls: list[Wall], discs: list[Disc], extra: Disc) -> None:
+def test_additional_obstacle_never_lowers_a_reading(
+    walls: list[Wall], discs: list[Disc], extra: Disc
+) -> None:
     before, after = read(walls, discs), read(walls, [*discs, extra])
     assert all(a >= b for a, b in zip(after, before, strict=True))
 
@@ -194,32 +190,32 @@ def test_readings_stay_in_range(walls: list[Wall], discs: list[Disc]) -> None:
     assert all(0 <= reading <= MAX_READING for reading in read(walls, discs))
 
 
-def test_a_wall_on_a_sensor_and_a_disc_over_it_are_no_trouble() -> None:
+def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
     forward, left, _, _ = SENSORS[2]
     assert all(math.isfinite(v) for v in read([(forward, left, forward, left + 50)], [(forward, left, 17.5)]))
 
 
-def test_sensors_before_the_first_stay_dark() -> None:
+def test_sensors_before_the_first_read_zero() -> None:
     wall, behind = (RADIUS + 10, -200, RADIUS + 10, 200), (-RADIUS - 10, -200, -RADIUS - 10, 200)
-    readings = cast(0, 0, 1, 0, [wall, behind], [], first=6)
+    readings = clean_readings(0, 0, 1, 0, [wall, behind], [], first=6)
     assert readings[:6] == [0.0] * 6
     assert min(readings[6:]) > 0
 
 
-# ---------------------------------------------------------------- measured
+# ---------------------------------------------------------------- reported readings
 
 EIGHT = (0.0, 3.0, 100.0, 500.0, 1023.0, 7.0, 100.0, 900.0)
 uniform = st.lists(st.floats(0, 0.999999), min_size=8, max_size=8)
 
 
-def test_without_noise_readings_are_what_is_there() -> None:
-    assert measured(EIGHT, False, 0.0, 0, [0.9] * 8) == (0, 3, 100, 500, 1023, 7, 100, 900)
+def test_readings_without_noise_are_rounded_down() -> None:
+    assert reported_readings(EIGHT, False, 0.0, 0, [0.9] * 8) == (0, 3, 100, 500, 1023, 7, 100, 900)
 
 
 @given(uniform, st.booleans())
 @PROPERTY
-def test_noise_stays_within_its_size(draws: list[float], arm_down: bool) -> None:
-    readings = measured(EIGHT, arm_down, 0.1, 6, draws)
+def test_noise_stays_within_its_limits(draws: list[float], arm_down: bool) -> None:
+    readings = reported_readings(EIGHT, arm_down, 0.1, 6, draws)
     for i, (reading, clean) in enumerate(zip(readings, EIGHT, strict=True)):
         assert type(reading) is int
         if arm_down and i < 6:
@@ -230,9 +226,9 @@ def test_noise_stays_within_its_size(draws: list[float], arm_down: bool) -> None
             assert clean * 0.9 - 7 <= reading <= min(clean * 1.1, MAX_READING)
 
 
-def test_noise_reaches_its_size() -> None:
-    low, high = (measured([500.0] * 8, False, 0.1, 6, [u] * 8) for u in (0.0, 0.999999))
+def test_noise_covers_its_range() -> None:
+    low, high = (reported_readings([500.0] * 8, False, 0.1, 6, [u] * 8) for u in (0.0, 0.999999))
     assert low[0] == 450
     assert high[0] == 549
-    floor = {measured([0.0] * 8, False, 0.1, 6, [u / 70] * 8)[0] for u in range(70)}
+    floor = {reported_readings([0.0] * 8, False, 0.1, 6, [u / 70] * 8)[0] for u in range(70)}
     assert floor == set(range(7))

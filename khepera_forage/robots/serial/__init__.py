@@ -1,1 +1,1 @@
-"""Under the driver of a real Khepera: its port, who owns it, what passes for an answer, and how it is stopped."""
+"""The driver of real Kheperas: serial port, protocol, reply matching, session, fleet and emergency stop."""

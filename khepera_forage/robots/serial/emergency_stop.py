@@ -1,7 +1,7 @@
-"""Open robots are stopped on every way out of the process: signals, uncaught errors, `sys.exit`, its plain end.
+"""Stopping all open robots on every exit path of the process: signals, uncaught exceptions, `sys.exit`, normal exit.
 
-A Khepera drives on as it was last told (no source knows of a watchdog). What no program can catch, a kill -9 or a
-power cut of the computer, needs a hand on the robot's switch.
+A Khepera drives on at its last speed (no source mentions a watchdog). No program can catch a `kill -9` or a power cut
+of the computer: only the robot's switch stops it then.
 """
 
 import atexit
@@ -18,32 +18,32 @@ from khepera_forage.robots.serial.port_thread import Task
 
 _LOG = logging.getLogger(__name__)
 _SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-_PATIENCE = 4.0
-"""Seconds that stopping all robots may take."""
+_TIMEOUT = 4.0
+"""Seconds allowed for stopping all robots."""
 _Handler = Callable[[int, FrameType | None], Any] | int | signal.Handlers | None
 
 
 class Stoppable(Protocol):
-    """What can be stopped without waiting for it."""
+    """A robot that can be stopped without blocking."""
 
     @property
     def port(self) -> str:
-        """Where it is."""
+        """Its port."""
         ...
 
     def begin_stop(self) -> Task[None]:
-        """Begin to stop it; never blocks."""
+        """Begin to stop its wheels; never blocks."""
         ...
 
 
-def stop_all(robots: tuple[Stoppable, ...], patience: float = _PATIENCE) -> list[tuple[Stoppable, Exception]]:
-    """Stop robots in parallel; never raises for a robot's sake, so that one does not keep another from it.
+def stop_all(robots: tuple[Stoppable, ...], timeout: float = _TIMEOUT) -> list[tuple[Stoppable, Exception]]:
+    """Stop robots in parallel. Raises no error of a robot, so that one failure does not keep the others moving.
 
     Returns:
-        Those that could not be stopped, and why.
+        The robots that could not be stopped, with the reasons.
     """
     tasks = [(robot, robot.begin_stop()) for robot in robots]
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     failed: list[tuple[Stoppable, Exception]] = []
     for robot, task in tasks:
         try:
@@ -53,81 +53,81 @@ def stop_all(robots: tuple[Stoppable, ...], patience: float = _PATIENCE) -> list
     return failed
 
 
-def stop_and_tell(robots: tuple[Stoppable, ...], occasion: str) -> None:
-    """Stop robots; those that cannot be stopped are reported to whoever reads the log, by default on standard error."""
+def stop_and_log(robots: tuple[Stoppable, ...], occasion: str) -> None:
+    """Stop robots; log those that could not be stopped, by default on standard error."""
     for robot, error in stop_all(robots):
-        _LOG.error("%s may still be moving; it could not be stopped at %s: %s", robot.port, occasion, error)
+        _LOG.error("%s may still be moving; it could not be stopped %s: %s", robot.port, occasion, error)
 
 
-class _Guard:
-    """Stops the robots that are open, then lets the way out go on.
+class _ExitHandler:
+    """Stops the open robots on exit.
 
-    Signal handlers are there only while a robot is open, and hand on to the handlers they found. A tuple that is
-    replaced as a whole holds the robots: a signal may come at any moment.
+    The signal handlers are installed only while a robot is open, and then call the handlers that they replaced. The
+    robots are a tuple that is replaced as a whole, because a signal may arrive at any moment.
     """
 
     def __init__(self) -> None:
         self._robots: tuple[Stoppable, ...] = ()
-        self._found: dict[int, _Handler] = {}
+        self._replaced: dict[int, _Handler] = {}
         self._process = os.getpid()
-        self._changing = threading.Lock()
+        self._lock = threading.Lock()
 
-    def watch(self, robot: Stoppable) -> None:
-        """From now on the robot is stopped on every way out."""
-        with self._changing:
+    def register(self, robot: Stoppable) -> None:
+        """Stop the robot on every exit path from now on."""
+        with self._lock:
             if self._process != os.getpid():
                 self._process, self._robots = os.getpid(), ()
             if not self._robots:
                 atexit.register(self._at_exit)
             self._robots = (*self._robots, robot)
-            self._catch_signals()
+            self._install_handlers()
 
-    def unwatch(self, robot: Stoppable) -> None:
-        """The robot has been stopped and closed; a second call does nothing."""
-        with self._changing:
+    def unregister(self, robot: Stoppable) -> None:
+        """Forget a robot that has been stopped and closed; a second call does nothing."""
+        with self._lock:
             if not any(other is robot for other in self._robots):
                 return
             self._robots = tuple(other for other in self._robots if other is not robot)
             if not self._robots:
                 atexit.unregister(self._at_exit)
-                self._let_signals_go()
+                self._remove_handlers()
 
-    def _catch_signals(self) -> None:
+    def _install_handlers(self) -> None:
         if threading.current_thread() is not threading.main_thread():
-            return  # Python allows it to the main thread only; `atexit` remains.
+            return  # Python allows it only in the main thread; `atexit` remains.
         for number in _SIGNALS:
-            found = signal.getsignal(number)
-            # Ignored ones stay so (nohup), and what was not installed by Python could not be handed on to.
-            if number not in self._found and found is not None and found is not signal.SIG_IGN:
-                self._found[number] = found
+            current = signal.getsignal(number)
+            # Leave ignored signals (nohup), and handlers not installed by Python, which cannot be called from here.
+            if number not in self._replaced and current is not None and current is not signal.SIG_IGN:
+                self._replaced[number] = current
                 signal.signal(number, self._on_signal)
 
-    def _let_signals_go(self) -> None:
+    def _remove_handlers(self) -> None:
         if threading.current_thread() is not threading.main_thread():
-            return  # The handlers stay, and merely hand on.
-        for number in list(self._found):
-            # One that was installed on top of ours hands on to ours: leave both.
+            return  # The handlers remain, and only call the replaced ones.
+        for number in list(self._replaced):
+            # A handler installed later may call ours: leave both.
             if signal.getsignal(number) == self._on_signal:
-                signal.signal(number, self._found.pop(number))
+                signal.signal(number, self._replaced.pop(number))
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        self._stop(f"signal {signal.Signals(number).name}")
-        found = self._found.get(number)
-        if callable(found):
-            found(number, frame)
-        elif found == signal.SIG_DFL:
+        self._stop(f"on signal {signal.Signals(number).name}")
+        replaced = self._replaced.get(number)
+        if callable(replaced):
+            replaced(number, frame)
+        elif replaced == signal.SIG_DFL:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 
     def _at_exit(self) -> None:
-        self._stop("the end of the program")
+        self._stop("at the end of the program")
 
     def _stop(self, occasion: str) -> None:
-        # A forked child has neither the robots' threads nor any business with them.
+        # A forked child has no port threads, and must leave the parent's robots alone.
         if self._process == os.getpid():
-            stop_and_tell(self._robots, occasion)
+            stop_and_log(self._robots, occasion)
 
 
-_GUARD = _Guard()
-watch = _GUARD.watch
-unwatch = _GUARD.unwatch
+_EXIT_HANDLER = _ExitHandler()
+register = _EXIT_HANDLER.register
+unregister = _EXIT_HANDLER.unregister

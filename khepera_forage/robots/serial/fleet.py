@@ -1,4 +1,4 @@
-"""Several real robots at once: what is asked of all costs what one robot takes."""
+"""Several real robots in parallel: a round with all of them takes about as long as a round with one."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -7,24 +7,24 @@ from types import TracebackType
 from typing import Any, Self
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, RobotLost
-from khepera_forage.robots.serial import emergency_stop as stopping
+from khepera_forage.robots.serial import emergency_stop
 from khepera_forage.robots.serial.port import seconds_on_wire
 from khepera_forage.robots.serial.port_thread import Task
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
-_LONGEST_ROUND = 170
-"""Bytes of a round in which arm and jaw move and all numbers have all their digits."""
-_STOPPING = 4.0
-"""Seconds after which a robot that does not confirm its stop is not waited for."""
+_MAX_ROUND_BYTES = 170
+"""Bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
+_STOP_TIMEOUT = 4.0
+"""Seconds to wait for a robot to confirm its stop."""
 _Begin = Callable[[SerialKhepera, "SimpleQueue[Task[Any]]"], Task[None]]
 
 
 class Fleet:
-    """Robots on a port each, told and asked in parallel.
+    """Robots on one port each, served in parallel.
 
-    When one is lost, all the others are stopped at once, in the middle of their round, and `RobotLost` is raised. When
-    one takes a round longer than its bytes do (it is lost, or its line is disturbed and it is asked again), the others
-    are held: their wheels stand until the next `transmit`.
+    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
+    a robot needs one round more than the transmission time (it is lost, or its line is disturbed and requests are
+    repeated), the others are held: their wheels are stopped until the next `transmit`.
 
     Args:
         robots: In any order.
@@ -36,38 +36,40 @@ class Fleet:
     def __init__(self, robots: Sequence[SerialKhepera]) -> None:
         ports = [robot.port for robot in robots]
         if not ports or len(set(ports)) < len(ports):
-            raise ValueError(f"robots on ports {ports}; allowed: at least one, each on a port of its own")
+            raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
         self.robots = tuple(robots)
-        # A round, and what its bytes take on the slowest of the lines.
-        self._patience = CONTROL_PERIOD + max(seconds_on_wire(_LONGEST_ROUND, robot.baud) for robot in robots)
+        # One round, plus the transmission time on the slowest line.
+        self._hold_after = CONTROL_PERIOD + max(
+            seconds_on_wire(_MAX_ROUND_BYTES, robot.baud) for robot in robots
+        )
 
     def transmit(self) -> None:
-        """Send every robot what it was commanded.
+        """Send every robot its command.
 
         Raises:
-            RobotLost: One or more do not answer; the others have been stopped.
+            RobotLost: One or more robots do not reply; the others have been stopped.
         """
-        self._round(SerialKhepera.begin_transmit)
+        self._run(SerialKhepera.begin_transmit)
 
     def receive(self) -> None:
         """Read the sensors of all robots.
 
         Raises:
-            RobotLost: One or more do not answer; the others have been stopped.
+            RobotLost: One or more robots do not reply; the others have been stopped.
         """
-        self._round(SerialKhepera.begin_receive)
+        self._run(SerialKhepera.begin_receive)
 
     def stop(self) -> None:
         """Stop all wheels.
 
         Raises:
-            RobotLost: One or more do not confirm it; the others have been stopped.
+            RobotLost: One or more robots do not confirm; the others have been stopped.
         """
-        _raise([error for _, error in stopping.stop_all(self.robots)])
+        _raise_any([error for _, error in emergency_stop.stop_all(self.robots)])
 
     def close(self) -> None:
-        """Stop all robots at once, then let go of them; a second call does nothing."""
-        stopping.stop_all(self.robots)
+        """Stop all robots in parallel, then close their ports; a second call does nothing."""
+        emergency_stop.stop_all(self.robots)
         for robot in self.robots:
             robot.close()
 
@@ -79,47 +81,47 @@ class Fleet:
     ) -> None:
         self.close()
 
-    def _round(self, begin: _Begin) -> None:
-        finished: SimpleQueue[Task[Any]] = SimpleQueue()
+    def _run(self, begin: _Begin) -> None:
+        done_queue: SimpleQueue[Task[Any]] = SimpleQueue()
         try:
-            waiting = {begin(robot, finished): robot for robot in self.robots}
-            errors = self._wait(waiting, finished)
+            pending = {begin(robot, done_queue): robot for robot in self.robots}
+            errors = self._wait(pending, done_queue)
         except BaseException:
-            stopping.stop_all(self.robots)
+            emergency_stop.stop_all(self.robots)
             raise
-        _raise(errors)
+        _raise_any(errors)
 
     def _wait(
-        self, waiting: dict[Task[None], SerialKhepera], finished: "SimpleQueue[Task[Any]]"
+        self, pending: dict[Task[None], SerialKhepera], done_queue: "SimpleQueue[Task[Any]]"
     ) -> list[Exception]:
-        """Wait for all; returns the errors of those that failed, the others having been stopped."""
+        """Wait for all tasks; after the first failure, stop the other robots. Returns the errors."""
         errors: list[Exception] = []
         stops: list[Task[None]] = []
         held = False
-        end = time.monotonic() + self._patience
-        while waiting:
+        end = time.monotonic() + self._hold_after
+        while pending:
             try:
-                task = finished.get(timeout=None if held else max(0.0, end - time.monotonic()))
+                task = done_queue.get(timeout=None if held else max(0.0, end - time.monotonic()))
             except Empty:
                 held = True
-                for robot in set(self.robots) - set(waiting.values()):
+                for robot in set(self.robots) - set(pending.values()):
                     robot.begin_hold()
                 continue
-            robot = waiting.pop(task)
+            robot = pending.pop(task)
             if task.error is None:
                 continue
             if not isinstance(task.error, Exception):
                 raise task.error
             if not errors:
-                # At once: what their lines are busy with makes room for it.
+                # At once: a stop is urgent and interrupts the requests of this round.
                 stops = [other.begin_stop() for other in self.robots if other is not robot]
-            # It may hear, although it is not heard; nobody waits for that.
+            # The lost robot may still receive requests; do not wait for its reply.
             robot.begin_stop()
             errors.append(task.error)
         lost = {error.port for error in errors if isinstance(error, RobotLost)}
         for stop in stops:
             try:
-                stop.result(_STOPPING)
+                stop.result(_STOP_TIMEOUT)
             except RobotLost as error:
                 if error.port not in lost:
                     errors.append(error)
@@ -128,8 +130,8 @@ class Fleet:
         return errors
 
 
-def _raise(errors: Sequence[Exception]) -> None:
-    """Raise what happened, if anything did; one `RobotLost` for several robots names them all."""
+def _raise_any(errors: Sequence[Exception]) -> None:
+    """Raise the errors, if any; one `RobotLost` names all lost robots."""
     if not errors:
         return
     first, *others = sorted(errors, key=lambda error: not isinstance(error, RobotLost))

@@ -1,6 +1,6 @@
-"""Opening a serial line as a Khepera wants it: 8 data bits, no parity, 2 stop bits, one of five speeds.
+"""Opening a serial port for a Khepera: 8 data bits, no parity, 2 stop bits, one of five baud rates.
 
-Needs pyserial, the extra `robots`; it is imported when a port is opened, not before.
+Requires pyserial, the extra `robots`; it is imported when a port is opened, not before.
 """
 
 import contextlib
@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from serial import Serial
 
-BAUDS = (9600, 19200, 38400, 57600, 115200)
-"""The speeds that a Khepera's mode switch chooses from."""
+BAUD_RATES = (9600, 19200, 38400, 57600, 115200)
+"""Settings of a Khepera's mode switch."""
 BITS_PER_BYTE = 11
 """1 start, 8 data and 2 stop bits (K-Team)."""
 POLL = 0.005
-"""Seconds after which a read that got nothing comes back. Fixed: over `rfc2217://` a change is negotiated anew."""
+"""Seconds after which a read without input returns. Constant: `rfc2217://` negotiates every change with the server."""
 _WRITE_TIMEOUT = 0.5
 _RFC2217 = "rfc2217://"
-"""pyserial has a timeout of its own for writing to these, and takes no other."""
+"""For these, pyserial has a fixed write timeout and rejects any other."""
 
 
 def seconds_on_wire(count: int, baud: int) -> float:
-    """How long so many bytes take at a baud rate."""
+    """Transmission time of a number of bytes at a baud rate."""
     return count * BITS_PER_BYTE / baud
 
 
@@ -29,20 +29,20 @@ def open_port(port: str, baud: int) -> "Serial":
     """Open a port.
 
     Args:
-        port: A device, or what else `serial.serial_for_url` takes: `socket://host:port`, `rfc2217://host:port`.
-        baud: One of `BAUDS`. A `socket://` has no speed of its own.
+        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
+        baud: One of `BAUD_RATES`. A `socket://` ignores it.
 
     Raises:
-        ValueError: Another baud rate, or a URL that pyserial does not know.
-        ConnectionError: The port cannot be opened, or another program has it.
+        ValueError: Another baud rate, or a URL that pyserial does not support.
+        ConnectionError: The port cannot be opened, or another program uses it.
         ImportError: pyserial is missing.
     """
-    if baud not in BAUDS:
-        raise ValueError(f"baud {baud}; allowed: {', '.join(map(str, BAUDS))}")
+    if baud not in BAUD_RATES:
+        raise ValueError(f"baud {baud}; allowed: {', '.join(map(str, BAUD_RATES))}")
     try:
         import serial
     except ImportError as error:
-        raise ImportError("a serial port needs pyserial: pip install 'khepera-forage[robots]'") from error
+        raise ImportError("a serial port requires pyserial: pip install 'khepera-forage[robots]'") from error
     try:
         opened = serial.serial_for_url(
             port,
@@ -56,7 +56,7 @@ def open_port(port: str, baud: int) -> "Serial":
         )
     except OSError as error:
         raise ConnectionError(f"{port} cannot be opened: {error}") from error
-    # An adapter's latency timer, often 16 ms, would be added to every reply. Only a device under Linux can do this.
+    # The latency timer of a USB adapter, often 16 ms, would delay every reply. Only Linux devices support this mode.
     with contextlib.suppress(AttributeError, OSError, ValueError):
         opened.set_low_latency_mode(True)
     return opened

@@ -1,8 +1,8 @@
-"""A thread that owns a serial port, so that nobody who wants a robot stopped ever waits for a lock.
+"""The thread that owns a serial port, so that stopping a robot never waits for a lock.
 
-Whoever wants something of the port leaves it as a task and waits for that task alone. A signal handler may do so while
-the very thread it interrupted waits for another one: the port's thread goes on working. `SimpleQueue` is made for this
-(its methods may interrupt themselves); locks, conditions and futures are not.
+Other threads submit tasks and wait for their results. A signal handler may submit a task and wait for it even if the
+thread that it interrupted is waiting for another task: the port's thread continues. `SimpleQueue` is reentrant and
+therefore safe in signal handlers; locks, conditions and futures are not.
 """
 
 import threading
@@ -15,40 +15,44 @@ T = TypeVar("T")
 
 
 class Task(Generic[T]):
-    """Work for the port's thread, and what came of it.
+    """Work for the port's thread, and its result.
 
     Args:
-        work: What is to be done.
-        finished: Where the task is put once it is done; a queue of its own by default.
+        work: The function to run.
+        done_queue: Queue for the task once it is done; a new queue by default.
+
+    Attributes:
+        error: What the work raised, or None.
+        done: Whether the work has returned or raised.
     """
 
-    def __init__(self, work: Callable[[], T], finished: "SimpleQueue[Task[Any]] | None" = None) -> None:
+    def __init__(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> None:
         self._work = work
-        self._finished: SimpleQueue[Task[Any]] = SimpleQueue() if finished is None else finished
+        self._done_queue: SimpleQueue[Task[Any]] = SimpleQueue() if done_queue is None else done_queue
         self._value: list[T] = []
         self.error: BaseException | None = None
         self.done = False
 
     def run(self) -> None:
-        """Do it; never raises."""
+        """Run the work; never raises."""
         try:
             self._value.append(self._work())
         except BaseException as error:
             self.error = error
         self.done = True
-        self._finished.put(self)
+        self._done_queue.put(self)
 
     def result(self, timeout: float | None = None) -> T:
-        """What the work returned; raises what it raised.
+        """Wait for the return value of the work; raises what the work raised.
 
-        Only for a task with a queue of its own, and by one waiter.
+        Only for a task with its own queue and one waiting thread.
 
         Raises:
-            TimeoutError: It is not done in so many seconds.
+            TimeoutError: The work is not done within `timeout` seconds.
         """
         if not self.done:
             try:
-                self._finished.get(timeout=timeout)
+                self._done_queue.get(timeout=timeout)
             except Empty:
                 raise TimeoutError(f"the port's thread is not done after {timeout:g} s") from None
         if self.error is not None:
@@ -57,13 +61,13 @@ class Task(Generic[T]):
 
 
 class PortThread:
-    """Does tasks one after another, urgent ones first.
+    """Runs tasks one after another, urgent ones first.
 
     Args:
-        name: For whoever lists threads.
+        name: Name of the thread.
 
     Attributes:
-        ending: Whether ordinary tasks are to give up.
+        ending: Whether `end` was called, so that ordinary tasks must give up.
     """
 
     def __init__(self, name: str) -> None:
@@ -72,22 +76,22 @@ class PortThread:
         self._wake: SimpleQueue[bool] = SimpleQueue()
         self._in_urgent = False
         self.ending = False
-        # A daemon: others are waited for at the interpreter's exit before anyone gets to stop the robots.
+        # A daemon: the interpreter waits for other threads at its exit before the robots can be stopped.
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
         self._thread.start()
 
-    def begin(self, task: Task[T], *, urgent: bool = False) -> Task[T]:
-        """Leave a task; returns it at once."""
+    def submit(self, task: Task[T], *, urgent: bool = False) -> Task[T]:
+        """Queue a task; returns it at once."""
         (self._urgent if urgent else self._ordinary).append(task)
         self._wake.put(True)
         return task
 
-    def pressing(self) -> bool:
-        """Whether an ordinary task is to make room: for an urgent one, or because the thread shall end."""
+    def must_yield(self) -> bool:
+        """Whether an ordinary task must pause for an urgent one, or give up because the thread is ending."""
         return (self.ending or bool(self._urgent)) and not self._in_urgent
 
-    def do_urgent(self) -> None:
-        """Do all urgent tasks; called by an ordinary one that makes room."""
+    def run_urgent(self) -> None:
+        """Run all urgent tasks; also called by an ordinary task that pauses for them."""
         self._in_urgent = True
         try:
             while self._urgent:
@@ -96,7 +100,7 @@ class PortThread:
             self._in_urgent = False
 
     def end(self) -> None:
-        """Have ordinary tasks give up, let the thread end, and wait for that."""
+        """Make ordinary tasks give up, end the thread, and wait for it."""
         self.ending = True
         self._wake.put(False)
         if threading.current_thread() is not self._thread:
@@ -104,7 +108,7 @@ class PortThread:
 
     def _serve(self) -> None:
         while self._wake.get():
-            self.do_urgent()
-            # A task that was done out of turn leaves its call behind, which then finds nothing.
+            self.run_urgent()
+            # An urgent task may have run inside an ordinary one; its wake-up then finds empty queues.
             if self._ordinary:
                 self._ordinary.popleft().run()

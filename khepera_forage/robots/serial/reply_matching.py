@@ -1,37 +1,43 @@
-"""Which answers may still come, and what to ask so that none of them is taken for another.
+"""Reply matching: telling the reply to the current request from late replies to earlier ones.
 
-A robot answers in order. Once a question is answered that was not asked before, nothing older can come.
+Replies carry no number, but a robot replies in order. Once it has replied to a command that was not pending before, no
+reply to an older request can follow.
 """
 
 from khepera_forage.robots.serial.protocol import Request
 
-_FENCES = tuple(Request(*f) for f in (("E",), ("B",), ("K",), ("I", (0,)), ("H",), ("O",), ("N",)))
-"""Questions that change nothing, the shortest first; more than a robot is asked in vain before it is lost."""
+_SYNC_REQUESTS = tuple(
+    Request(*request) for request in (("E",), ("B",), ("K",), ("I", (0,)), ("H",), ("O",), ("N",))
+)
+"""Requests that change nothing, the shortest first; more than the number of tries before a robot counts as lost."""
 
 
-class Unsettled:
-    """Commands to which an answer may still come: the unanswered ones, and the last answered one, a second time."""
+class PendingReplies:
+    """Commands to which a reply may still arrive: the unanswered ones, and the last answered one (a repeated reply)."""
 
     def __init__(self) -> None:
         self._commands: set[str] = set()
 
     def sent(self, request: Request) -> None:
-        """It was sent."""
+        """Record that a request was sent."""
         self._commands.add(request.command)
 
     def answered(self, request: Request) -> None:
-        """It was answered, and nothing older can come. It must not have been unsettled when it was sent."""
+        """Record a reply: no older reply can follow. The command must not have been pending when it was sent."""
         self._commands = {request.command}
 
     def clear(self) -> None:
-        """The robot has started anew, and owes no answer."""
+        """Record a restart of the robot: it sends no reply to earlier requests."""
         self._commands.clear()
 
-    def fence_for(self, request: Request) -> Request | None:
-        """What is to be asked first, so that the answer to this request can be told from an older one; often nothing.
+    def sync_request(self, request: Request) -> Request | None:
+        """The request to send first, so that late replies cannot be taken for the reply to this one; often None.
 
-        With all fences unsettled the first is as good as any: it proves nothing, but shows whether there is a robot.
+        If all synchronisation requests are pending, the first one is as good as any: its reply shows only that there is
+        a robot.
         """
         if request.command not in self._commands:
             return None
-        return next((fence for fence in _FENCES if fence.command not in self._commands), _FENCES[0])
+        return next(
+            (sync for sync in _SYNC_REQUESTS if sync.command not in self._commands), _SYNC_REQUESTS[0]
+        )

@@ -1,4 +1,4 @@
-"""A real Khepera behind a serial port."""
+"""The driver: a real Khepera behind a serial port."""
 
 from collections.abc import Callable
 from queue import SimpleQueue
@@ -6,48 +6,44 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost, Senses, applicable, check_finite
-from khepera_forage.robots.serial import emergency_stop as stopping
-from khepera_forage.robots.serial.line_events import Interrupted, LineCounts, Restarted, Traffic
-from khepera_forage.robots.serial.link import SerialLink
+from khepera_forage.robots.serial import emergency_stop
+from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, DEFAULT_TRIES, ProtocolClient
+from khepera_forage.robots.serial.errors import RequestInterrupted, RobotRestarted
 from khepera_forage.robots.serial.port_thread import PortThread, Task
-from khepera_forage.robots.serial.session import Dialogue
+from khepera_forage.robots.serial.session import MAX_RESTARTS, TOO_MANY_RESTARTS, Session
+from khepera_forage.robots.serial.traffic import LineStatistics, Traffic
 
 T = TypeVar("T")
 
-BAUD = 38400
-TIMEOUT = 0.1
-TRIES = 6
-_RESTARTS = 5
-"""Restarts borne within one call: a supply that fails more often than that will not do."""
-_STOPPING = 10.0
-"""Seconds after which a port's thread that has not stopped its robot is given up."""
+_STOP_TIMEOUT = 10.0
+"""Seconds that `stop` waits for the port's thread."""
 
 
 class SerialKhepera:
-    """A `Robot` over a serial port, told and asked once a round by `transmit` and `receive`.
+    """A `Robot` over a serial port; `transmit` and `receive` exchange the data of one round.
 
-    What goes over the line in a round is what a step needs. `transmit` sends the wheels' speeds always (D; 12 bytes
-    that also set a robot going again that was held, or that lost its supply unseen), arm and jaw (T,1,E and T,1,D) when
-    they change. `receive` asks for proximity (N), optical barrier (T,1,G) and counters (H) always, and for the
-    positions of arm and jaw (T,1,H) until they rest, then every tenth round. A surprising reading is asked for again;
-    see `readings`.
+    `transmit` always sends the wheel speeds (D), so that a robot that was held, or that restarted unnoticed, moves again.
+    It sends the targets of arm and jaw (T,1,E and T,1,D) when they change. `receive` always requests proximity (N),
+    optical barrier (T,1,G) and counters (H). It requests the positions of arm and jaw (T,1,H) until they are at rest,
+    then every tenth round. An implausible reading is requested again; see `readings`.
 
-    The wheels are stopped on every way out: `close`, `with`, an error, signals, the interpreter's exit; see `stopping`.
-    A restart of the robot (its supply broke down) is noticed by its banner or by its counters. It is then told again
-    what it was told before, and its counters are continued.
+    The wheels are stopped on every exit path: `close`, `with`, an exception, signals, the exit of the interpreter; see
+    `emergency_stop`. The driver notices a restart of the robot (its power supply failed) by the banner or by the
+    counters. It then sends the last command again and continues the counters.
 
-    All methods may be called from any thread; the port itself belongs to a thread of the robot's own.
+    All methods are thread-safe; the port itself belongs to one thread per robot.
 
     Args:
-        port: What `serial.serial_for_url` takes: a device, `socket://host:port`, `rfc2217://host:port`.
-        baud: 9600, 19200, 38400, 57600 or 115200, as the robot's mode switch is set.
-        max_speed: Speed units that no wheel exceeds, 1..20.
-        timeout: Seconds that a reply may take beyond the time that the bytes need on the wire.
-        tries: The robot is lost when so many requests in a row bring no answer, or so many for the same thing.
+        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
+        baud: 9600, 19200, 38400, 57600 or 115200, as set by the robot's mode switch.
+        max_speed: Limit of the wheel speeds in speed units, 1..20.
+        timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
+        tries: The robot counts as lost after this number of requests in a row without any reply, or of tries for the
+            same request.
 
     Raises:
         ValueError: An argument that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that nobody answers there.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
         ImportError: pyserial is missing.
     """
 
@@ -55,10 +51,10 @@ class SerialKhepera:
         self,
         port: str,
         *,
-        baud: int = BAUD,
+        baud: int = DEFAULT_BAUD,
         max_speed: int = MAX_SPEED,
-        timeout: float = TIMEOUT,
-        tries: int = TRIES,
+        timeout: float = DEFAULT_TIMEOUT,
+        tries: int = DEFAULT_TRIES,
     ) -> None:
         if not 1 <= max_speed <= MAX_SPEED:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{MAX_SPEED} speed units")
@@ -68,31 +64,32 @@ class SerialKhepera:
         self._command: Motors | None = None
         self._senses: Senses | None = None
         self._closed = False
-        self._link = SerialLink(port, baud=baud, timeout=timeout, tries=tries)
+        self._client = ProtocolClient(port, baud=baud, timeout=timeout, tries=tries)
         self._thread = PortThread(f"port {port}")
-        self._link.interrupted = self._thread.pressing
-        self._dialogue = Dialogue(self._link)
-        stopping.watch(self)
+        self._client.interrupted = self._thread.must_yield
+        self._session = Session(self._client)
+        emergency_stop.register(self)
         try:
-            self._begin(self._dialogue.greet).result()
+            self._begin(self._session.begin).result()
         except BaseException:
-            self._let_go()
+            self._release()
             raise
 
     @property
-    def counts(self) -> LineCounts:
-        """What happened on the line so far."""
-        return self._link.wire.counts
+    def statistics(self) -> LineStatistics:
+        """Counts of events on the line so far."""
+        return self._client.transport.statistics
 
-    def listen(self, hear: Callable[[Traffic], None] | None) -> None:
-        """Have all bytes that pass handed to a function, in the port's thread; None ends that."""
-        self._link.wire.traffic = hear
+    def on_traffic(self, callback: Callable[[Traffic], None] | None) -> None:
+        """Call a function, in the port's thread, with all bytes sent and received; None ends that."""
+        self._client.transport.on_traffic = callback
 
     def drive(self, motors: Motors) -> Motors:
-        """Remember a command for the next `transmit`.
+        """Set the command for the next `transmit`.
 
         Returns:
-            What will be applied: whole speed units within `max_speed`, arm within its travel, jaw open or shut.
+            The command as it will be sent: whole speed units within `max_speed`, arm within its travel, jaw open or
+            closed.
 
         Raises:
             ValueError: A value that is not a finite number.
@@ -104,10 +101,10 @@ class SerialKhepera:
         return self._command
 
     def sense(self) -> Senses:
-        """What was last received; received now if nothing was yet.
+        """The senses of the last `receive`; calls it if there was none.
 
         Raises:
-            RobotLost: The robot does not answer.
+            RobotLost: The robot does not reply.
         """
         if self._senses is None:
             self.receive()
@@ -115,64 +112,64 @@ class SerialKhepera:
         return self._senses
 
     def transmit(self) -> None:
-        """Send what was commanded.
+        """Send the last command.
 
         Raises:
-            RobotLost: The robot does not answer.
+            RobotLost: The robot does not reply.
         """
         self.begin_transmit().result()
 
     def receive(self) -> None:
-        """Read what a step needs of the sensors.
+        """Read the sensors.
 
         Raises:
-            RobotLost: The robot does not answer.
+            RobotLost: The robot does not reply.
         """
         self.begin_receive().result()
 
     def stop(self) -> None:
-        """Wheels to zero, before anything else that the line is busy with; arm and jaw finish what they were told.
+        """Stop the wheels, before any other request; arm and jaw still move to their last targets.
 
         Raises:
-            RobotLost: The robot does not confirm it.
+            RobotLost: The robot does not confirm.
         """
-        self.begin_stop().result(_STOPPING)
+        self.begin_stop().result(_STOP_TIMEOUT)
 
     def close(self) -> None:
-        """Stop, and close the port; a second call does nothing. A robot that is lost is let go all the same."""
+        """Stop the wheels and close the port, even if the robot is lost; a second call does nothing."""
         if not self._closed:
-            stopping.stop_and_tell((self,), "its closing")
-            self._let_go()
+            emergency_stop.stop_and_log((self,), "when its port was closed")
+            self._release()
 
-    def ask(self, command: str, *values: int) -> tuple[int | str, ...]:
-        """Ask or tell the robot anything else of the protocol.
+    def request(self, command: str, *values: int) -> tuple[int | str, ...]:
+        """Send any other request of the protocol.
 
         Returns:
-            The values of its reply.
+            The values of the reply.
 
         Raises:
-            ValueError: No such command, values out of range; or G or restart, which may not be repeated.
-            RobotLost: No answer; `Refused` if the robot answers with an error.
+            ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
+            RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
-        return self._begin(lambda: self._dialogue.ask(command, *values)).result()
+        return self._begin(lambda: self._session.request(command, *values)).result()
 
-    def begin_transmit(self, finished: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
+    def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
         """Begin `transmit`; the task is put into the queue when it is done."""
-        return self._begin(self._transmit, finished)
+        return self._begin(self._transmit, done_queue)
 
-    def begin_receive(self, finished: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
+    def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
         """Begin `receive`; the task is put into the queue when it is done."""
-        return self._begin(self._receive, finished)
+        return self._begin(self._receive, done_queue)
 
     def begin_stop(self) -> Task[None]:
-        """Begin `stop`; never blocks, so a signal handler may."""
+        """Begin `stop`; never blocks, so signal handlers may call it."""
         if self._command is not None:
             self._command = self._command._replace(left=0, right=0)
-        return self._begin_halt(for_good=True)
+        return self._submit_stop(discard_command=True)
 
     def begin_hold(self) -> Task[None]:
-        """Begin to stop the wheels until the next `transmit`: the command stays."""
-        return self._begin_halt(for_good=False)
+        """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
+        return self._submit_stop(discard_command=False)
 
     def __enter__(self) -> Self:
         return self
@@ -182,50 +179,49 @@ class SerialKhepera:
     ) -> None:
         self.close()
 
-    def _begin(self, work: Callable[[], T], finished: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
+    def _begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
         if self._closed:
             raise ConnectionError(f"{self.port} is closed")
-        return self._thread.begin(Task(lambda: self._persist(work), finished))
+        return self._thread.submit(Task(lambda: self._complete(work), done_queue))
 
-    def _begin_halt(self, for_good: bool) -> Task[None]:
-        task = Task(lambda: self._dialogue.stop(for_good))
+    def _submit_stop(self, discard_command: bool) -> Task[None]:
+        task = Task(lambda: self._session.stop(discard_command))
         if self._closed:
-            task = Task(lambda: None)  # It was stopped then.
+            task = Task(lambda: None)  # `close` has stopped the wheels.
             task.run()
             return task
-        return self._thread.begin(task, urgent=True)
+        return self._thread.submit(task, urgent=True)
 
-    def _let_go(self) -> None:
+    def _release(self) -> None:
         self._closed = True
-        stopping.unwatch(self)
+        emergency_stop.unregister(self)
         self._thread.end()
-        self._link.close()
+        self._client.close()
 
-    # What follows runs in the port's thread.
+    # The methods below run in the port's thread.
 
-    def _persist(self, work: Callable[[], T]) -> T:
-        """Do it, from its beginning again after a stop that came between, or a restart."""
+    def _complete(self, work: Callable[[], T]) -> T:
+        """Do the work; start over after an urgent stop or a restart of the robot."""
         restarts = 0
         while True:
             try:
-                self._dialogue.set_up()
+                self._session.restore()
                 return work()
-            except Interrupted:
-                self._thread.do_urgent()
+            except RequestInterrupted:
+                self._thread.run_urgent()
                 if self._thread.ending:
                     raise ConnectionError(f"{self.port} is closed") from None
-            except Restarted:
-                self._dialogue.restarted()
+            except RobotRestarted:
+                self._session.on_restart()
                 restarts += 1
-                if restarts > _RESTARTS:
-                    reason = "it starts anew again and again"
-                    raise RobotLost(self.port, "restart", restarts, reason) from None
+                if restarts > MAX_RESTARTS:
+                    raise RobotLost(self.port, "restart", restarts, TOO_MANY_RESTARTS) from None
 
     def _transmit(self) -> None:
-        # Read here and not before: a stop that came between has changed it.
+        # Read the command only now: `begin_stop` may have changed it since `begin_transmit`.
         command = self._command
         if command is not None:
-            self._dialogue.transmit(command)
+            self._session.transmit(command)
 
     def _receive(self) -> None:
-        self._senses = self._dialogue.receive()
+        self._senses = self._session.receive()

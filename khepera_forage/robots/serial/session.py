@@ -1,4 +1,4 @@
-"""What is said to a real Khepera in a round: which commands, in which order, and what is remembered meanwhile.
+"""The session with a Khepera: the requests of a round, in their order, and the state kept between rounds.
 
 Runs in the thread that owns the port.
 """
@@ -6,152 +6,162 @@ Runs in the thread that owns the port.
 from collections.abc import Callable
 
 from khepera_forage.robots.khepera import JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.serial.line_events import Restarted
-from khepera_forage.robots.serial.link import SerialLink
+from khepera_forage.robots.serial.client import ProtocolClient
+from khepera_forage.robots.serial.encoder_counters import EncoderCounters
+from khepera_forage.robots.serial.errors import RobotRestarted
+from khepera_forage.robots.serial.gripper_position import GripperPosition
 from khepera_forage.robots.serial.protocol import Request
 from khepera_forage.robots.serial.readings import (
-    ARM,
-    COUNTERS,
-    JAW,
-    PRESENCE,
-    PROXIMITY,
-    Counters,
-    Kind,
-    Position,
+    ARM_LIMITS,
+    COUNTER_LIMITS,
+    JAW_LIMITS,
+    PRESENCE_LIMITS,
+    PROXIMITY_LIMITS,
+    Limits,
     Values,
-    arm_of,
-    confirmed,
-    jaw_of,
-    present,
+    arm_position,
+    jaw_position,
+    object_presence,
+    read_confirmed,
 )
 
-_RESTARTS = 5
-"""Restarts borne within one call: a supply that fails more often than that will not do."""
+MAX_RESTARTS = 5
+"""Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
+TOO_MANY_RESTARTS = "it restarts again and again"
+
+_JAW, _ARM = 0, 1
+"""Argument of T,1,H."""
 
 
-class Dialogue:
-    """The rounds of one robot.
+class Session:
+    """The exchange with one robot, round by round.
 
     Args:
-        link: The line to it.
+        client: The connection to the robot.
     """
 
-    def __init__(self, link: SerialLink) -> None:
-        self._link = link
-        self._wheels = self._wheels_before = (0, 0)
-        self._told: Motors | None = None
+    def __init__(self, client: ProtocolClient) -> None:
+        self._client = client
+        self._speeds = self._speeds_before = (0, 0)
+        self._command: Motors | None = None
         self._sent_arm: int | None = None
         self._sent_jaw: int | None = None
-        self._arm = Position(ARM, stalls=False, phase=0)
-        self._jaw = Position(JAW, stalls=True, phase=5)
-        self._counters = Counters()
+        self._arm = GripperPosition(ARM_LIMITS, can_stall=False, phase=0)
+        self._jaw = GripperPosition(JAW_LIMITS, can_stall=True, phase=5)
+        self._counters = EncoderCounters()
         self._proximity: Values | None = None
         self._presence: Values | None = None
-        self._must_set_up = False
+        self._must_restore = False
 
-    def greet(self) -> None:
-        """See that a Khepera is there, and that it stands.
+    def begin(self) -> None:
+        """Check that a Khepera replies, and stop its wheels.
 
-        B comes first: what is left of another program's last words is answered before it.
+        Request B comes first: it is sent again if the robot rejects it because another program left an unfinished
+        request on the line.
         """
-        self.ask("B")
-        self._say_wheels(0, 0)
+        self.request("B")
+        self._set_speeds(0, 0)
 
-    def ask(self, command: str, *values: int) -> tuple[int | str, ...]:
-        """Ask one thing; returns the values of the reply."""
-        return self._link.ask(Request(command, values)).values
+    def request(self, command: str, *values: int) -> tuple[int | str, ...]:
+        """Send one request; returns the values of the reply."""
+        return self._client.request(Request(command, values)).values
 
     def transmit(self, command: Motors) -> None:
-        """Tell wheels, and arm and jaw if they are to go elsewhere."""
-        self._told = command
-        self._say_wheels(int(command.left), int(command.right))
+        """Send the wheel speeds, and the targets of arm and jaw if they have changed."""
+        self._command = command
+        self._set_speeds(int(command.left), int(command.right))
         if command.arm != self._sent_arm:
-            self.ask("T,1,E", command.arm)
+            self.request("T,1,E", command.arm)
             self._sent_arm = command.arm
-            self._arm.sent_to(command.arm)
+            self._arm.set_target(command.arm)
         if command.jaw != self._sent_jaw:
-            self.ask("T,1,D", 0 if command.jaw == JAW_OPEN else 1)
+            self.request("T,1,D", 0 if command.jaw == JAW_OPEN else 1)
             self._sent_jaw = command.jaw
-            self._jaw.sent_to(command.jaw)
+            self._jaw.set_target(command.jaw)
 
     def receive(self) -> Senses:
-        """Read what a step needs. The order keeps equal letters apart: two in a row would cost a fence."""
-        ask_arm, ask_jaw = self._arm.due(), self._jaw.due()
-        a, b, c, d, e, f, g, h = self._proximity = self._steady(
-            PROXIMITY, self._proximity, lambda: self._numbers("N")
+        """Read the sensors. Equal letters never follow each other: that would cost a synchronisation request."""
+        arm_due, jaw_due = self._arm.is_due(), self._jaw.is_due()
+        a, b, c, d, e, f, g, h = self._proximity = self._read(
+            PROXIMITY_LIMITS, self._proximity, lambda: self._numbers("N")
         )
-        if ask_arm:
-            self._look_at(self._arm, ARM, 1)
-        (presence,) = self._presence = self._steady(
-            PRESENCE, self._presence, lambda: (present(self._numbers("T,1,G")[0]),)
+        if arm_due:
+            self._read_position(self._arm, ARM_LIMITS, _ARM)
+        (presence,) = self._presence = self._read(
+            PRESENCE_LIMITS, self._presence, lambda: (object_presence(self._numbers("T,1,G")[0]),)
         )
-        if ask_jaw:
-            self._look_at(self._jaw, JAW, 0)
-        self._count()
-        assert self._arm.value is not None, "asked until there is one"
-        assert self._jaw.value is not None, "asked until there is one"
-        arm, jaw = arm_of(self._arm.value), jaw_of(self._jaw.value)
+        if jaw_due:
+            self._read_position(self._jaw, JAW_LIMITS, _JAW)
+        self._read_counters()
+        assert self._arm.value is not None, "is_due is true until there is a reading"
+        assert self._jaw.value is not None, "is_due is true until there is a reading"
+        arm, jaw = arm_position(self._arm.value), jaw_position(self._jaw.value)
         return Senses((a, b, c, d, e, f, g, h), *self._counters.total, arm, jaw, presence)
 
-    def stop(self, for_good: bool) -> None:
-        """Wheels to zero.
+    def stop(self, discard_command: bool) -> None:
+        """Stop the wheels.
 
         Args:
-            for_good: Whether a restart, too, is followed by standing still; otherwise by what was told last.
+            discard_command: Whether the wheels also remain stopped after a restart of the robot; otherwise the last
+                command is then restored.
 
         Raises:
-            RobotLost: It is not confirmed.
+            RobotLost: The robot does not confirm.
         """
-        if for_good and self._told is not None:
-            self._told = self._told._replace(left=0, right=0)
-        for _ in range(_RESTARTS):
+        if discard_command and self._command is not None:
+            self._command = self._command._replace(left=0, right=0)
+        for _ in range(MAX_RESTARTS):
             try:
-                self._link.insist(Request("D", (0, 0)))
-                self._wheels = (0, 0)
+                self._client.request_at_once(Request("D", (0, 0)))
+                self._speeds = (0, 0)
                 return
-            except Restarted:
-                self.restarted()
-        raise RobotLost(self._link.port, "D,0,0", _RESTARTS, "it starts anew again and again")
+            except RobotRestarted:
+                self.on_restart()
+        raise RobotLost(self._client.port, "D,0,0", MAX_RESTARTS, TOO_MANY_RESTARTS)
 
-    def restarted(self) -> None:
-        """The robot's banner came."""
+    def on_restart(self) -> None:
+        """Record that the robot sent its banner."""
         self._counters.restarted()
-        self._must_set_up = True
+        self._must_restore = True
 
-    def set_up(self) -> None:
-        """If the robot has started anew, tell it what it was told before."""
-        if not self._must_set_up:
+    def restore(self) -> None:
+        """After a restart of the robot, send the last command again."""
+        if not self._must_restore:
             return
         self._sent_arm = self._sent_jaw = None
-        self._arm.sent_to(None)
-        self._jaw.sent_to(None)
-        if self._told is not None:
-            self.transmit(self._told)
-        self._must_set_up = False
+        self._arm.set_target(None)
+        self._jaw.set_target(None)
+        if self._command is not None:
+            self.transmit(self._command)
+        self._must_restore = False
 
-    def _say_wheels(self, left: int, right: int) -> None:
-        self.ask("D", left, right)
-        self._wheels_before, self._wheels = self._wheels, (left, right)
+    def _set_speeds(self, left: int, right: int) -> None:
+        self.request("D", left, right)
+        self._speeds_before, self._speeds = self._speeds, (left, right)
 
     def _numbers(self, command: str, *values: int) -> Values:
-        return tuple(value for value in self.ask(command, *values) if isinstance(value, int))
+        return tuple(value for value in self.request(command, *values) if isinstance(value, int))
 
-    def _steady(self, kind: Kind, last: Values | None, ask: Callable[[], Values]) -> Values:
-        def surprising(values: Values) -> bool:
-            return last is None or any(abs(a - b) > kind.step for a, b in zip(values, last, strict=True))
+    def _read(self, limits: Limits, last: Values | None, read: Callable[[], Values]) -> Values:
+        def implausible(values: Values) -> bool:
+            return last is None or any(
+                abs(a - b) > limits.max_change for a, b in zip(values, last, strict=True)
+            )
 
-        return confirmed(ask, surprising, kind.alike)
+        return read_confirmed(read, implausible, limits.equal_within)
 
-    def _look_at(self, position: Position, kind: Kind, selector: int) -> None:
-        # As the robot says it, and not yet brought into range: a lost digit would be hidden by that.
-        (value,) = confirmed(lambda: self._numbers("T,1,H", selector), position.surprising, kind.alike)
-        position.read(value)
-
-    def _count(self) -> None:
-        raw = confirmed(
-            lambda: self._numbers("H"),
-            lambda values: self._counters.surprising(values, self._wheels, self._wheels_before),
-            COUNTERS.alike,
+    def _read_position(self, position: GripperPosition, limits: Limits, part: int) -> None:
+        # Compare raw readings: limiting them to the range of `Senses` could hide a lost digit.
+        (value,) = read_confirmed(
+            lambda: self._numbers("T,1,H", part), position.implausible, limits.equal_within
         )
-        if self._counters.read(raw):
-            self._must_set_up = True
+        position.update(value)
+
+    def _read_counters(self) -> None:
+        raw = read_confirmed(
+            lambda: self._numbers("H"),
+            lambda values: self._counters.implausible(values, self._speeds, self._speeds_before),
+            COUNTER_LIMITS.equal_within,
+        )
+        if self._counters.update(raw):
+            self._must_restore = True

@@ -1,1 +1,1 @@
-"""The other end of the line: a virtual Khepera's ports, their faults, and what its ROM keeps."""
+"""Virtual Kheperas: the firmware in front of any robot, behind a pseudo-terminal or TCP port, with line faults."""

@@ -1,76 +1,74 @@
-"""Position control of one wheel, as commands C, J and K have it: to a count, along a trapezoid of speed.
+"""Position control of one wheel (commands C, J and K): to a target count, with a trapezoidal speed profile.
 
-Speeds are pulses in 10 ms, as in command D. The ROM plans every 10 ms; here it is planned once a control period.
+Speeds are pulses in 10 ms, as in command D. The real firmware plans every 10 ms; this one once per control period.
 """
 
 import math
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.khepera import PULSES_PER_UNIT
 
-PULSES_A_PERIOD = round(CONTROL_PERIOD / 0.01)
-"""Pulses that a wheel turns in a control period at one speed unit."""
 DEFAULT_SPEED = 20
 DEFAULT_ACCELERATION = 64
 """1/256 speed unit in 10 ms; both defaults are KNET's and KH2PY's, 160 mm/s and 200 mm/s2."""
-TOLERANCE = PULSES_A_PERIOD // 2
-"""Pulses, 0.4 mm: wheels that take whole speed units for whole control periods come no nearer."""
+TOLERANCE = PULSES_PER_UNIT // 2
+"""Pulses, 0.4 mm: the accuracy of wheels that take whole speed units for whole control periods."""
 
 
-class WheelPosition:
-    """The way of one wheel to where it shall stand.
+class WheelPositionController:
+    """Drives one wheel to a target count.
 
     Attributes:
-        max_speed: Speed units that it does not exceed.
+        max_speed: Limit of the speed, in speed units.
         target: The count to reach.
     """
 
     def __init__(self) -> None:
         self.max_speed = DEFAULT_SPEED
         self.target = 0
-        self._growth = 0.0
+        self._acceleration = 0.0
         self._planned, self._speed = 0.0, 0.0
         self.set_profile(DEFAULT_SPEED, DEFAULT_ACCELERATION)
 
     def set_profile(self, max_speed: int, acceleration: int) -> None:
-        """What the trapezoid looks like.
+        """Set the speed profile.
 
         Args:
             max_speed: In speed units.
             acceleration: In 1/256 speed unit in 10 ms.
         """
         self.max_speed = max_speed
-        self._growth = acceleration / 256 * PULSES_A_PERIOD
+        self._acceleration = acceleration / 256 * PULSES_PER_UNIT
 
-    def aim(self, target: int, count: int, speed: float) -> None:
-        """Go to a target.
+    def set_target(self, target: int, count: int, speed: float) -> None:
+        """Start moving to a target.
 
         Args:
-            target: A count.
-            count: Where the wheel is.
-            speed: At which it turns.
+            target: The count to reach.
+            count: The present count.
+            speed: The present speed, in speed units.
         """
         self.target = target
         self._planned, self._speed = float(count), float(speed)
 
-    def shift(self, pulses: int) -> None:
-        """The counter has been set: where the wheel stands now counts so much more."""
+    def shift_counter(self, pulses: int) -> None:
+        """Correct the plan after the counter was set to a value higher by `pulses`."""
         self._planned += pulses
 
     def reached(self, count: int) -> bool:
-        """Whether a wheel at this count is where it shall be."""
+        """Whether a wheel at this count has reached the target."""
         return abs(self.target - count) <= TOLERANCE
 
     def speed(self, count: int) -> int:
-        """The speed for the coming control period, in whole units, of a wheel at this count."""
-        ahead = self.target - self._planned
-        distance = abs(ahead) / PULSES_A_PERIOD
-        # From `brakes` the wheel stops within the distance if it slows down by `growth` a period; the last step, which
-        # is less than one period long, may be slower still.
-        half = self._growth / 2
-        brakes = math.sqrt(half * half + 2 * self._growth * distance) - half
-        wanted = math.copysign(min(self.max_speed, brakes, distance), ahead)
-        if distance > self._growth or abs(self._speed) > 2 * self._growth:
-            wanted = max(self._speed - self._growth, min(self._speed + self._growth, wanted))
+        """The speed for the next control period, in whole units, of a wheel at this count."""
+        remaining = self.target - self._planned
+        distance = abs(remaining) / PULSES_PER_UNIT
+        # From `braking_speed` the wheel stops within the distance at the given deceleration; the last step, shorter
+        # than one period, may be slower still.
+        half = self._acceleration / 2
+        braking_speed = math.sqrt(half * half + 2 * self._acceleration * distance) - half
+        wanted = math.copysign(min(self.max_speed, braking_speed, distance), remaining)
+        if distance > self._acceleration or abs(self._speed) > 2 * self._acceleration:
+            wanted = max(self._speed - self._acceleration, min(self._speed + self._acceleration, wanted))
         self._speed = wanted
-        self._planned += wanted * PULSES_A_PERIOD
-        return math.floor((self._planned - count) / PULSES_A_PERIOD + 0.5)
+        self._planned += wanted * PULSES_PER_UNIT
+        return math.floor((self._planned - count) / PULSES_PER_UNIT + 0.5)

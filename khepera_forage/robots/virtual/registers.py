@@ -1,4 +1,4 @@
-"""What the ROM of a Khepera keeps because it was told: gains, lamps, the extension bus, and analogue inputs."""
+"""Settings that a Khepera's firmware stores: controller gains, LEDs, the extension bus, and analogue inputs."""
 
 SPEED_GAINS = (3800, 800, 100)
 POSITION_GAINS = (3000, 20, 4000)
@@ -6,14 +6,14 @@ POSITION_GAINS = (3000, 20, 4000)
 
 
 class Registers:
-    """The settings at power-on, and the commands that change and read them.
+    """The settings at power-on, and the commands that write and read them.
 
     Attributes:
         speed_gains: Kp, Ki, Kd of the speed controller.
         position_gains: Kp, Ki, Kd of the position controller.
-        leds: Whether the two light-emitting diodes shine.
-        bus: The 64 bytes of the extension bus. No device is attached: what was written is read.
-        analogue: What the six analogue inputs read, 0..1023; nothing is connected.
+        leds: Whether each of the two LEDs is on.
+        bus: The 64 bytes of the extension bus. No device is attached: a read returns the byte last written.
+        analogue: Readings of the six analogue inputs, 0..1023; nothing is connected.
     """
 
     def __init__(self) -> None:

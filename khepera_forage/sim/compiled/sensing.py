@@ -8,10 +8,10 @@ import numpy as np
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.compilation.packing import pack, rounded_up
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, PRESENT
-from khepera_forage.robots.proximity import _AT_RANGE as AT_RANGE
-from khepera_forage.robots.proximity import _GAIN as GAIN
-from khepera_forage.robots.proximity import _OFFSET as OFFSET
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS
+from khepera_forage.robots.proximity import RESPONSE_AT_RANGE as AT_RANGE
+from khepera_forage.robots.proximity import RESPONSE_GAIN as GAIN
+from khepera_forage.robots.proximity import RESPONSE_OFFSET as OFFSET
 from khepera_forage.sim.compiled.gripper import in_barrier
 from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper, word
 

@@ -25,7 +25,7 @@ from khepera_forage.robots.khepera import (
     check_finite,
 )
 from khepera_forage.robots.parameters import RobotParameters
-from khepera_forage.robots.proximity import cast, measured
+from khepera_forage.robots.proximity import clean_readings, reported_readings
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.broad_phase import WallWatch
 from khepera_forage.sim.pymunk import collision_filters as layers
@@ -235,13 +235,15 @@ class PymunkKhepera:
         discs = discs_near(x, y, self.foods, self.others)
         walls = self._walls.near
         if walls or discs:
-            clean = cast(x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0)
+            clean = clean_readings(
+                x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0
+            )
             if self._infra_red_gain != 1.0:
                 clean = [self._infra_red_gain * reading for reading in clean]
         else:
             clean = [0.0] * 8
         return Senses(
-            measured(
+            reported_readings(
                 clean, blocked, self._noise.proximity_gain, self._noise.proximity_floor, self._sensor_draws
             ),
             int(self._left_pulses),

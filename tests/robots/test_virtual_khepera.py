@@ -1,4 +1,4 @@
-"""A virtual Khepera at the end of a real pseudo-terminal and a real TCP connection, asked through pyserial."""
+"""A virtual Khepera on a real pseudo-terminal and a real TCP port, accessed through pyserial."""
 
 import os
 import select
@@ -12,17 +12,17 @@ import pytest
 import serial
 
 from khepera_forage.robots.serial.protocol import BANNER, Reply, decode_reply
+from khepera_forage.robots.virtual.faults import FaultCounts
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.line_faults import FaultCounts
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
-from tests.robots.hosts import WAIT, ask_for_ever, opened
-from tests.robots.stage import Stage, staged
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from tests.robots.hosts import WAIT, connected_host, send_until_disconnected
+from tests.robots.stage import Stage, make_stage
 
-pytestmark = pytest.mark.usefixtures("nothing_left_behind")
+pytestmark = pytest.mark.usefixtures("no_leaks")
 
 
-def test_it_answers(stage: Stage, tcp: int | None) -> None:
-    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, opened(khepera) as host:
+def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> None:
+    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
         assert khepera.url.startswith("/dev/pts/" if tcp is None else "socket://127.0.0.1:")
         for line, reply in ((b"D,5,5\n", b"d\r\n"), (b"T,1,E,255\r", b"t,1,e\r\n"), (b"H\r\n", b"h,0,0\r\n")):
             host.write(line)
@@ -36,28 +36,28 @@ def test_it_answers(stage: Stage, tcp: int | None) -> None:
         ]
         host.write(b"restart\n")
         assert [host.readline().decode().rstrip() for _ in BANNER] == list(BANNER)
-        assert khepera.counts == FaultCounts(replies=7)
+        assert khepera.fault_counts == FaultCounts(replies=7)
 
 
-def test_a_request_may_come_in_pieces(stage: Stage, tcp: int | None) -> None:
-    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, opened(khepera) as host:
+def test_request_may_arrive_in_pieces(stage: Stage, tcp: int | None) -> None:
+    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
         for piece in (b"D", b",5", b",", b"-5", b"\n"):
             host.write(piece)
             time.sleep(0.01)
         assert host.readline() == b"d\r\n"
 
 
-def test_every_byte_goes_through_as_it_is(stage: Stage, tcp: int | None) -> None:
+def test_bytes_are_not_translated(stage: Stage, tcp: int | None) -> None:
     """No echo, no translation, no interrupt characters."""
-    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, opened(khepera) as host:
+    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
         host.write(bytes(set(range(256)) - {10, 13}) + b"\n")
         assert host.readline() == b"z,Command not found\r\n"
         host.write(b"B\n")
         assert host.readline() == b"b,5.02,5.01\r\n"
 
 
-def test_a_host_that_sets_nothing_up_gets_the_same_bytes(stage: Stage) -> None:
-    """The terminal itself neither echoes nor translates, for programs that open it as a file."""
+def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
+    """The terminal itself neither echoes nor translates, so programs can open it as a file."""
     with VirtualKhepera(stage.firmware, baud=None) as khepera:
         terminal = os.open(khepera.url, os.O_RDWR | os.O_NOCTTY)
         try:
@@ -71,19 +71,19 @@ def test_a_host_that_sets_nothing_up_gets_the_same_bytes(stage: Stage) -> None:
     assert read == b"b,5.02,5.01\r\n"
 
 
-def test_hosts_come_and_go(stage: Stage, tcp: int | None) -> None:
+def test_hosts_can_reconnect(stage: Stage, tcp: int | None) -> None:
     with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera:
         for turn in range(3):
-            with opened(khepera) as host:
+            with connected_host(khepera) as host:
                 host.write(f"G,{turn},0\n".encode())
                 assert host.readline() == b"g\r\n"
                 host.write(b"H\n")
                 assert host.readline() == f"h,{turn},0\r\n".encode()
-        assert khepera.plugged
+        assert khepera.connected
 
 
-def test_a_second_tcp_host_is_turned_away_and_the_first_is_not(stage: Stage) -> None:
-    with VirtualKhepera(stage.firmware, tcp=0, baud=None) as khepera, opened(khepera) as host:
+def test_second_tcp_host_is_disconnected(stage: Stage) -> None:
+    with VirtualKhepera(stage.firmware, tcp=0, baud=None) as khepera, connected_host(khepera) as host:
         host.write(b"B\n")
         assert host.readline() == b"b,5.02,5.01\r\n"
         with socket.create_connection(("127.0.0.1", int(khepera.url.rpartition(":")[2])), WAIT) as second:
@@ -92,32 +92,32 @@ def test_a_second_tcp_host_is_turned_away_and_the_first_is_not(stage: Stage) -> 
         assert host.readline() == b"e,0,0\r\n"
 
 
-def test_a_taken_tcp_port_is_told(stage: Stage) -> None:
+def test_tcp_port_in_use_is_reported(stage: Stage) -> None:
     with VirtualKhepera(stage.firmware, tcp=0) as khepera:
         taken = int(khepera.url.rpartition(":")[2])
         with pytest.raises(OSError, match=r"[Aa]ddress"):
             VirtualKhepera(stage.firmware, tcp=taken)
 
 
-def test_a_host_that_does_not_read_loses_replies_and_stops_nothing(stage: Stage) -> None:
-    with VirtualKhepera(stage.firmware, baud=None) as khepera, opened(khepera) as host:
+def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
+    with VirtualKhepera(stage.firmware, baud=None) as khepera, connected_host(khepera) as host:
         for _ in range(40):
             host.write(b"O\n" * 20)
             time.sleep(0.001)
         deadline = time.monotonic() + WAIT
-        while khepera.counts.replies < 800 and time.monotonic() < deadline:
+        while khepera.fault_counts.replies < 800 and time.monotonic() < deadline:
             time.sleep(0.01)
-        assert khepera.counts.replies == 800
+        assert khepera.fault_counts.replies == 800
         host.reset_input_buffer()
         host.write(b"B\n")
         assert host.readline().endswith(b"b,5.02,5.01\r\n")
 
 
-class TestPace:
+class TestLineSpeed:
     @pytest.mark.parametrize("baud", [9600, 115200])
-    def test_a_round_trip_takes_as_long_as_its_bytes(self, stage: Stage, tcp: int | None, baud: int) -> None:
+    def test_round_trip_takes_the_transmission_time(self, stage: Stage, tcp: int | None, baud: int) -> None:
         rounds = 400 * baud // 115200
-        with VirtualKhepera(stage.firmware, tcp=tcp, baud=baud) as khepera, opened(khepera) as host:
+        with VirtualKhepera(stage.firmware, tcp=tcp, baud=baud) as khepera, connected_host(khepera) as host:
             begin, count = time.monotonic(), 0
             for _ in range(rounds):
                 host.write(b"N\n")
@@ -125,11 +125,11 @@ class TestPace:
             took = time.monotonic() - begin
         wire = count * 11 / baud
         assert took >= wire, "no faster than the line"
-        assert took < 3 * wire + 1.0, "and not much slower, on a machine that does other work too"
+        assert took < 3 * wire + 1.0, "not much slower, even on a busy machine"
 
-    def test_late_wakings_do_not_add_up(self, stage: Stage) -> None:
+    def test_late_wake_ups_do_not_add_up(self, stage: Stage) -> None:
         """A pipeline of requests keeps the line busy from end to end."""
-        with VirtualKhepera(stage.firmware, baud=38400) as khepera, opened(khepera) as host:
+        with VirtualKhepera(stage.firmware, baud=38400) as khepera, connected_host(khepera) as host:
             requests = 40
             begin = time.monotonic()
             host.write(b"O\n" * requests)
@@ -138,14 +138,14 @@ class TestPace:
         wire = len(read) * 11 / 38400
         assert wire <= took < wire + 0.25
 
-    def test_only_bauds_that_there_are(self, stage: Stage) -> None:
+    def test_unsupported_baud_rate_is_rejected(self, stage: Stage) -> None:
         with pytest.raises(ValueError, match=r"12345.*38400"):
             VirtualKhepera(stage.firmware, baud=12345)
 
 
-def test_close_cuts_the_line_twice_over_and_even_amidst_a_reply(stage: Stage, tcp: int | None) -> None:
+def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) -> None:
     khepera = VirtualKhepera(stage.firmware, tcp=tcp, baud=9600)
-    with opened(khepera) as host:
+    with connected_host(khepera) as host:
         host.write(b"O\n" * 50)
         host.read(1)
         begin = time.monotonic()
@@ -153,17 +153,17 @@ def test_close_cuts_the_line_twice_over_and_even_amidst_a_reply(stage: Stage, tc
         khepera.close()
         assert time.monotonic() - begin < 1.0, "the rest would take two seconds"
         with pytest.raises(serial.SerialException):
-            ask_for_ever(host)
+            send_until_disconnected(host)
     if tcp is None:
         assert not Path(khepera.url).exists()
 
 
-def test_several_at_once(tcp: int | None) -> None:
+def test_several_virtual_kheperas_run_in_parallel(tcp: int | None) -> None:
     with ExitStack() as stack:
         ports = [
-            stack.enter_context(VirtualKhepera(staged().firmware, tcp=tcp, baud=115200)) for _ in range(4)
+            stack.enter_context(VirtualKhepera(make_stage().firmware, tcp=tcp, baud=115200)) for _ in range(4)
         ]
-        hosts = [stack.enter_context(opened(port)) for port in ports]
+        hosts = [stack.enter_context(connected_host(port)) for port in ports]
         for number, host in enumerate(hosts):
             host.write(f"G,{number},{number}\nH\n".encode())
         for number, host in enumerate(hosts):
@@ -171,20 +171,20 @@ def test_several_at_once(tcp: int | None) -> None:
             assert decode_reply(host.readline()) == Reply("H", (number, number))
 
 
-def test_asked_while_the_world_advances(stage: Stage) -> None:
-    """Bytes on one side and physics on the other; every reply is whole."""
+def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
+    """Requests and the simulation run in different threads."""
     stop = threading.Event()
 
-    def live() -> None:
+    def advance() -> None:
         while not stop.wait(0.002):
             with stage.lock:
                 stage.world.advance()
                 stage.firmware.tick()
 
-    world = threading.Thread(target=live)
+    world = threading.Thread(target=advance)
     world.start()
     try:
-        with VirtualKhepera(stage.firmware, baud=None) as khepera, opened(khepera) as host:
+        with VirtualKhepera(stage.firmware, baud=None) as khepera, connected_host(khepera) as host:
             last = 0
             host.write(b"D,1,1\n")
             assert host.readline() == b"d\r\n"
@@ -203,8 +203,7 @@ def test_asked_while_the_world_advances(stage: Stage) -> None:
     assert last > 0
 
 
-def test_a_firmware_type_is_enough(stage: Stage) -> None:
-    """A firmware made with no lock of the caller's serves as well."""
-    with VirtualKhepera(Firmware(stage.robot), baud=None) as khepera, opened(khepera) as host:
+def test_firmware_without_an_external_lock_is_served(stage: Stage) -> None:
+    with VirtualKhepera(Firmware(stage.robot), baud=None) as khepera, connected_host(khepera) as host:
         host.write(b"K\n")
         assert host.readline() == b"k,0,0,0,0,0,0\r\n"

@@ -1,6 +1,7 @@
-"""The robot's end of a serial line that is no cable: a pseudo-terminal, or a TCP port on this machine.
+"""The robot's end of a virtual serial line: a pseudo-terminal, or a TCP port on this machine.
 
-Neither waits for a host that does not read: what finds no room is lost, as on a line without flow control.
+Writing never waits for a host that does not read: bytes that exceed the buffer are lost, as on a line without flow
+control.
 """
 
 import contextlib
@@ -12,40 +13,40 @@ from typing import Protocol
 _CHUNK = 4096
 
 
-class VirtualLine(Protocol):
-    """Bytes in and out, without waiting.
+class Endpoint(Protocol):
+    """Reads and writes bytes without blocking.
 
     Attributes:
-        url: What `serial.serial_for_url` takes to open the other end.
+        url: Argument of `serial.serial_for_url` that opens the other end.
     """
 
     url: str
 
     def filenos(self) -> list[int]:
-        """File descriptors that are readable when there is something to `read`."""
+        """File descriptors that become readable when `read` has bytes to return."""
         ...
 
     def read(self) -> bytes:
-        """What has arrived; nothing if nothing has."""
+        """The bytes that have arrived; may be empty."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send as much of this as there is room for."""
+        """Send as many of these bytes as the buffer has room for."""
         ...
 
     def close(self) -> None:
-        """Cut the line; the host notices. A second call does nothing."""
+        """Disconnect the host. A second call does nothing."""
         ...
 
 
-class PtyLine:
-    """A pseudo-terminal, without echo or translation of line ends.
+class PtyEndpoint:
+    """A pseudo-terminal, without echo or translation of line endings.
 
-    The host's end is kept open here too: hosts may come and go.
+    The host's end also stays open here, so that hosts can disconnect and reconnect.
     """
 
     def __init__(self) -> None:
-        # Only where there are pseudo-terminals: the TCP line serves without them.
+        # Imported here: systems without pseudo-terminals can still use `TcpEndpoint`.
         import pty
         import tty
 
@@ -56,37 +57,37 @@ class PtyLine:
         self._open = True
 
     def filenos(self) -> list[int]:
-        """The robot's end."""
+        """The robot's end of the pseudo-terminal."""
         return [self._master] if self._open else []
 
     def read(self) -> bytes:
-        """What has arrived."""
+        """The bytes that have arrived."""
         try:
             return os.read(self._master, _CHUNK)
         except BlockingIOError:
             return b""
 
     def write(self, data: bytes) -> None:
-        """Send."""
+        """Send bytes."""
         with contextlib.suppress(BlockingIOError):
             os.write(self._master, data)
 
     def close(self) -> None:
-        """Hang up: the host reads an error from now on."""
+        """Disconnect the host: its reads fail from now on."""
         if self._open:
             self._open = False
             os.close(self._master)
             os.close(self._slave)
 
 
-class TcpLine:
-    """A TCP port on 127.0.0.1 for one host at a time; while there is one, another is turned away.
+class TcpEndpoint:
+    """A TCP port on 127.0.0.1 for one host at a time; a second connection is closed at once.
 
     Args:
-        port: Its number; 0 takes any that is free.
+        port: Port number; 0 takes any free port.
 
     Raises:
-        OSError: The port is taken or not allowed.
+        OSError: The port is in use or not allowed.
     """
 
     def __init__(self, port: int) -> None:
@@ -96,12 +97,12 @@ class TcpLine:
         self.url = f"socket://127.0.0.1:{self._listener.getsockname()[1]}"
 
     def filenos(self) -> list[int]:
-        """The host's connection, and where the next one knocks."""
+        """The host's connection and the listening socket."""
         ends = [self._listener] if self._host is None else [self._host, self._listener]
         return [end.fileno() for end in ends if end.fileno() >= 0]
 
     def read(self) -> bytes:
-        """What has arrived; a host that hung up makes room for the next one."""
+        """The bytes that have arrived; also accepts a new host after the last one has disconnected."""
         data = self._receive()
         with contextlib.suppress(BlockingIOError):
             host, _ = self._listener.accept()
@@ -123,12 +124,12 @@ class TcpLine:
             except OSError:
                 piece = b""
             if not piece:
-                self._hang_up()
+                self._disconnect()
             data += piece
         return data
 
     def write(self, data: bytes) -> None:
-        """Send, if there is a host."""
+        """Send bytes, if a host is connected."""
         if self._host is None:
             return
         try:
@@ -138,14 +139,14 @@ class TcpLine:
         except OSError as error:
             if error.errno not in (errno.EPIPE, errno.ECONNRESET):
                 raise
-            self._hang_up()
+            self._disconnect()
 
     def close(self) -> None:
-        """Hang up and listen no longer."""
-        self._hang_up()
+        """Disconnect the host and stop listening."""
+        self._disconnect()
         self._listener.close()
 
-    def _hang_up(self) -> None:
+    def _disconnect(self) -> None:
         if self._host is not None:
             self._host.close()
             self._host = None

@@ -1,7 +1,7 @@
-"""What can go wrong on a serial line to a robot, at given rates and drawn from a seed.
+"""Fault injection on a virtual serial line: faults at given rates, drawn from a seed.
 
-The protocol has no checksum: a reply that was garbled into another well-formed one cannot be told from a true one by
-anybody. How often that happened is counted apart.
+The protocol has no checksum: no host can detect a reply garbled into another well-formed one. These are counted
+separately.
 """
 
 import contextlib
@@ -11,37 +11,38 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from khepera_forage.robots.serial.protocol import CodecError, Lines, Reply, decode_reply
+from khepera_forage.robots.serial.framing import LineSplitter
+from khepera_forage.robots.serial.protocol import ProtocolError, Reply, decode_reply
 
 Fault = Literal["drop", "delay", "garble", "duplicate", "reset", "unplug"]
 FAULTS: tuple[Fault, ...] = get_args(Fault)
-_MOST_BYTES = 3
-"""A disturbance changes, loses or inserts one to so many bytes. Assumption."""
+_MAX_GARBLED_BYTES = 3
+"""Garbling changes, deletes or inserts one to this number of bytes. Assumption."""
 
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """How often each fault happens, as a share of all replies; a reply has at most one.
+    """Rates of the faults, as shares of all replies; a reply has at most one fault.
 
     Raises:
-        ValueError: A rate that is not within 0..1, rates that add up to more than 1, or a lateness that is no time.
+        ValueError: A rate outside 0..1, rates that add up to more than 1, or an invalid lateness.
     """
 
     drop: float = 0.0
-    """Lost: half of the time the request, which the robot then never carries out, half of the time the reply."""
+    """Lost, with equal probability the request, which the robot then does not execute, or the reply."""
     delay: float = 0.0
-    """Late by `lateness`; what comes after it waits behind it, as in the buffers of a radio link."""
+    """Late by `lateness`; later replies wait behind it, as in the buffers of a radio link."""
     garble: float = 0.0
-    """Up to three bytes changed, lost or inserted."""
+    """One to three bytes changed, deleted or inserted."""
     duplicate: float = 0.0
     """Sent twice."""
     reset: float = 0.0
-    """The supply fails: wheels stop, the state is lost, the banner comes instead of the reply or amidst it."""
+    """The power supply fails: wheels stop, settings are lost, the banner replaces the reply or cuts it off."""
     unplug: float = 0.0
-    """The line is gone for good, and the supply with it: the cable carries both (assumption), so the wheels stop."""
+    """The cable is unplugged for good. It also carries the power supply (assumption), so the wheels stop."""
     lateness: tuple[float, float] = (0.3, 1.0)
     """Seconds by which a delayed reply is late, uniform between the two: choose more than the host's timeout, so that
-    it arrives after the host has asked again."""
+    the reply arrives after the host has repeated its request."""
 
     def __post_init__(self) -> None:
         for fault in FAULTS:
@@ -58,21 +59,21 @@ class Faults:
 
     @property
     def total(self) -> float:
-        """Share of replies that are disturbed."""
+        """Share of replies with any fault."""
         return float(sum(getattr(self, fault) for fault in FAULTS))
 
 
 @dataclass(frozen=True, slots=True)
 class FaultCounts:
-    """How often what happened."""
+    """How often each fault occurred."""
 
     replies: int = 0
-    """Requests that were heard, disturbed or not."""
+    """Requests received, with or without a fault."""
     drop: int = 0
     delay: int = 0
     garble: int = 0
-    unseen: int = 0
-    """Of the garbled: those that read as a reply to the same command with other values, which no host can tell."""
+    undetectable: int = 0
+    """Garbled replies that decode to a reply to the same command with other values."""
     duplicate: int = 0
     reset: int = 0
     unplug: int = 0
@@ -83,15 +84,15 @@ class FaultCounts:
         return sum(getattr(self, fault) for fault in FAULTS)
 
 
-class FaultSource:
-    """Draws the faults of one line. All methods may be called from any thread.
+class FaultInjector:
+    """Draws the faults of one line. All methods are thread-safe.
 
     Args:
-        faults: Their rates.
-        rng: Needed as soon as a rate is not zero.
+        faults: Rates of the faults.
+        rng: Required if any rate is not zero.
 
     Raises:
-        ValueError: Rates without a generator.
+        ValueError: Rates without a random generator.
     """
 
     def __init__(self, faults: Faults | None = None, rng: np.random.Generator | None = None) -> None:
@@ -102,7 +103,7 @@ class FaultSource:
 
     @property
     def rates(self) -> Faults:
-        """What happens how often; may be set at any time."""
+        """Rates of the faults; may be set at any time."""
         return self._rates
 
     @rates.setter
@@ -113,44 +114,44 @@ class FaultSource:
 
     @property
     def counts(self) -> FaultCounts:
-        """What has happened so far."""
+        """Faults so far."""
         with self._lock:
             return FaultCounts(**self._counts)
 
-    def next(self) -> Fault | None:
-        """What happens to the next reply."""
-        rates, happens = self._rates, None
+    def draw(self) -> Fault | None:
+        """The fault of the next reply, or None."""
+        rates, fault = self._rates, None
         if rates.total and self._rng is not None:
             drawn = self._rng.random()
-            for fault in FAULTS:
-                drawn -= getattr(rates, fault)
+            for candidate in FAULTS:
+                drawn -= getattr(rates, candidate)
                 if drawn < 0:
-                    happens = fault
+                    fault = candidate
                     break
         with self._lock:
             self._counts["replies"] += 1
-            if happens is not None:
-                self._counts[happens] += 1
-        return happens
+            if fault is not None:
+                self._counts[fault] += 1
+        return fault
 
-    def either(self) -> bool:
-        """One of two things, at even odds."""
+    def coin_toss(self) -> bool:
+        """True or False with equal probability."""
         return bool(self._generator.random() < 0.5)
 
     def lateness(self) -> float:
         """Seconds by which a reply is late."""
         return float(self._generator.uniform(*self._rates.lateness))
 
-    def cut(self, reply: bytes) -> bytes:
-        """The beginning of a reply: neither nothing of it nor all."""
+    def truncate(self, reply: bytes) -> bytes:
+        """The beginning of a reply: at least one byte, but not all."""
         return reply[: int(self._generator.integers(1, len(reply)))]
 
     def garble(self, reply: bytes) -> bytes:
-        """A reply with one to three bytes changed, lost or inserted."""
+        """A reply with one to three bytes changed, deleted or inserted."""
         rng = self._generator
         garbled = bytearray(reply)
         kind = rng.integers(3)
-        for _ in range(rng.integers(1, _MOST_BYTES + 1)):
+        for _ in range(rng.integers(1, _MAX_GARBLED_BYTES + 1)):
             place = int(rng.integers(len(garbled)))
             if kind == 0:
                 garbled[place] ^= int(rng.integers(1, 256))
@@ -158,23 +159,23 @@ class FaultSource:
                 del garbled[place]
             else:
                 garbled.insert(place, int(rng.integers(256)))
-        if _deceives(bytes(garbled), reply):
+        if _undetectable(bytes(garbled), reply):
             with self._lock:
-                self._counts["unseen"] += 1
+                self._counts["undetectable"] += 1
         return bytes(garbled)
 
     @property
     def _generator(self) -> np.random.Generator:
         if self._rng is None:
-            raise ValueError("a fault without a random generator")
+            raise ValueError("faults without a random generator; allowed: rng=numpy.random.default_rng(seed)")
         return self._rng
 
 
-def _deceives(garbled: bytes, reply: bytes) -> bool:
-    """Whether a host would read a garbled reply as another one to the same command."""
-    for line in Lines().feed(garbled):
-        with contextlib.suppress(CodecError):
-            read, meant = decode_reply(line), decode_reply(reply)
-            if isinstance(read, Reply) and isinstance(meant, Reply):
-                return read.command == meant.command and read != meant
+def _undetectable(garbled: bytes, reply: bytes) -> bool:
+    """Whether a garbled reply decodes to another reply to the same command."""
+    for line in LineSplitter().feed(garbled):
+        with contextlib.suppress(ProtocolError):
+            decoded, original = decode_reply(line), decode_reply(reply)
+            if isinstance(decoded, Reply) and isinstance(original, Reply):
+                return decoded.command == original.command and decoded != original
     return False

@@ -1,4 +1,4 @@
-"""The wheels stand after every way out of a program: a child process drives, and the parent looks at the robot."""
+"""The wheels are stopped after every exit path: a child process drives, the parent observes the robot."""
 
 import os
 import signal
@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.robots.serial import emergency_stop as stopping
+from khepera_forage.robots.serial import emergency_stop
 from khepera_forage.robots.serial.port_thread import Task
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from tests.robots.rig import FORWARD, Rig, rig
+from tests.robots.rig import FORWARD, Rig, make_rig
 
 DRIVE = """
 import os, signal, sys, time
@@ -29,15 +29,15 @@ def drive():
         robot.drive(Motors(5, 5, 215, 200))
         robot.transmit()
     print("driving", flush=True)
-def in_mid_request():
+def drive_and_receive():
     drive()
     while True:
         Fleet(robots).receive()
 """
 
 
-def program(built: Rig, body: str) -> "subprocess.Popen[str]":
-    ports = [port.url for port in built.ports]
+def start_driver(rig: Rig, body: str) -> "subprocess.Popen[str]":
+    ports = [port.url for port in rig.ports]
     child = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", DRIVE + textwrap.dedent(body), *ports],
         stdout=subprocess.PIPE,
@@ -49,13 +49,13 @@ def program(built: Rig, body: str) -> "subprocess.Popen[str]":
     return child
 
 
-def ended(child: "subprocess.Popen[str]") -> tuple[int, str]:
+def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:
     _, errors = child.communicate(timeout=20)
     return child.returncode, errors
 
 
 @pytest.mark.parametrize(
-    ("body", "status", "last_words"),
+    ("body", "status", "message"),
     [
         ("drive()", 0, ""),
         ("drive(); sys.exit(3)", 3, ""),
@@ -63,40 +63,40 @@ def ended(child: "subprocess.Popen[str]") -> tuple[int, str]:
         ("drive(); robots[0].close(); robots[0].close()", 0, ""),
         ("with robots[0], robots[1]: drive()", 0, ""),
     ],
-    ids=["end", "sys.exit", "uncaught", "one closed", "with"],
+    ids=["normal exit", "sys.exit", "uncaught exception", "one closed", "with"],
 )
-def test_leaving(body: str, status: int, last_words: str) -> None:
-    with rig(2) as built:
-        child = program(built, body)
-        code, errors = ended(child)
+def test_exit_stops_the_robots(body: str, status: int, message: str) -> None:
+    with make_rig(2) as rig:
+        child = start_driver(rig, body)
+        code, errors = wait_for_exit(child)
         assert code == status
-        assert last_words in errors
-        assert errors.count("\n") == 0 or last_words
-        assert built.stands()
+        assert message in errors
+        assert errors.count("\n") == 0 or message
+        assert rig.is_stopped()
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 @pytest.mark.parametrize(
-    "body", ["drive(); time.sleep(60)", "in_mid_request()"], ids=["idle", "in mid-request"]
+    "body", ["drive(); time.sleep(60)", "drive_and_receive()"], ids=["idle", "during a request"]
 )
-def test_signals(name: str, body: str) -> None:
+def test_signal_stops_the_robots(name: str, body: str) -> None:
     number = signal.Signals[name]
-    with rig(2, baud=38400) as built:
-        child = program(built, body)
+    with make_rig(2, baud=38400) as rig:
+        child = start_driver(rig, body)
         time.sleep(0.1)
-        assert built.wheels(0) == built.wheels(1) == (50, 50)
+        assert rig.wheel_pulses(0) == rig.wheel_pulses(1) == (50, 50)
         child.send_signal(number)
-        code, errors = ended(child)
-        assert built.stands()
+        code, errors = wait_for_exit(child)
+        assert rig.is_stopped()
         assert code == -number
         assert ("KeyboardInterrupt" in errors) == (name == "SIGINT")
 
 
-def test_a_handler_that_was_there_is_handed_on_to() -> None:
+def test_replaced_signal_handler_is_called() -> None:
     install = "import signal, sys\nsignal.signal(signal.SIGTERM, lambda number, frame: sys.exit(7))\n"
-    with rig(1) as built:
+    with make_rig(1) as rig:
         child = subprocess.Popen(
-            [sys.executable, "-W", "error", "-c", install + DRIVE + "in_mid_request()", built.url],
+            [sys.executable, "-W", "error", "-c", install + DRIVE + "drive_and_receive()", rig.url],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -104,17 +104,17 @@ def test_a_handler_that_was_there_is_handed_on_to() -> None:
         assert child.stdout is not None
         assert child.stdout.readline() == "driving\n"
         child.terminate()
-        code, errors = ended(child)
+        code, errors = wait_for_exit(child)
         assert (code, errors) == (7, "")
-        assert built.stands()
+        assert rig.is_stopped()
 
 
-def test_a_signal_that_is_ignored_stays_ignored() -> None:
+def test_ignored_signal_stays_ignored() -> None:
     body = """
     drive()
     sys.stdin.readline()
     """
-    with rig(1) as built:
+    with make_rig(1) as rig:
         child = subprocess.Popen(
             [
                 sys.executable,
@@ -122,7 +122,7 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
                 "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
                 + DRIVE
                 + textwrap.dedent(body),
-                built.url,
+                rig.url,
             ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -134,25 +134,25 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
         child.send_signal(signal.SIGHUP)
         time.sleep(0.2)
         assert child.poll() is None
-        assert built.wheels() == (50, 50)
+        assert rig.wheel_pulses() == (50, 50)
         child.communicate("\n", timeout=20)
         assert child.returncode == 0
-        assert built.stands()
+        assert rig.is_stopped()
 
 
-def test_a_forked_child_leaves_the_robots_alone() -> None:
+def test_forked_child_does_not_stop_the_robots() -> None:
     body = """
     drive()
     if os.fork() == 0:
         sys.exit(0)
     os.wait()
-    print(robots[0].ask("E"), flush=True)
+    print(robots[0].request("E"), flush=True)
     sys.stdin.readline()
     os._exit(0)
     """
-    with rig(1) as built:
+    with make_rig(1) as rig:
         child = subprocess.Popen(
-            [sys.executable, "-c", DRIVE + textwrap.dedent(body), built.url],
+            [sys.executable, "-c", DRIVE + textwrap.dedent(body), rig.url],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -160,22 +160,22 @@ def test_a_forked_child_leaves_the_robots_alone() -> None:
         assert child.stdout is not None
         assert child.stdout.readline() == "driving\n"
         assert child.stdout.readline() == "(0, 0)\n"
-        assert built.wheels() == (50, 50)
+        assert rig.wheel_pulses() == (50, 50)
         child.communicate("\n", timeout=20)
 
 
 @pytest.fixture
 def handlers() -> Iterator[dict[int, Any]]:
-    """This process' own, put back after the test."""
+    """The signal handlers of this process, restored after the test."""
     found: dict[int, Any] = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     yield found
     for number, handler in found.items():
         signal.signal(number, handler)
 
 
-def test_handlers_are_there_only_while_a_robot_is_open(handlers: dict[int, Any]) -> None:
-    with rig(2) as built:
-        robots = [SerialKhepera(port.url) for port in built.ports]
+def test_handlers_are_installed_only_while_a_robot_is_open(handlers: dict[int, Any]) -> None:
+    with make_rig(2) as rig:
+        robots = [SerialKhepera(port.url) for port in rig.ports]
         assert all(signal.getsignal(number) is not found for number, found in handlers.items())
         robots[0].close()
         assert all(signal.getsignal(number) is not found for number, found in handlers.items())
@@ -183,11 +183,11 @@ def test_handlers_are_there_only_while_a_robot_is_open(handlers: dict[int, Any])
         assert all(signal.getsignal(number) is found for number, found in handlers.items())
 
 
-def test_a_handler_that_hands_on_to_ours_is_left(handlers: dict[int, Any]) -> None:
+def test_handler_that_calls_ours_is_not_removed(handlers: dict[int, Any]) -> None:
     heard: list[int] = []
     signal.signal(signal.SIGTERM, lambda number, frame: heard.append(1))
-    with rig(1) as built:
-        robot = SerialKhepera(built.url)
+    with make_rig(1) as rig:
+        robot = SerialKhepera(rig.url)
         ours = signal.getsignal(signal.SIGTERM)
 
         def later(number: int, frame: FrameType | None) -> None:
@@ -200,25 +200,25 @@ def test_a_handler_that_hands_on_to_ours_is_left(handlers: dict[int, Any]) -> No
         assert signal.getsignal(signal.SIGTERM) is later
         os.kill(os.getpid(), signal.SIGTERM)
         assert heard == [2, 1]
-        with SerialKhepera(built.url) as robot:
+        with SerialKhepera(rig.url) as robot:
             robot.drive(FORWARD)
             robot.transmit()
             os.kill(os.getpid(), signal.SIGTERM)
             assert heard == [2, 1, 2, 1]
-            assert built.stands()
+            assert rig.is_stopped()
 
 
-def test_a_robot_opened_in_another_thread_is_stopped_at_exit_only(handlers: dict[int, Any]) -> None:
-    with rig(1) as built:
+def test_robot_opened_in_another_thread_installs_no_handlers(handlers: dict[int, Any]) -> None:
+    with make_rig(1) as rig:
         robots: list[SerialKhepera] = []
-        thread = threading.Thread(target=lambda: robots.append(SerialKhepera(built.url)))
+        thread = threading.Thread(target=lambda: robots.append(SerialKhepera(rig.url)))
         thread.start()
         thread.join()
         assert all(signal.getsignal(number) is found for number, found in handlers.items())
         robots[0].close()
 
 
-class Deaf:
+class Unstoppable:
     """A robot that cannot be stopped."""
 
     port = "nowhere"
@@ -227,11 +227,11 @@ class Deaf:
         return Task(lambda: None)
 
 
-def test_one_that_cannot_be_stopped_keeps_no_other_from_it() -> None:
-    with rig(1) as built, SerialKhepera(built.url) as robot:
+def test_failure_to_stop_one_robot_does_not_affect_others() -> None:
+    with make_rig(1) as rig, SerialKhepera(rig.url) as robot:
         robot.drive(FORWARD)
         robot.transmit()
-        deaf = Deaf()
-        failed = stopping.stop_all((deaf, robot), patience=0.5)
-        assert built.stands()
-        assert [(which, type(error)) for which, error in failed] == [(deaf, TimeoutError)]
+        unstoppable = Unstoppable()
+        failed = emergency_stop.stop_all((unstoppable, robot), timeout=0.5)
+        assert rig.is_stopped()
+        assert [(which, type(error)) for which, error in failed] == [(unstoppable, TimeoutError)]

@@ -1,0 +1,210 @@
+"""The firmware's control of wheels and gripper: speed, counters, position control, restart, another body."""
+
+import math
+
+import numpy as np
+
+from khepera_forage.robots.serial.protocol import BANNER
+from khepera_forage.sim.arena import Point, Pose
+from khepera_forage.sim.world import Layout
+from tests.robots.stage import Stage, make_stage
+
+
+class TestSpeed:
+    def test_speed_holds_until_the_next_one(self, stage: Stage) -> None:
+        stage.request("D,5,10")
+        stage.rounds(30)
+        assert stage.numbers("H") == [1500, 3000]
+        assert stage.numbers("E") == [5, 10]
+        stage.request("D,0,0")
+        assert stage.numbers("E") == [5, 10], "the speeds of the last period"
+        stage.rounds(1)
+        assert stage.numbers("E") == [0, 0]
+        stage.rounds(5)
+        assert stage.numbers("H") == [1500, 3000]
+
+    def test_simulated_wheels_are_limited_to_their_maximum_speed(self, stage: Stage) -> None:
+        assert stage.request("D,127,-127") == "d"
+        stage.rounds(1)
+        assert stage.numbers("E") == [20, -20]
+
+    def test_pwm_sets_a_speed(self, stage: Stage) -> None:
+        stage.request("P,20,-20")
+        stage.rounds(1)
+        assert stage.numbers("E") == [10, -10]
+
+    def test_wheels_arm_and_jaw_are_commanded_independently(self, stage: Stage) -> None:
+        stage.request("T,1,E,255")
+        stage.request("D,3,3")
+        stage.request("T,1,D,1")
+        stage.rounds(25)
+        assert stage.numbers("E") == [3, 3]
+        assert stage.numbers("T,1,H,1") == [255]
+        assert stage.numbers("T,1,H,0") == [0]
+
+
+class TestCounters:
+    def test_counters_continue_from_the_set_values(self, stage: Stage) -> None:
+        stage.request("D,5,-5")
+        stage.rounds(4)
+        stage.request("G,1000,-1000")
+        assert stage.numbers("H") == [1000, -1000]
+        stage.rounds(4)
+        assert stage.numbers("H") == [1200, -1200]
+
+    def test_counters_wrap_at_32_bits(self, stage: Stage) -> None:
+        stage.request(f"G,{2**31 - 1},{-(2**31)}")
+        stage.request("D,1,-1")
+        stage.rounds(1)
+        assert stage.numbers("H") == [-(2**31) + 9, 2**31 - 10]
+
+
+class TestPositionControl:
+    def test_robot_drives_to_its_target(self, stage: Stage) -> None:
+        stage.request("C,1250,1250")
+        assert stage.numbers("K")[:3] == [0, 1, 1250]
+        stage.rounds(40)
+        target, mode, error = stage.numbers("K")[:3]
+        assert (target, mode) == (1, 1)
+        assert abs(error) <= 5
+        assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
+        assert stage.numbers("E") == [0, 0]
+
+    def test_robot_turns_on_the_spot(self, stage: Stage) -> None:
+        quarter = round(math.pi / 2 * 53 / 2 / 0.08)
+        stage.request(f"C,{-quarter},{quarter}")
+        stage.rounds(40)
+        assert abs(stage.world.poses()[0].heading - math.pi / 2) < 0.03
+
+    def test_profile_limits_the_speed(self, stage: Stage) -> None:
+        stage.request("J,4,64,4,64")
+        stage.request("C,2000,2000")
+        speeds = []
+        for _ in range(20):
+            stage.rounds(1)
+            speeds += stage.numbers("E")
+        assert max(speeds) == 4
+
+    def test_target_is_relative_to_the_set_counter(self, stage: Stage) -> None:
+        stage.request("G,5000,5000")
+        stage.request("C,4000,4000")
+        stage.rounds(40)
+        assert math.dist(stage.world.poses()[0][:2], (120.0, 300.0)) < 1.0
+
+    def test_setting_the_counters_during_a_motion_moves_the_target(self, stage: Stage) -> None:
+        stage.request("C,3000,3000")
+        stage.rounds(4)
+        driven = stage.numbers("H")[0]
+        stage.request("G,0,0")
+        stage.rounds(2)
+        assert 5 < stage.numbers("E")[0] < 18, "no jump in speed"
+        stage.rounds(40)
+        assert abs(stage.numbers("H")[0] - 3000) <= 5
+        assert math.dist(stage.world.poses()[0][:2], (200.0 + (driven + 3000) * 0.08, 300.0)) < 1.0
+
+    def test_speed_command_ends_position_control(self, stage: Stage) -> None:
+        stage.request("C,5000,5000")
+        stage.rounds(5)
+        stage.request("D,0,0")
+        stage.rounds(1)
+        before = stage.numbers("H")
+        stage.rounds(10)
+        assert stage.numbers("H") == before
+        assert stage.numbers("K")[1] == 0
+
+    def test_arm_moves_during_position_control(self, stage: Stage) -> None:
+        stage.request("C,1000,1000")
+        stage.request("T,1,E,255")
+        stage.rounds(40)
+        assert stage.numbers("T,1,H,1") == [255]
+        assert stage.numbers("K")[0] == 1
+
+
+class TestGripper:
+    def test_gripper_replies_before_its_motion_ends(self, stage: Stage) -> None:
+        assert stage.request("T,1,E,255") == "t,1,e"
+        assert stage.request("T,1,D,1") == "t,1,d"
+        assert (stage.numbers("T,1,H,1"), stage.numbers("T,1,H,0")) == ([215], [200])
+        stage.rounds(3)
+        assert 215 < stage.numbers("T,1,H,1")[0] < 255
+        assert 0 < stage.numbers("T,1,H,0")[0] < 200
+        stage.rounds(20)
+        assert (stage.numbers("T,1,H,1"), stage.numbers("T,1,H,0")) == ([255], [0])
+
+    def test_arm_targets_are_limited_to_its_travel(self, stage: Stage) -> None:
+        assert stage.request("T,1,E,0") == "t,1,e"
+        stage.rounds(20)
+        assert stage.numbers("T,1,H,1") == [215]
+
+    def test_food_is_detected_gripped_and_carried(self) -> None:
+        stage = make_stage(food_ahead=57.0)
+        assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
+        stage.request("T,1,E,255")
+        stage.rounds(12)
+        assert stage.numbers("T,1,G")[0] > 100
+        stage.request("T,1,D,1")
+        stage.rounds(8)
+        assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
+        stage.request("T,1,E,215")
+        stage.rounds(12)
+        stage.request("D,5,5")
+        stage.rounds(10)
+        food = stage.world.food_places()[0]
+        assert food.lifted
+        assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
+
+    def test_firmware_started_with_held_food_keeps_it(self) -> None:
+        stage = make_stage(food_ahead=57.0)
+        for line, rounds in (("T,1,E,255", 12), ("T,1,D,1", 8), ("T,1,E,215", 12)):
+            stage.request(line)
+            stage.rounds(rounds)
+        again = stage._replace(firmware=type(stage.firmware)(stage.robot, stage.lock))
+        again.request("D,2,2")
+        again.rounds(10)
+        assert again.world.food_places()[0].lifted
+
+
+class TestPowerOn:
+    def test_restart_sends_the_banner_and_resets_everything(self, stage: Stage) -> None:
+        for line in ("A,1,2,3", "F,4,5,6", "J,1,1,1,1", "L,0,1", "W,9,9", "G,77,77", "D,8,8"):
+            stage.request(line)
+        stage.rounds(5)
+        banner = stage.firmware.handle(b"restart")
+        assert banner == b"".join(line.encode() + b"\r\n" for line in BANNER)
+        assert banner.startswith(b"ROM of minirobot KHEPERA")
+        registers = stage.firmware.registers
+        assert (registers.speed_gains, registers.position_gains) == ((3800, 800, 100), (3000, 20, 4000))
+        assert registers.leds == [False, False]
+        assert stage.numbers("R,9") == [0]
+        assert stage.numbers("H") == [0, 0]
+        assert stage.numbers("E") == [0, 0]
+        stage.rounds(5)
+        assert stage.numbers("H") == [0, 0], "the wheels are stopped"
+
+    def test_power_on_stops_position_control(self, stage: Stage) -> None:
+        stage.request("C,3000,3000")
+        stage.rounds(5)
+        assert stage.firmware.power_on().startswith(b"ROM of")
+        stage.rounds(10)
+        assert stage.numbers("H") == [0, 0]
+
+    def test_gripper_completes_its_motion_after_power_on(self, stage: Stage) -> None:
+        stage.request("T,1,E,255")
+        stage.rounds(2)
+        stage.firmware.power_on()
+        stage.rounds(20)
+        stage.request("D,1,1")
+        stage.rounds(20)
+        assert stage.numbers("T,1,H,1") == [255]
+
+
+def test_attached_body_continues_the_motion(stage: Stage) -> None:
+    stage.request("T,1,E,255")
+    stage.request("D,5,5")
+    stage.rounds(20)
+    stage.world.reset(np.random.default_rng(1), Layout((Pose(300.0, 200.0, 1.0),), (Point(600.0, 560.0),)))
+    stage.firmware.attach(stage.robot)
+    assert stage.numbers("H") == [1000, 1000]
+    stage.rounds(20)
+    assert stage.numbers("H") == [2000, 2000]
+    assert stage.numbers("T,1,H,1") == [255]
