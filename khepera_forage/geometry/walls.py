@@ -63,16 +63,19 @@ def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
 def clearance(x: float, y: float, walls: Any) -> float:
     """Distance from a place to the nearest wall; negative outside the outer wall and inside obstacles."""
     least = math.inf
-    free, odd, polygon = True, False, 0
+    free, odd, polygon, first = True, False, 0, 0
     for k in range(len(walls)):
         wall = walls[k]
         if wall.polygon != polygon:
             free = free and odd == (polygon == 0)
-            odd, polygon = False, wall.polygon
+            odd, polygon, first = False, wall.polygon, k
         dx, dy = to_wall(x, y, wall)
         least = min(least, dx * dx + dy * dy)
-        # A ray to the right of the place crosses a polygon an odd number of times from inside.
-        if (wall.y1 > y) != (wall.y1 + wall.ey > y) and x < wall.x1 + (y - wall.y1) * wall.ex / wall.ey:
+        # A ray to the right of the place crosses a polygon an odd number of times from inside. A wall ends exactly
+        # where the next one starts; y1 + ey is rounded, and a ray through that corner would cross one wall too many.
+        last = k + 1 == len(walls) or walls[k + 1].polygon != polygon
+        y2 = walls[first if last else k + 1].y1
+        if (wall.y1 > y) != (y2 > y) and x < wall.x1 + (y - wall.y1) * wall.ex / wall.ey:
             odd = not odd
     free = free and odd == (polygon == 0)
     return math.sqrt(least) if free else -math.sqrt(least)
