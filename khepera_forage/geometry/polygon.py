@@ -66,20 +66,6 @@ def meet(corners: tuple[Corner, ...], others: tuple[Corner, ...]) -> bool:
     )
 
 
-def nearest(x: float, y: float, segments: tuple[Segment, ...]) -> float:
-    """Distance from a point to the nearest of several segments."""
-    best = math.inf
-    for x1, y1, x2, y2 in segments:
-        ex, ey = x2 - x1, y2 - y1
-        t = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
-        t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-        dx, dy = x - x1 - t * ex, y - y1 - t * ey
-        squared = dx * dx + dy * dy
-        if squared < best:
-            best = squared
-    return math.sqrt(best)
-
-
 def distance(x: float, y: float, segment: Segment) -> float:
     """Distance from a point to a line segment."""
     x1, y1, x2, y2 = segment

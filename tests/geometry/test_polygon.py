@@ -1,31 +1,18 @@
-"""Plane geometry of walls against brute force."""
+"""Polygons against brute force."""
 
 import math
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.geometry import polygon
 from khepera_forage.geometry.polygon import Corner, Segment
-
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=150)
-
-ring = st.lists(st.floats(20, 500), min_size=3, max_size=9)
-place = st.tuples(st.floats(-600, 600), st.floats(-600, 600))
-segments = st.tuples(place, place).filter(lambda s: math.dist(*s) > 1).map(lambda s: (*s[0], *s[1]))
+from tests.geometry.shapes import PROPERTY, Place, places, radii_lists, segments, star
 
 
-def star(radii: list[float]) -> tuple[Corner, ...]:
-    """A simple polygon about (0, 0), mostly not convex."""
-    n = len(radii)
-    return tuple(
-        (r * math.cos(2 * math.pi * i / n), r * math.sin(2 * math.pi * i / n)) for i, r in enumerate(radii)
-    )
-
-
-def winding(corners: tuple[Corner, ...], x: float, y: float) -> float:
-    """How often the walls run round a place: the sum of the angles under which it sees them, in turns."""
+def winding_number(corners: tuple[Corner, ...], x: float, y: float) -> float:
+    """How often a polygon runs around a place: the sum of the angles that its sides subtend there, in turns."""
     total = 0.0
     for (x1, y1), (x2, y2) in zip(corners, (*corners[1:], corners[0]), strict=True):
         ax, ay, bx, by = x1 - x, y1 - y, x2 - x, y2 - y
@@ -33,19 +20,17 @@ def winding(corners: tuple[Corner, ...], x: float, y: float) -> float:
     return total / (2 * math.pi)
 
 
-@given(ring, place, st.booleans())
+@given(radii_lists, places, st.booleans())
 @PROPERTY
-def test_inside_is_where_the_walls_run_round(
-    radii: list[float], point: tuple[float, float], clockwise: bool
-) -> None:
+def test_contains_agrees_with_the_winding_number(radii: list[float], point: Place, clockwise: bool) -> None:
     corners = star(radii)[:: -1 if clockwise else 1]
     assume(min(polygon.distance(*point, side) for side in polygon.edges(corners)) > 1e-6)
-    assert polygon.contains(corners, *point) == (abs(winding(corners, *point)) > 0.5)
+    assert polygon.contains(corners, *point) == (abs(winding_number(corners, *point)) > 0.5)
 
 
-@given(segments, place)
+@given(segments, places)
 @PROPERTY
-def test_distance_is_that_of_the_nearest_of_many_points(segment: Segment, point: tuple[float, float]) -> None:
+def test_distance_is_that_to_the_nearest_of_many_points(segment: Segment, point: Place) -> None:
     x1, y1, x2, y2 = segment
     steps = 1000
     nearest = min(
@@ -55,9 +40,9 @@ def test_distance_is_that_of_the_nearest_of_many_points(segment: Segment, point:
     assert nearest - spacing <= polygon.distance(*point, segment) <= nearest + 1e-9
 
 
-@given(segments, place)
+@given(segments, places)
 @PROPERTY
-def test_a_line_is_never_further_than_its_segment(segment: Segment, point: tuple[float, float]) -> None:
+def test_line_is_never_further_than_its_segment(segment: Segment, point: Place) -> None:
     normal_x, normal_y, offset = polygon.line_of(segment)
     assert math.hypot(normal_x, normal_y) == pytest.approx(1)
     for x, y in (segment[:2], segment[2:]):
@@ -66,9 +51,9 @@ def test_a_line_is_never_further_than_its_segment(segment: Segment, point: tuple
     assert off <= polygon.distance(*point, segment) + 1e-6
 
 
-@given(ring)
+@given(radii_lists)
 @PROPERTY
-def test_area_is_positive_counter_clockwise_and_twice_the_area(radii: list[float]) -> None:
+def test_area_is_twice_the_area_and_positive_counter_clockwise(radii: list[float]) -> None:
     corners = star(radii)
     turn = 2 * math.pi / len(radii)
     twice = sum(a * b * math.sin(turn) for a, b in zip(radii, (*radii[1:], radii[0]), strict=True))
@@ -76,9 +61,9 @@ def test_area_is_positive_counter_clockwise_and_twice_the_area(radii: list[float
     assert polygon.area(corners[::-1]) == pytest.approx(-twice)
 
 
-@given(ring)
+@given(radii_lists)
 @PROPERTY
-def test_sides_close_the_ring_and_bounds_hold_all_corners(radii: list[float]) -> None:
+def test_edges_close_the_polygon_and_bounds_hold_all_corners(radii: list[float]) -> None:
     corners = star(radii)
     sides = polygon.edges(corners)
     assert len(sides) == len(corners)
@@ -89,9 +74,9 @@ def test_sides_close_the_ring_and_bounds_hold_all_corners(radii: list[float]) ->
     assert all(x1 <= x <= x2 and y1 <= y <= y2 for x, y in corners)
 
 
-@given(ring, st.integers(0, 8), st.booleans())
+@given(radii_lists, st.integers(0, 8), st.booleans())
 @PROPERTY
-def test_simple_polygons_are_accepted_from_any_corner_either_way_round(
+def test_check_accepts_simple_polygons_from_any_corner_in_both_directions(
     radii: list[float], first: int, clockwise: bool
 ) -> None:
     corners = star(radii)
@@ -105,7 +90,7 @@ COMB = ((0, 0), (700, 0), (700, 300), (500, 300), (500, 100), (300, 100), (300, 
 
 
 @pytest.mark.parametrize("corners", [U_SHAPE, COMB, U_SHAPE[::-1], ((0, 0), (9, 0), (9, 9))])
-def test_walls_in_one_line_do_not_cross_unless_they_meet(corners: tuple[Corner, ...]) -> None:
+def test_check_accepts_separate_walls_in_one_line(corners: tuple[Corner, ...]) -> None:
     polygon.check("arena", corners)
 
 
@@ -125,6 +110,6 @@ def test_walls_in_one_line_do_not_cross_unless_they_meet(corners: tuple[Corner, 
         (((0, 0), (300, 0), (300, 300), (300, 100), (300, 200), (0, 300)), "cross"),  # back on itself
     ],
 )
-def test_what_is_no_simple_polygon_is_refused(corners: tuple[Corner, ...], complaint: str) -> None:
+def test_check_refuses_what_is_no_simple_polygon(corners: tuple[Corner, ...], complaint: str) -> None:
     with pytest.raises(ValueError, match=rf"arena.*({complaint})"):
         polygon.check("arena", corners)

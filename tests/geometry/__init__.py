@@ -1,0 +1,1 @@
+"""Angles, polygons and walls against brute force."""
