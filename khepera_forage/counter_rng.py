@@ -24,8 +24,8 @@ def random_bits(key: Any, number: Any) -> Any:
 
 
 def unit(bits: Any) -> float:
-    """A number in (0, 1) from 64 bits."""
-    return float(((bits >> 11) + 0.5) * 2.0**-53)
+    """A number in (0, 1) from 64 bits, of which 52 count: with one more, the largest would round to 1."""
+    return float(((bits >> 12) + 0.5) * 2.0**-52)
 
 
 def uniform(key: Any, number: int) -> float:
