@@ -1,0 +1,101 @@
+"""The counter-based generator: SplitMix64, its statistics, and the same numbers from Python and numpy."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.counter_rng import key_of, keys_of, random_bits, standard_normal, uniform, unit
+
+WORDS = st.integers(0, 2**64 - 1)
+COUNT = 20_000
+
+
+@pytest.mark.parametrize(
+    ("seed", "outputs"),
+    [
+        (
+            1234567,
+            (
+                6457827717110365317,
+                3203168211198807973,
+                9817491932198370423,
+                4593380528125082431,
+                16408922859458223821,
+            ),
+        ),
+        (0, (0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F)),
+    ],
+)
+def test_random_bits_are_the_published_outputs_of_splitmix64(seed: int, outputs: tuple[int, ...]) -> None:
+    assert tuple(random_bits(seed, number) for number in range(1, len(outputs) + 1)) == outputs
+
+
+@given(key=WORDS, number=st.integers(0, 2**48))
+def test_random_bits_agree_between_python_and_numpy(key: int, number: int) -> None:
+    expected = random_bits(key, number)
+    assert 0 <= expected < 2**64
+    keys = np.full(3, key, np.uint64)
+    numbers = np.full(3, number, np.uint64)
+    assert random_bits(keys, numbers).tolist() == [expected] * 3
+
+
+@given(st.lists(WORDS, min_size=1, max_size=5))
+def test_keys_of_many_seeds_are_those_of_each(seeds: list[int]) -> None:
+    assert keys_of(np.array(seeds, np.uint64)).tolist() == [key_of(seed) for seed in seeds]
+
+
+def test_key_of_a_seed_uses_all_of_its_bits() -> None:
+    seeds = [0, 1, 2**32, 2**63, 2**64, 2**64 + 1, 2**128, 3 * 2**200]
+    keys = {key_of(seed) for seed in seeds}
+    assert len(keys) == len(seeds)
+    assert all(type(key) is int and 0 <= key < 2**64 for key in keys)
+
+
+@given(key=WORDS, number=st.integers(0, 1000))
+def test_uniform_is_a_fresh_float_between_0_and_1(key: int, number: int) -> None:
+    value = uniform(key, number)
+    assert type(value) is float
+    assert 0.0 < value < 1.0
+    assert value != uniform(key, number + 1)
+
+
+def test_unit_never_reaches_0_or_1() -> None:
+    assert 0.0 < unit(0) < unit(2**64 - 1) < 1.0
+
+
+def numbers_of(kind: str) -> np.ndarray:
+    """Numbers 0, 1, ... of one key, or number 0 of the keys of seeds 0, 1, ..."""
+    if kind == "numbers of a key":
+        return np.array([uniform(key_of(7), number) for number in range(COUNT)])
+    return np.array([uniform(key_of(seed), 0) for seed in range(COUNT)])
+
+
+@pytest.mark.parametrize("kind", ["numbers of a key", "keys of seeds"])
+def test_uniform_numbers_are_uniform_and_independent(kind: str) -> None:
+    values = numbers_of(kind)
+    counts, _ = np.histogram(values, bins=20, range=(0.0, 1.0))
+    chi_squared = float(np.sum((counts - COUNT / 20) ** 2) / (COUNT / 20))
+    assert chi_squared < 43.8, "19 degrees of freedom, p = 0.001"
+    four_errors = 4.0 / math.sqrt(COUNT)
+    assert abs(values.mean() - 0.5) < four_errors * math.sqrt(1 / 12)
+    for lag in (1, 2, 3):
+        assert abs(np.corrcoef(values[lag:], values[:-lag])[0, 1]) < four_errors
+
+
+def test_standard_normal_numbers_have_mean_0_and_deviation_1() -> None:
+    key = key_of(3)
+    values = np.array([standard_normal(key, number) for number in range(COUNT)])
+    four_errors = 4.0 / math.sqrt(COUNT)
+    assert abs(values.mean()) < four_errors
+    assert abs(values.std() - 1.0) < four_errors / math.sqrt(2)
+    assert np.mean(np.abs(values) < 1.0) == pytest.approx(0.6827, abs=four_errors)
+    assert abs(np.corrcoef(values[1:], values[:-1])[0, 1]) < four_errors
+
+
+def test_neighbouring_keys_share_no_numbers() -> None:
+    streams = [{random_bits(key_of(seed), number) for number in range(200)} for seed in range(10)]
+    assert all(not one & other for one, other in pairwise(streams))
