@@ -1,92 +1,84 @@
-"""What the thesis left to do: one small experiment a question, each with a figure, intervals and an answer.
+"""The further work that the thesis names: one small experiment a question, with claims, intervals and a picture.
 
     python benchmarks/further_work.py --help
 
-The experiments stand in `benchmarks/_further_work/`, one file each. A page, a picture, the tables and all rows of each
-are written to a folder of its own name.
+Each experiment is a file in `benchmarks/further_experiments/`. Its page, picture, tables and rows go to a folder of its
+name.
 """
 
 import argparse
 import sys
-from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
-from _further_work.experiment import Experiment, Report
-from _further_work.page import claim_table, page
-from _further_work.registry import EXPERIMENTS
-from _further_work.rows import Done, Lesson, Recalled, Size, Unit
-from arguments import add_count, count_of, parser_for
-from joblib import Parallel, delayed
-from tqdm import tqdm
+from further_experiments import (
+    action_level,
+    alternatives,
+    attribute_weights,
+    chains_of_learners,
+    different_robots,
+    human_teacher,
+    push_and_avoid,
+    several_learners,
+    spatial_variety,
+    state_vector,
+)
+from further_experiments.analysis import Analysis
+from further_experiments.experiment import Size
+from further_experiments.rows import TABLES, RecallEpisode, TrainingEpisode
+from harness import page
+from harness.arguments import Count, parse
+from harness.processes import collect
 
-from khepera_forage.rollouts.row_files import write_rows
-from khepera_forage.thesis.figures import save
-
-REPLICATIONS, QUICK_REPLICATIONS = 20, 2
-QUICK = {"files": 3, "recalls": 1, "generations": 2, "attempts": 5}
-"""The same work in small."""
-
-
-def work(experiment: Experiment, units: Sequence[Unit], jobs: int) -> Done:
-    """Do it; the rows come in its order, whatever the number of processes."""
-    running = Parallel(n_jobs=jobs, return_as="generator")(delayed(experiment.run)(unit) for unit in units)
-    progress = tqdm(
-        running, total=len(units), desc=experiment.name, unit="unit", disable=not sys.stderr.isatty()
+EXPERIMENTS = {
+    module.EXPERIMENT.name: module.EXPERIMENT
+    for module in (
+        push_and_avoid,
+        attribute_weights,
+        spatial_variety,
+        state_vector,
+        action_level,
+        different_robots,
+        chains_of_learners,
+        human_teacher,
+        alternatives,
+        several_learners,
     )
-    parts = list(progress)
-    return Done(
-        tuple(row for part in parts for row in part.lessons),
-        tuple(row for part in parts for row in part.recalls),
+}
+"""In the order of the pages. To add an experiment, add a file and a line here."""
+QUICK = Size(files=3, recalls=1, generations=2, attempts=5)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of this script alone."""
+    text = "one experiment; may be given several times (all)"
+    parser.add_argument("--only", action="append", choices=list(EXPERIMENTS), help=text)
+
+
+def main() -> int:
+    """Run the experiments."""
+    replications = Count(
+        "replications",
+        20,
+        2,
+        "repetitions of each experiment, new training files included",
+        adds_units=True,
     )
-
-
-def write(folder: Path, experiment: Experiment, done: Done, report: Report, command: str) -> None:
-    """Write page, picture, tables and rows of one experiment."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{experiment.name}.md").write_text(page(experiment, report, command), encoding="utf-8")
-    for table in (claim_table(report.claims), *report.tables):
-        (folder / f"table_{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
-    write_rows(folder / "lessons.csv", Lesson, done.lessons)
-    if done.recalls:
-        write_rows(folder / "recalls.csv", Recalled, done.recalls)
-    save(report.figure, folder / f"{experiment.name}.png")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Do what the arguments ask for."""
-    replications = count_of(arguments.replications, REPLICATIONS, arguments.quick, QUICK_REPLICATIONS)
-    size = Size(replications, **(QUICK if arguments.quick else {}))
-    for name in arguments.only or EXPERIMENTS:
+    given = parse("further_work", __doc__, replications, add=add_arguments)
+    size = QUICK if given.quick else Size()
+    results = given.out
+    for name in given.only or EXPERIMENTS:
         experiment = EXPERIMENTS[name]
-        done = work(experiment, experiment.units(arguments.seed, size), arguments.jobs)
-        report = experiment.report(done, np.random.default_rng(arguments.seed))
-        command = (
-            f"python benchmarks/further_work.py --only {name} --replications {replications} --seed {arguments.seed}"
-            f"{' --quick' if arguments.quick else ''}"
-        )
-        write(arguments.out / name, experiment, done, report, command)
-        print(f"{experiment.title}: {experiment.question}")
-        for claim in report.claims:
-            print(f"  {claim.verdict}: {claim.name}: {claim.effect}")
-    print(f"Pages, pictures, tables and rows are in {arguments.out}")
+        given.out = results / name
+        rows = collect(given, experiment.trials(given.seed, given.replications, size), TABLES)
+        rng = np.random.default_rng(given.seed)
+        report = experiment.report(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), rng))
+        written = experiment.page(report)
+        page.write(given.out, name, written, given.command(f"--only {name}"))
+        print(f"# {experiment.title}: {experiment.question}\n")
+        print("\n".join(table.markdown() for table in written.tables))
+    print(f"Pages, pictures, tables and rows are in {results}")
     return 0
 
 
 if __name__ == "__main__":
-    parser = parser_for(__doc__, "results/further_work")
-    add_count(
-        parser,
-        "--replications",
-        REPLICATIONS,
-        QUICK_REPLICATIONS,
-        "repetitions of each experiment, new training files included",
-    )
-    parser.add_argument(
-        "--only",
-        action="append",
-        choices=list(EXPERIMENTS),
-        help="one experiment; may be given several times (all)",
-    )
-    parser.add_argument("--jobs", type=int, default=-1, help="processes; -1 is one a core (-1)")
-    sys.exit(run(parser.parse_args()))
+    sys.exit(main())

@@ -1,43 +1,30 @@
 """`benchmarks/further_work.py`: every experiment gives a page, a picture and rows that agree with each other."""
 
-import importlib
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from further_experiments.alternative_policies import (
+    PATIENCE,
+    StateLabels,
+    UntilGoal,
+    first_vectors,
+    goal_reached,
+)
 
 from khepera_forage.experience import Experience
 from khepera_forage.task.states import Behaviour, StateVector
-from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import is_picture, read
+from tests.benchmarks.test_scripts import EXPERIMENTS
 
-NAMES = (
-    "push_avoid",
-    "attribute_weights",
-    "variety",
-    "state_vector",
-    "action_level",
-    "bodies",
-    "chains",
-    "human_teacher",
-    "roads",
-    "company",
-)
-WITHOUT_RECALLS = {"company"}
+WITHOUT_RECALLS = {"several_learners"}
 Rows = list[dict[str, str]]
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "further_work"
-    (folder.parent / "printed").write_text(quick("further_work.py", folder), encoding="utf-8")
-    return folder
-
-
-@pytest.fixture
-def module(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    return importlib.import_module("_further_work.road_policies")
+def out(quick_run: QuickRun) -> Path:
+    return quick_run("further_work")
 
 
 def rows_of(out: Path, name: str, kind: str = "recalls", **wanted: str) -> Rows:
@@ -46,11 +33,11 @@ def rows_of(out: Path, name: str, kind: str = "recalls", **wanted: str) -> Rows:
 
 
 def test_every_experiment_has_page_picture_tables_and_rows(out: Path) -> None:
-    assert {folder.name for folder in out.iterdir()} == set(NAMES)
-    for name in NAMES:
+    assert {folder.name for folder in out.iterdir()} == set(EXPERIMENTS)
+    for name in EXPERIMENTS:
         assert is_picture(out / name / f"{name}.png")
-        assert read(out / name / "lessons.csv")
-        assert (out / name / "recalls.csv").exists() is (name not in WITHOUT_RECALLS)
+        assert read(out / name / "trainings.csv")
+        assert bool(read(out / name / "recalls.csv")) is (name not in WITHOUT_RECALLS)
         page = (out / name / f"{name}.md").read_text(encoding="utf-8")
         assert f"--only {name} --replications 2 --seed 1 --quick" in page
         assert f"]({name}.png)" in page
@@ -58,26 +45,26 @@ def test_every_experiment_has_page_picture_tables_and_rows(out: Path) -> None:
 
 def test_every_claim_is_printed_and_answered_on_its_page(out: Path) -> None:
     printed = (out.parent / "printed").read_text(encoding="utf-8")
-    for name in NAMES:
+    for name in EXPERIMENTS:
         claims = read(out / name / "table_claims.csv")
         page = (out / name / f"{name}.md").read_text(encoding="utf-8")
         assert claims
         for claim in claims:
             assert claim["verdict"] == "undecided", "two replications give no interval"
-            assert f"{claim['claim']}: {claim['effect']}" in printed
+            assert f"| {claim['claim']} | {claim['effect']} |" in printed
             assert f"- **{claim['claim']}: undecided.** " in page
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - WITHOUT_RECALLS))
+@pytest.mark.parametrize("name", sorted(set(EXPERIMENTS) - WITHOUT_RECALLS))
 def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
-    key = {"chains": "generation", "human_teacher": "delay"}.get(name, "episodes")
-    column = "food settled (%)" if name == "push_avoid" else "food delivered (%)"
+    key = {"chains_of_learners": "generation", "human_teacher": "delay"}.get(name, "episodes")
+    column = "food settled (%)" if name == "push_and_avoid" else "food delivered (%)"
     table = read(out / name / "table_recalls.csv")
     for line in table:
         own = rows_of(out, name, condition=line["condition"], arena=line["arena"], amount=line[key])
         assert len(own) == int(line["rows"]) > 0
         settled = sum(int(row["delivered"]) for row in own)
-        if name == "push_avoid":
+        if name == "push_and_avoid":
             settled += sum(int(row["avoided"]) for row in own)
         foods = sum(int(row["foods"]) for row in own)
         assert float(line[column]) == pytest.approx(100 * settled / foods, abs=1e-3)
@@ -85,7 +72,7 @@ def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
 
 
 def test_conditions_share_their_places(out: Path) -> None:
-    for name in sorted(set(NAMES) - WITHOUT_RECALLS):
+    for name in sorted(set(EXPERIMENTS) - WITHOUT_RECALLS):
         seeds: dict[tuple[str, str], set[tuple[str, ...]]] = {}
         groups: dict[tuple[str, ...], list[str]] = {}
         for row in rows_of(out, name):
@@ -97,9 +84,9 @@ def test_conditions_share_their_places(out: Path) -> None:
         assert all(len(kinds) == 1 for kinds in seeds.values())
 
 
-def test_lessons_agree_with_themselves(out: Path) -> None:
-    for name in NAMES:
-        for row in rows_of(out, name, "lessons"):
+def test_trainings_agree_with_themselves(out: Path) -> None:
+    for name in EXPERIMENTS:
+        for row in rows_of(out, name, "trainings"):
             true, vectors, rounds, everything = (
                 int(row[key]) for key in ("true", "vectors", "rounds", "all_rounds")
             )
@@ -111,51 +98,44 @@ def test_variety_is_variety(out: Path) -> None:
     """Three episodes of one set-up leave fewer different state vectors than three of several."""
     distinct = {
         condition: np.mean(
-            [int(row["distinct"]) for row in rows_of(out, "variety", condition=condition, amount="3")]
+            [int(row["distinct"]) for row in rows_of(out, "spatial_variety", condition=condition, amount="3")]
         )
         for condition in ("one set-up", "food moved", "start and food moved")
     }
     assert distinct["one set-up"] < min(distinct["food moved"], distinct["start and food moved"])
 
 
-def test_a_body_whose_arm_reads_otherwise_cannot_use_the_teachers_program(out: Path) -> None:
+def test_a_robot_with_another_arm_reading_cannot_use_the_teachers_program(out: Path) -> None:
     def delivered(condition: str) -> int:
-        return sum(int(row["delivered"]) for row in rows_of(out, "bodies", condition=condition, amount="0"))
+        return sum(
+            int(row["delivered"]) for row in rows_of(out, "different_robots", condition=condition, amount="0")
+        )
 
     assert delivered("arm reads 231 when raised") == 0
-    assert delivered("the teacher's own") == 2 * (1 + 2)
+    assert delivered("same robot") == 2 * (1 + 2)
 
 
-def test_who_learns_from_state_labels_forages_exactly_as_the_teacher(out: Path) -> None:
+def test_state_labels_forage_exactly_as_the_teacher(out: Path) -> None:
     """After three episodes: in one alone the single round of EXPLORE FOOD may not come up."""
     for arena in ("corridor", "rectangle"):
-        teacher = rows_of(out, "roads", condition="teacher", arena=arena)
-        labels = rows_of(out, "roads", condition="state labels", arena=arena, amount="3")
+        teacher = rows_of(out, "alternatives", condition="teacher", arena=arena)
+        labels = rows_of(out, "alternatives", condition="state labels", arena=arena, amount="3")
         for name in ("steps", "correct", "delivered"):
             assert [row[name] for row in labels] == [row[name] for row in teacher]
 
 
-def test_every_road_leads_elsewhere(out: Path) -> None:
+def test_alternatives_end_differently(out: Path) -> None:
     """Learners that use the same files differently end differently."""
     ends = {
-        name: tuple(row["steps"] for row in rows_of(out, "roads", condition=name, amount="3"))
-        for name in ("the thesis' own", "highest confidence", "threshold 0.2", "until the goal, all vectors")
+        name: tuple(row["steps"] for row in rows_of(out, "alternatives", condition=name, amount="3"))
+        for name in ("as in the thesis", "highest confidence", "threshold 0.2", "until the goal, all vectors")
     }
     assert len(set(ends.values())) == len(ends)
 
 
-def test_same_rows_on_any_number_of_processes_and_nothing_but_what_is_asked_for(tmp_path: Path) -> None:
-    for jobs in ("1", "2"):
-        quick("further_work.py", tmp_path / jobs, "--only", "variety", "--replications", "1", "--jobs", jobs)
-        assert {folder.name for folder in (tmp_path / jobs).iterdir()} == {"variety"}
-    for file in ("lessons.csv", "recalls.csv", "table_claims.csv", "table_recalls.csv"):
-        assert (tmp_path / "1/variety" / file).read_bytes() == (tmp_path / "2/variety" / file).read_bytes()
-
-
-def test_help_names_every_argument() -> None:
-    told = help_of("further_work.py")
-    for argument in ("--seed", "--out", "--quick", "--replications", "--only", "--jobs", *NAMES):
-        assert argument in told
+def test_only_the_experiments_given_are_run(quick_run: QuickRun) -> None:
+    out = quick_run("further_work", "--only", "spatial_variety", "--replications", "1", "--jobs", "1")
+    assert {folder.name for folder in out.iterdir()} == {"spatial_variety"}
 
 
 FAR = StateVector(0, 90, 0, 215, 60)
@@ -179,44 +159,44 @@ DONE = (
 )
 
 
-def test_each_goal_is_where_the_next_behaviour_begins(module: ModuleType) -> None:
+def test_each_goal_is_where_the_next_behaviour_begins() -> None:
     for behaviour, here, there in zip(DONE, ROUTE[:-1], ROUTE[1:], strict=True):
-        assert not module.goal_reached(behaviour, here, 20)
-        assert module.goal_reached(behaviour, there, 20)
+        assert not goal_reached(behaviour, here, 20)
+        assert goal_reached(behaviour, there, 20)
     for behaviour in (Behaviour.AVOID_FOOD, Behaviour.PUSH_FOOD):
-        assert not module.goal_reached(behaviour, KNOWN, 20)
-    assert module.goal_reached(Behaviour.AVOID_FOOD, RELEASED, 20)
-    assert module.goal_reached(Behaviour.PUSH_FOOD, HOME, 20)
+        assert not goal_reached(behaviour, KNOWN, 20)
+    assert goal_reached(Behaviour.AVOID_FOOD, RELEASED, 20)
+    assert goal_reached(Behaviour.PUSH_FOOD, HOME, 20)
 
 
-def test_a_behaviour_runs_until_its_goal_or_until_patience_is_at_an_end(module: ModuleType) -> None:
-    asked = []
+def test_a_behaviour_runs_until_its_goal_or_for_a_limited_time() -> None:
+    decisions = []
 
     class Searching:
         def act(self, observation: object, rng: np.random.Generator | None = None) -> int:
-            asked.append(observation)
+            decisions.append(observation)
             return Behaviour.SEARCH_FOR_FOOD
 
-    policy = module.UntilGoal(Searching(), 20)
-    for _ in range(module.PATIENCE):
+    policy = UntilGoal(Searching(), 20)
+    for _ in range(PATIENCE):
         assert policy.act(FAR) == Behaviour.SEARCH_FOR_FOOD
-    assert len(asked) == 1
+    assert len(decisions) == 1
     policy.act(FAR)
-    assert len(asked) == 2
+    assert len(decisions) == 2
     policy.act(CLOSE)
-    assert len(asked) == 3
+    assert len(decisions) == 3
 
 
-def test_beginnings_are_the_first_vector_of_every_behaviour(module: ModuleType) -> None:
+def test_first_vectors_are_the_first_vector_of_every_behaviour() -> None:
     heard = [0, 0, 1, 1, 0, 2]
     vectors = [FAR._replace(robot_home_distance=90 - i) for i in range(6)]
-    first = module.beginnings(Experience(vectors, heard))
+    first = first_vectors(Experience(vectors, heard))
     assert [vector.robot_home_distance for vector in first.vectors] == [90, 88, 86, 85]
     assert list(first.behaviours) == [0, 1, 0, 2]
 
 
-def test_state_labels_know_nothing_of_a_state_never_heard_of(module: ModuleType) -> None:
-    learner = module.StateLabels.heard([Experience([FAR, CLOSE], [0, 1])], 20)
+def test_state_labels_draw_any_behaviour_in_a_state_without_record() -> None:
+    learner = StateLabels.heard([Experience([FAR, CLOSE], [0, 1])], 20)
     rng = np.random.default_rng(0)
     assert {learner.act(FAR, rng) for _ in range(20)} == {Behaviour.SEARCH_FOR_FOOD}
     assert len({learner.act(HOME, rng) for _ in range(100)}) == 10

@@ -1,26 +1,28 @@
-"""Experiments 2, 4 and 5 of `benchmarks/further_work.py`: what counts how much, what is perceived, and motors."""
+"""Attribute weights, state vector and action level of `benchmarks/further_work.py`."""
 
-import importlib
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from further_experiments import redesigned_vector as new
+from further_experiments.attribute_weights import FIXED
+from further_experiments.copied_motors import CopiedMotorsEnv, LearnedBehavioursEnv
+from further_experiments.observed_training import ObservingTeacher
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.policies.attribute_weights import WeightedImitator
-from khepera_forage.policies.votes import distance
+from khepera_forage.policies.nearest_neighbour.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import Behaviour
-from tests.benchmarks.running import ROOT, quick, read
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import read
 
 ATTRIBUTES = 5
 DIAGONAL = 138
@@ -42,18 +44,10 @@ SIGHT: dict[str, Any] = {
     "wall_bearing": 90.0,
 }
 RAW = RawData(**(dict.fromkeys(RawData._fields, 0) | SIGHT))
-Import = Callable[[str], ModuleType]
 
 
-@pytest.fixture
-def module(monkeypatch: pytest.MonkeyPatch) -> Import:
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    return lambda name: importlib.import_module(f"_further_work.{name}")
-
-
-def test_the_argument_for_weights_holds_on_the_training_line(module: Import) -> None:
+def test_the_argument_for_weights_holds_on_the_training_line() -> None:
     """Equal weights tie what lies on one line with start and home; any weight of the food above the home's does not."""
-    fixed = module("attribute_weights").FIXED
     far = (Behaviour.SEARCH_FOR_FOOD, range(31, 57)), (Behaviour.MOVE_SLOWLY, range(21, 31))
     training = [((0, 36 + food, 0, 215, food), heard) for heard, foods in far for food in foods]
     training.append(((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD))
@@ -64,24 +58,23 @@ def test_the_argument_for_weights_holds_on_the_training_line(module: Import) -> 
         shares = WeightedImitator(DIAGONAL, weights).fit(vectors, heard).predict_proba(further_out)
         return float(shares[0, list(np.unique(heard)).index(Behaviour.ORIENT_WITH_FOOD)])
 
-    assert level(fixed["equal"]) == pytest.approx(1 / len(training))
-    assert [level(fixed[name]) for name in ("food ×2", "food ×4", "food ×8")] == [1.0, 1.0, 1.0]
-    assert level(fixed["home ×4"]) == 0.0
+    assert level(FIXED["equal"]) == pytest.approx(1 / len(training))
+    assert [level(FIXED[name]) for name in ("food ×2", "food ×4", "food ×8")] == [1.0, 1.0, 1.0]
+    assert level(FIXED["home ×4"]) == 0.0
 
 
-def test_equal_weights_are_the_thesis_own_distance(module: Import) -> None:
+def test_equal_weights_are_the_thesis_own_distance() -> None:
     rng = np.random.default_rng(0)
     lows, highs = (0, 0, 0, 215, 0), (2, 60, 4, 256, 60)
     vectors, asked = (rng.integers(lows, highs, (200, ATTRIBUTES)) for _ in range(2))
     heard = rng.integers(0, 10, 200)
-    weights = module("attribute_weights").FIXED["equal"]
+    weights = FIXED["equal"]
     mine = WeightedImitator(DIAGONAL, weights).fit(vectors, heard)
     own = NearestNeighbourImitator(DIAGONAL).fit(vectors, heard)
     assert mine.predict_proba(asked) == pytest.approx(own.predict_proba(asked))
 
 
-def test_food_nearness_and_at_home_by_hand(module: Import) -> None:
-    new = module("prototype")
+def test_food_nearness_and_at_home_by_hand() -> None:
     assert new.REACH == 15
     assert new.food_nearness(RAW) == pytest.approx(15 / 45)
     assert new.food_nearness(RAW._replace(food_x=55.0)) == 0.5
@@ -94,12 +87,11 @@ def test_food_nearness_and_at_home_by_hand(module: Import) -> None:
     assert new.redesigned(RAW) == (0, 0, 0, 215, 333)
 
 
-def test_distances_of_the_redesigned_vector(module: Import) -> None:
-    new = module("prototype")
+def test_distances_of_the_redesigned_vector() -> None:
     here = new.redesigned(RAW)
 
     def away(**changes: Any) -> float:
-        return float(distance(here, new.redesigned(RAW._replace(**changes)), new.FULL))
+        return float(distance(here, new.redesigned(RAW._replace(**changes)), new.SCALE))
 
     assert away(home_x=45.0) == 1
     assert away(food_type=2) == 1
@@ -108,54 +100,54 @@ def test_distances_of_the_redesigned_vector(module: Import) -> None:
     assert away(object_presence=255) == pytest.approx(1 + 2 / 3, abs=1e-3)
 
 
-def test_how_far_from_home_the_food_lies_is_nothing_to_the_redesigned_vector(module: Import) -> None:
-    redesigned = module("prototype").redesigned
+def test_the_redesigned_vector_does_not_depend_on_the_distance_of_the_home() -> None:
+    redesigned = new.redesigned
     assert {redesigned(RAW._replace(home_x=x)) for x in (61.0, 80.0, 110.0, 200.0)} == {redesigned(RAW)}
 
 
-def test_a_witness_notes_what_the_file_holds_and_more(module: Import) -> None:
+def test_recorded_moments_are_those_of_the_experience_file() -> None:
     env = TrainingEnv()
-    witness = module("witness").Witness(env)
-    with pytest.raises(AssertionError, match="nothing was taught"):
-        witness.moments()
+    teacher = ObservingTeacher(env)
+    with pytest.raises(AssertionError, match="there was no training"):
+        teacher.moments()
     for seed in (1, 2):
-        experience, rows = train(env, np.random.SeedSequence(seed), teacher=witness)
-        moments = witness.moments()
+        experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher)
+        moments = teacher.moments()
         assert rows[-1].complete
         assert [state_vector(moment.raw, DIAGONAL) for moment in moments] == list(experience.vectors)
         assert [moment.heard for moment in moments] == list(experience.behaviours)
     env.close()
 
 
-def test_a_witness_forgets_an_attempt_that_was_given_up(module: Import) -> None:
+def test_moments_of_a_failed_attempt_are_dropped() -> None:
     env = TrainingEnv(max_cycles=20)
-    witness = module("witness").Witness(env)
+    teacher = ObservingTeacher(env)
     for seed in (1, 2):
-        assert not attempt(env, seed, lambda *_: None, teacher=witness).complete
-        assert 0 < len(witness.moments()) <= 20
+        assert not attempt(env, seed, lambda *_: None, teacher=teacher).complete
+        assert 0 < len(teacher.moments()) <= 20
     env.close()
 
 
-def test_who_copies_drives_what_the_teacher_drives(module: Import) -> None:
+def test_without_noise_copied_motors_are_the_teachers() -> None:
     """Without noise both robots stand in the same place, and following has nothing to bend."""
-    env = module("copying").CopyingEnv(noise=Noise.none())
-    witness = module("witness").Witness(env)
+    env = CopiedMotorsEnv(noise=Noise.none())
+    teacher = ObservingTeacher(env)
     told = []
 
     def watch() -> None:
         teacher, learner = env.foragers
         told.append((teacher.applied, learner.applied))
 
-    assert attempt(env, 3, lambda *_: None, teacher=witness, watch=watch).complete
+    assert attempt(env, 3, lambda *_: None, teacher=teacher, callback=watch).complete
     env.close()
     assert len(told) > 50
     assert [learner for _, learner in told] == [teacher for teacher, _ in told]
-    assert [moment.motors for moment in witness.moments()] == [learner for _, learner in told]
+    assert [moment.motors for moment in teacher.moments()] == [learner for _, learner in told]
 
 
-def test_who_copies_needs_no_behaviour_of_its_own(module: Import) -> None:
+def test_copied_motors_are_the_teachers_unless_following_bends_them() -> None:
     """In the laboratory's noise the learner's motors are the teacher's, unless following bends them."""
-    env = module("copying").CopyingEnv()
+    env = CopiedMotorsEnv()
     shown = []
 
     def watch() -> None:
@@ -164,15 +156,15 @@ def test_who_copies_needs_no_behaviour_of_its_own(module: Import) -> None:
         same_mean.append(sum(teacher.applied[:2]) == pytest.approx(sum(learner.applied[:2]), abs=1.01))
 
     same_mean: list[bool] = []
-    attempt(env, 4, lambda *_: None, watch=watch)
+    attempt(env, 4, lambda *_: None, callback=watch)
     env.close()
     assert all(teacher == learner for teacher, learner in shown)
     assert np.mean(same_mean) > 0.9, "only a learner that recovers goes at a speed of its own"
 
 
-def test_recall_with_the_given_behaviours_is_recall(module: Import) -> None:
+def test_recall_with_the_given_behaviours_is_recall() -> None:
     given = recall_env("corridor")
-    own = module("copying").OwnBehavioursEnv(command, arena="corridor", foods=given.foods, limit=given.limit)
+    own = LearnedBehavioursEnv(command, arena="corridor", foods=given.foods, limit=given.limit)
     for seed in (5, 6):
         assert recall(own, Teacher(), seed) == recall(given, Teacher(), seed)
     own.command = lambda behaviour, raw: applicable(command(Behaviour.WAIT, raw))
@@ -183,12 +175,8 @@ def test_recall_with_the_given_behaviours_is_recall(module: Import) -> None:
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "further_work"
-    names = ("attribute_weights", "state_vector", "action_level", "roads")
-    only = [part for name in names for part in ("--only", name)]
-    quick("further_work.py", folder, *only, "--replications", "1", "--jobs", "1")
-    return folder
+def out(quick_run: QuickRun) -> Path:
+    return quick_run("further_work")
 
 
 def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(out: Path) -> None:
@@ -196,20 +184,20 @@ def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(ou
     names = {
         "attribute_weights": "equal",
         "state_vector": "the thesis' state vector",
-        "roads": "the thesis' own",
+        "alternatives": "as in the thesis",
     }
     rows = {
         name: [row | {"condition": ""} for row in read(out / name / "recalls.csv") if row["condition"] == own]
         for name, own in names.items()
     }
-    assert len(rows["roads"]) == 4
-    assert rows["attribute_weights"] == rows["state_vector"] == rows["roads"]
+    assert len(rows["alternatives"]) == 8
+    assert rows["attribute_weights"] == rows["state_vector"] == rows["alternatives"]
 
 
-def test_every_page_ends_in_a_plain_sentence(out: Path) -> None:
+def test_pages_have_a_summary(out: Path) -> None:
     for name in ("attribute_weights", "state_vector", "action_level"):
         page = (out / name / f"{name}.md").read_text(encoding="utf-8")
-        summary = page.split("## In short\n\n")[1].split("\n\n## Command")[0]
+        summary = page.split("**In short:** ")[1].split("\n\n")[0]
         assert "after 3 episodes" in summary.lower()
         assert "nan" not in summary
 

@@ -1,15 +1,12 @@
-"""The scripted person of `benchmarks/_further_work/human_teacher.py`: how late it is, and how often wrong."""
-
-import importlib
-from types import ModuleType
+"""The simulated person of `benchmarks/further_experiments/human_teacher.py`: its delay and its wrong keys."""
 
 import numpy as np
 import pytest
+from further_experiments.human_teacher import SimulatedPerson
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.task.states import Behaviour
-from tests.benchmarks.running import ROOT
 
 FAR, CLOSE, NEXT = (0, 90, 0, 215, 60), (0, 90, 0, 215, 25), (0, 90, 0, 215, 20)
 SEARCH, SLOWLY, ORIENT = (
@@ -17,12 +14,6 @@ SEARCH, SLOWLY, ORIENT = (
     Behaviour.MOVE_SLOWLY,
     Behaviour.ORIENT_WITH_FOOD,
 )
-
-
-@pytest.fixture
-def module(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    return importlib.import_module("_further_work.human_teacher")
 
 
 @pytest.fixture
@@ -36,9 +27,9 @@ def seen(vector: tuple[int, ...], separated: int = 0) -> list[int]:
     return [*vector, Behaviour.WAIT, separated]
 
 
-def test_it_is_as_late_as_it_is_told_but_not_with_the_first_key(module: ModuleType, env: TrainingEnv) -> None:
+def test_every_key_but_the_first_is_late(env: TrainingEnv) -> None:
     draws = np.random.default_rng(0)
-    person = module.ScriptedPerson(env, delay=2, wrong=0.0)
+    person = SimulatedPerson(env, delay=2, wrong=0.0)
     for attempt in range(2):
         keys = []
         for step, vector in enumerate((CLOSE if attempt else FAR, CLOSE, NEXT, NEXT, NEXT, FAR)):
@@ -48,22 +39,22 @@ def test_it_is_as_late_as_it_is_told_but_not_with_the_first_key(module: ModuleTy
         assert keys == [first, first, first, SLOWLY, ORIENT, ORIENT]
 
 
-def test_without_faults_it_is_the_teacher(module: ModuleType, env: TrainingEnv) -> None:
-    draws, person = np.random.default_rng(0), module.ScriptedPerson(env, delay=0, wrong=0.0)
+def test_without_faults_it_is_the_teacher(env: TrainingEnv) -> None:
+    draws, person = np.random.default_rng(0), SimulatedPerson(env, delay=0, wrong=0.0)
     for vector in (FAR, CLOSE, NEXT, FAR):
         for separated in (0, 1):
             assert person.act(seen(vector, separated), draws) == Teacher().act(seen(vector, separated))
 
 
-def test_wrong_keys_are_as_frequent_as_told_and_all_alike(module: ModuleType, env: TrainingEnv) -> None:
-    draws, person = np.random.default_rng(0), module.ScriptedPerson(env, delay=0, wrong=0.2)
+def test_wrong_keys_have_the_given_rate_and_equal_odds(env: TrainingEnv) -> None:
+    draws, person = np.random.default_rng(0), SimulatedPerson(env, delay=0, wrong=0.2)
     keys = [person.act(seen(FAR), draws) for _ in range(5000)]
     counts = np.bincount(keys, minlength=10)
-    assert len(counts) == 10, "nobody presses WAIT"
+    assert len(counts) == 10, "WAIT is never pressed"
     assert abs(counts[SEARCH] - 4000) < 6 * np.sqrt(5000 * 0.2 * 0.8)
     assert np.all(np.abs(counts[1:] - 1000 / 9) < 6 * np.sqrt(1000 / 9))
 
 
-def test_it_needs_a_generator(module: ModuleType, env: TrainingEnv) -> None:
+def test_it_needs_a_generator(env: TrainingEnv) -> None:
     with pytest.raises(TypeError, match="rng is None"):
-        module.ScriptedPerson(env, 0, 0.0).act(seen(FAR))
+        SimulatedPerson(env, 0, 0.0).act(seen(FAR))

@@ -11,6 +11,18 @@ import pytest
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import help_of, is_picture, quick, read, refused
 
+EXPERIMENTS = (
+    "push_and_avoid",
+    "attribute_weights",
+    "spatial_variety",
+    "state_vector",
+    "action_level",
+    "different_robots",
+    "chains_of_learners",
+    "human_teacher",
+    "alternatives",
+    "several_learners",
+)
 COMMON = ("--seed", "--out", "--quick")
 BOOKKEEPING = ("units.csv", "settings.csv")
 
@@ -38,6 +50,12 @@ class Script:
 
 SCRIPTS = {
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
+    "further_work": Script(
+        ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
+        ("trainings", "recalls"),
+        small=("--only", "spatial_variety", "--replications", "1"),
+        page="spatial_variety/spatial_variety.md",
+    ),
     "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
 }
 

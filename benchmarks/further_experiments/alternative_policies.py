@@ -1,4 +1,4 @@
-"""Foragers as the thesis first had them: behaviours that run until their goal is reached, and state labels."""
+"""Policies that the thesis rejected: behaviours that run until their goal is reached, and state labels."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from khepera_forage.task.states import (
 )
 
 PATIENCE = 100
-"""Steps after which a behaviour that has not reached its goal has failed: ten seconds. Our decision (4.2.1)."""
+"""Steps after which a behaviour without success ends: ten seconds. Our decision (4.2.1)."""
 
 
 def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
@@ -30,7 +30,7 @@ def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
 
     Args:
         behaviour: A `Behaviour`.
-        vector: What is perceived now.
+        vector: The present state vector.
         home_radius: In pixels.
     """
     presence, home, food_type, arm, food = vector
@@ -53,12 +53,12 @@ def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
 
 @dataclass
 class UntilGoal:
-    """Perceives, decides, and runs the behaviour until its goal is reached or `PATIENCE` steps have passed.
+    """A policy whose behaviours run until their goal is reached or `PATIENCE` steps have passed.
 
-    It remembers what it is doing: every episode needs one of its own.
+    It remembers the running behaviour, so every episode needs a new copy.
 
     Attributes:
-        policy: Who decides what to do next.
+        policy: Decides on the next behaviour.
         home_radius: In pixels.
     """
 
@@ -78,36 +78,36 @@ class UntilGoal:
         return running
 
 
-def beginnings(experience: Experience) -> Experience:
-    """The one perceptual experience for every behaviour that 4.2.1 speaks of: where the teacher began it."""
+def first_vectors(experience: Experience) -> Experience:
+    """The first vector of every behaviour that the teacher began: the one perceptual experience of 4.2.1."""
     first = [next(run) for _, run in groupby(experience, key=lambda pair: pair[1])]
     return Experience([vector for vector, _ in first], [heard for _, heard in first], arena=experience.arena)
 
 
 @dataclass(frozen=True, slots=True)
 class StateLabels:
-    """The learner of the first draft (4.5.1): it can classify states, and learns which behaviour goes with which.
+    """The learner of the first draft (4.5.1): it classifies states, and learns which behaviour belongs to which.
 
     Attributes:
-        home_radius: Of the arena foraged in, in pixels.
-        shouted: How often each behaviour was shouted with each state.
+        home_radius: Of the arena it forages in, in pixels.
+        counts: How often each behaviour was heard in each state.
     """
 
     home_radius: int
-    shouted: Mapping[State, Mapping[Behaviour, int]]
+    counts: Mapping[State, Mapping[Behaviour, int]]
 
     @classmethod
     def heard(cls, files: Sequence[Experience], home_radius: int) -> "StateLabels":
-        """From what the teacher shouted: state and behaviour, which stand one to one (4.4.1)."""
-        shouted: dict[State, dict[Behaviour, int]] = {}
+        """The learner of these files: behaviours tell the states, as the two correspond one to one (4.4.1)."""
+        heard: dict[State, dict[Behaviour, int]] = {}
         for experience in files:
             for behaviour in experience.behaviours:
-                counts = shouted.setdefault(State(int(behaviour)), {})
+                counts = heard.setdefault(State(int(behaviour)), {})
                 counts[behaviour] = counts.get(behaviour, 0) + 1
-        return cls(home_radius, shouted)
+        return cls(home_radius, heard)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """A behaviour heard with the present state, drawn with its share; any, if none was ever heard.
+        """A behaviour heard in the present state, drawn with its share; any behaviour if none was heard.
 
         Raises:
             TypeError: `rng` is not a NumPy generator.
@@ -115,12 +115,9 @@ class StateLabels:
         if not isinstance(rng, np.random.Generator):
             raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw behaviours from")
         state = classify(state_vector_of(observation), self.home_radius)
-        counts = self.shouted.get(state)
+        counts = self.counts.get(state)
         if counts is None:
             return BEHAVIOURS[int(rng.integers(len(BEHAVIOURS) - 1))]
-        left = rng.random() * sum(counts.values())
-        for behaviour, count in counts.items():  # noqa: B007 - the last one looked at is the one drawn
-            left -= count
-            if left < 0:
-                break
-        return behaviour
+        behaviours = list(counts)
+        shares = np.cumsum(list(counts.values()))
+        return behaviours[int(np.searchsorted(shares, rng.random() * shares[-1], side="right"))]

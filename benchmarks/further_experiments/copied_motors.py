@@ -1,4 +1,4 @@
-"""A learner without behaviours: in training it drives the teacher's motors, in recall what it has learned of them."""
+"""Environments for a learner without behaviours: it copies motor commands, and recalls with learned behaviours."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,11 +12,10 @@ from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import BEHAVIOURS
 
 
-class CopyingEnv(TrainingEnv):
-    """The paired corridors, where the teacher's motor commands are heard beside its word.
+class CopiedMotorsEnv(TrainingEnv):
+    """The paired corridors, where learners drive the teacher's motor commands, bent by following (4.5.2).
 
-    A learner drives just those, bent by following (4.5.2) as in the thesis; what it acts is its word alone. It has no
-    behaviour of its own to execute.
+    A learner's action is the behaviour that it heard and is only recorded; it executes no behaviour of its own.
     """
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
@@ -27,14 +26,13 @@ class CopyingEnv(TrainingEnv):
             learner.motors_for = teacher.motors_for  # type: ignore[method-assign]
 
 
-class OwnBehavioursEnv(BehavioursEnv):
-    """Recall in which behaviours command what the learner has learned that they command.
+class LearnedBehavioursEnv(BehavioursEnv):
+    """Recall with learned behaviours in place of the hand-coded ones.
 
-    The score stays that of equation 5.1, which is of behaviours: a step is correct if the teacher would have chosen
-    the same one.
+    The score is that of equation 5.1: a step is correct if the teacher would have chosen the same behaviour.
 
     Args:
-        command: From a behaviour and raw data to motors; may be changed between episodes.
+        command: From a behaviour and raw data to motors; may be replaced between episodes.
         **kwargs: Of `BehavioursEnv`.
     """
 

@@ -1,0 +1,173 @@
+"""Training and recall with the rows that they leave: what all experiments do, each in its own way."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from further_experiments.experiment import Trial
+from further_experiments.rows import RecallEpisode, TrainingEpisode
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.policies import NearestNeighbourImitator, Policy
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.task.states import FoodType, behaviour_for, classify
+from khepera_forage.thesis.replication import TRAINING_DISTANCE
+
+ARENAS = ("corridor", "rectangle")
+
+Setups = Iterable[Mapping[str, Any] | None]
+Files = Sequence[Experience]
+
+
+def training_seeds(trial: Trial) -> np.random.SeedSequence:
+    """Seeds of a replication's training episodes; the same under every condition."""
+    return np.random.SeedSequence(trial.seed, spawn_key=(trial.replication, 0))
+
+
+def recall_seeds(trial: Trial, arena: str) -> list[int]:
+    """Seeds of a replication's recalls in an arena; the same under every condition and for every amount."""
+    seeds = np.random.SeedSequence(trial.seed, spawn_key=(trial.replication, 1, ARENAS.index(arena)))
+    return [int(seed) for seed in seeds.generate_state(trial.size.recalls)]
+
+
+def train_files(
+    env: TrainingEnv,
+    trial: Trial,
+    seeds: Sequence[np.random.SeedSequence],
+    amount: int = 1,
+    teacher: Policy | None = None,
+    setups: Setups | None = None,
+) -> Iterator[tuple[Experience, TrainingEpisode]]:
+    """Training episodes, one a seed.
+
+    Args:
+        env: The paired corridors.
+        trial: For the rows.
+        seeds: One an episode.
+        amount: For the rows.
+        teacher: By default the teacher of section 4.4.
+        setups: Start and food of each episode; by default those of figure 5.1.
+
+    Raises:
+        IncompleteTrainingError: One episode failed in as many attempts as the size allows.
+    """
+    marks = iter(setups) if setups is not None else None
+    for file, seed in enumerate(seeds, 1):
+        options = next(marks) if marks is not None else None
+        experience, attempts = train(
+            env, seed, teacher=teacher, options=options, attempts=trial.size.attempts
+        )
+        complete = attempts[-1]
+        row = TrainingEpisode(
+            replication=trial.replication,
+            condition=trial.condition,
+            amount=amount,
+            file=file,
+            attempts=len(attempts),
+            rounds=complete.rounds,
+            all_rounds=sum(row.rounds for row in attempts),
+            vectors=len(experience),
+            true=_true(experience, env.home_radius),
+            separations=complete.separations,
+        )
+        yield experience, row
+
+
+def thesis_files(
+    trial: Trial, env: TrainingEnv | None = None
+) -> tuple[list[Experience], list[TrainingEpisode]]:
+    """As many training episodes as the size says, with the set-up of figure 5.1.
+
+    Args:
+        trial: Seeds and rows.
+        env: By default the paired corridors as the thesis has them; it is closed.
+    """
+    env = env or TrainingEnv()
+    trained = list(train_files(env, trial, training_seeds(trial).spawn(trial.size.files)))
+    env.close()
+    return [experience for experience, _ in trained], [row for _, row in trained]
+
+
+def imitator(files: Files, diagonal: int, threshold: float = 0.0) -> NearestNeighbourImitator:
+    """The thesis' learner with the experience of these files."""
+    return NearestNeighbourImitator(diagonal=diagonal, threshold=threshold).fit(*arrays(list(files)))
+
+
+def recall_all(
+    env: BehavioursEnv,
+    policy: Policy,
+    trial: Trial,
+    amount: int,
+    files: Files = (),
+    condition: str = "",
+    fresh: bool = False,
+) -> list[RecallEpisode]:
+    """A replication's recalls in one arena.
+
+    Args:
+        env: From `recall_env`.
+        policy: Forages.
+        trial: For seeds and rows.
+        amount: For the rows.
+        files: The policy's experience, for the rows.
+        condition: For the rows; by default the trial's.
+        fresh: Use a new copy of the policy for every recall, because the policy remembers what it does.
+    """
+    vectors: NDArray[np.int64] = arrays(list(files))[0] if files else np.zeros((0, 5), np.int64)
+    distinct = len(np.unique(vectors, axis=0))
+    rows = []
+    for number, seed in enumerate(recall_seeds(trial, env.arena.name)):
+        row = recall(env, copy(policy) if fresh else policy, seed)
+        poisonous = sum(kind == FoodType.POISONOUS for kind in env.forager.register.known)
+        rows.append(
+            RecallEpisode(
+                replication=trial.replication,
+                condition=condition or trial.condition,
+                arena=row.arena,
+                amount=amount,
+                number=number,
+                seed=seed,
+                score=row.score,
+                correct=row.correct,
+                steps=row.steps,
+                foods=row.foods,
+                delivered=row.delivered,
+                avoided=poisonous - row.poison_home,
+                poison_home=row.poison_home,
+                beyond=row.food_home_distances[0] - TRAINING_DISTANCE,
+                vectors=len(vectors),
+                distinct=distinct,
+                rounds_by_state=row.rounds_by_state,
+                wrong_by_state=row.wrong_by_state,
+            )
+        )
+    return rows
+
+
+def recall_imitators(env: BehavioursEnv, trial: Trial, files: Files) -> list[RecallEpisode]:
+    """Recalls of the thesis' learner after every number of training episodes for which there are files."""
+    return [
+        row
+        for amount in trial.size.amounts
+        if amount <= len(files)
+        for row in recall_all(env, imitator(files[:amount], env.diagonal), trial, amount, files[:amount])
+    ]
+
+
+def recall_everywhere(trial: Trial, files: Files) -> list[RecallEpisode]:
+    """The same in both arenas."""
+    rows = []
+    for arena in ARENAS:
+        env = recall_env(arena)
+        rows += recall_imitators(env, trial, files)
+        env.close()
+    return rows
+
+
+def _true(experience: Experience, home_radius: int) -> int:
+    return sum(behaviour_for(classify(vector, home_radius)) == heard for vector, heard in experience)

@@ -1,0 +1,59 @@
+"""Curves of means with their intervals."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from harness.figures import COLOURS, grid, mark
+from harness.tables import Measure, pick
+
+from further_experiments.analysis import Analysis, RowT, amounts_of, conditions_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+INTERVALS = "bars: 95 % interval over replications"
+
+
+def curves(
+    axes: "Axes",
+    found: Analysis,
+    rows: Sequence[RowT],
+    measure: Measure[RowT],
+    amount: str,
+    title: str = "",
+    share: bool = True,
+) -> None:
+    """The mean of a measure against the amount, one curve a condition.
+
+    Args:
+        axes: Where.
+        found: Draws the resamples.
+        rows: All that are shown.
+        measure: What is shown.
+        amount: Label of the amounts.
+        title: Of the panel.
+        share: Whether the measure goes from 0 to 100.
+    """
+    conditions, amounts = conditions_of(rows), amounts_of(rows, 0)
+    places = {count: float(i) for i, count in enumerate(amounts)}
+    for i, condition in enumerate(conditions):
+        colour = COLOURS[i % len(COLOURS)]
+        shift = 0.12 * (i - (len(conditions) - 1) / 2)
+        points = [
+            (places[count] + shift, found.mean(cell, measure))
+            for count in amounts
+            if (cell := pick(rows, condition=condition, amount=count))
+        ]
+        axes.plot([x for x, _ in points], [e.value for _, e in points], color=colour, lw=1, label=condition)
+        for x, estimate in points:
+            mark(axes, x, estimate.value, estimate, colour)
+    axes.set_xticks(range(len(amounts)), [str(count) for count in amounts])
+    axes.set_xlim(-0.5, len(amounts) - 0.5)
+    axes.set_xlabel(amount)
+    axes.set_ylabel(measure.name)
+    axes.set_title(title, fontsize=10)
+    grid(axes)
+    if share:
+        axes.set_ylim(min(-4.0, axes.get_ylim()[0]), 104)  # scores go down to -20
+    else:
+        axes.set_ylim(bottom=0)
