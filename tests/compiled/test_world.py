@@ -1,4 +1,4 @@
-"""Bodies and camera of a batch against those of `PymunkWorld`, and what must hold of any simulation."""
+"""Compiled bodies and camera against those of `PymunkWorld`, and what must hold of any simulation."""
 
 import math
 from typing import Any
@@ -20,12 +20,13 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.proximity import clean_readings
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
-from khepera_forage.sim.compiled import BatchWorld
-from khepera_forage.sim.compiled import rows as at
+from khepera_forage.sim.compiled.numbers import MOST_FOODS
+from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
+from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.vision.association import Detection, Tracks
 from khepera_forage.vision.shapes import Plate, under_plate
+from tests.compiled.many_worlds import ManyWorlds
 
 HALL = Arena(
     name="hall",
@@ -46,22 +47,28 @@ PILLAR = Arena(
 )
 
 
+def compiled_world(arena: Arena, start: tuple[float, ...], *foods: tuple[float, ...]) -> CompiledWorld:
+    """A world without noise, after a reset."""
+    world = CompiledWorld(arena, Noise.none())
+    world.reset(np.random.default_rng(0), Layout((Pose(*start),), tuple(Point(*food) for food in foods)))
+    return world
+
+
 def test_free_driving_is_that_of_pymunk_to_rounding() -> None:
     rng = np.random.default_rng(0)
-    single, batch = PymunkWorld([HALL], (2,), Noise.none()), BatchWorld(HALL, 1, 1, Noise.none())
-    single.reset(rng, Layout((HALL.start,), HALL.foods))
-    batch.reset(0, HALL.start, HALL.foods)
+    pymunk, compiled = (
+        PymunkWorld([HALL], (2,), Noise.none()),
+        compiled_world(HALL, HALL.start, *HALL.foods),
+    )
+    pymunk.reset(rng, Layout((HALL.start,), HALL.foods))
     for _ in range(400):
         motors = Motors(rng.uniform(-12, 12), rng.uniform(-12, 12), ARM_RAISED, JAW_OPEN)
-        single.robots[0].drive(motors)
-        single.advance()
-        batch.advance(motors)
-        assert np.allclose(single.poses()[0], batch.poses()[0], rtol=0, atol=1e-9)
-    senses = single.robots[0].sense()
-    assert (senses.left_pulses, senses.right_pulses) == (
-        batch.senses().left_pulses[0],
-        batch.senses().right_pulses[0],
-    )
+        for world in (pymunk, compiled):
+            world.robots[0].drive(motors)
+            world.advance()
+        assert np.allclose(pymunk.poses()[0], compiled.poses()[0], rtol=0, atol=1e-9)
+    senses, others = pymunk.robots[0].sense(), compiled.robots[0].sense()
+    assert (senses.left_pulses, senses.right_pulses) == (others.left_pulses, others.right_pulses)
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, PILLAR], ids=lambda arena: arena.name)
@@ -71,9 +78,9 @@ def test_rays_are_those_of_proximity_to_rounding(arena: Any) -> None:
     low, high = np.array(arena.bounds[:2]) + 30, np.array(arena.bounds[2:]) - 30
     starts = np.column_stack((rng.uniform(low, high, (worlds, 2)), rng.uniform(-7, 7, worlds)))
     foods = starts[:, None, :2] + rng.uniform(-130, 130, (worlds, 2, 2))
-    batch = BatchWorld(arena, worlds, 2, Noise.none())
-    batch.reset(0, starts, foods)
-    readings = batch.senses().proximity
+    many = ManyWorlds(arena, worlds, 2, Noise.none())
+    many.reset(0, starts, foods)
+    readings = many.robot("proximity").astype(int)
     seen = 0
     for (x, y, heading), places, got in zip(starts.tolist(), foods.tolist(), readings.tolist(), strict=True):
         discs = [(*place, FOOD_RADIUS) for place in places]
@@ -86,12 +93,11 @@ def test_rays_are_those_of_proximity_to_rounding(arena: Any) -> None:
     assert seen > 500
 
 
-def test_picking_up_carrying_and_releasing_as_in_pymunk() -> None:
-    """The same commands in both: within 3 mm at every round, and the same senses but where 3 mm tell."""
+def test_picking_up_carrying_and_releasing_is_that_of_pymunk_within_3_mm() -> None:
+    """The same commands in both, every round; arm, jaw and barrier read the same."""
     start, food = Pose(200, 115, 0.05), Point(330, 120)
-    single, batch = PymunkWorld([CORRIDOR], (2,), Noise.none()), BatchWorld(CORRIDOR, 1, 1, Noise.none())
-    single.reset(np.random.default_rng(0), Layout((start,), (food,)))
-    batch.reset(0, start, [food])
+    pymunk, compiled = PymunkWorld([CORRIDOR], (2,), Noise.none()), compiled_world(CORRIDOR, start, food)
+    pymunk.reset(np.random.default_rng(0), Layout((start,), (food,)))
     script = (
         [Motors(0, 0, 255, 200)] * 11  # lower
         + [Motors(5, 5, 255, 200)] * 16  # push up to it
@@ -104,24 +110,41 @@ def test_picking_up_carrying_and_releasing_as_in_pymunk() -> None:
     )
     held = []
     for motors in script:
-        single.robots[0].drive(motors)
-        single.advance()
-        batch.advance(motors)
-        assert math.dist(single.poses()[0][:2], batch.poses()[0][:2]) < 3.0
-        assert abs(single.poses()[0].heading - batch.poses()[0][2]) < 0.03
-        place = single.food_places()[0]
-        assert math.dist(place[:2], batch.food_places()[0, 0, :2]) < 3.0
-        assert place.lifted == bool(batch.food_places()[0, 0, 2])
-        senses, many = single.robots[0].sense(), batch.senses()
+        for world in (pymunk, compiled):
+            world.robots[0].drive(motors)
+            world.advance()
+        assert math.dist(pymunk.poses()[0][:2], compiled.poses()[0][:2]) < 3.0
+        assert abs(pymunk.poses()[0].heading - compiled.poses()[0].heading) < 0.03
+        place, other = pymunk.food_places()[0], compiled.food_places()[0]
+        assert math.dist(place[:2], other[:2]) < 3.0
+        assert place.lifted == other.lifted
+        senses, others = pymunk.robots[0].sense(), compiled.robots[0].sense()
         assert (senses.arm, senses.jaw, senses.object_presence) == (
-            many.arm[0],
-            many.jaw[0],
-            many.object_presence[0],
+            others.arm,
+            others.jaw,
+            others.object_presence,
         )
-        held.append(int(batch.held()[0]))
+        held.append(compiled.held())
     assert 0 in held
     assert held[-1] == -1
-    assert math.dist(batch.food_places()[0, 0, :2], food) > 60
+    assert math.dist(compiled.food_places()[0][:2], food) > 60
+
+
+def test_held_food_moves_along_when_an_operator_moves_the_robot() -> None:
+    world = compiled_world(CORRIDOR, (200, 115, 0), (200 + FINGER_TIP - 15, 115))
+    world.robots[0].drive(Motors(0, 0, 255, 200))
+    for _ in range(12):
+        world.advance()
+    world.robots[0].drive(Motors(0, 0, 255, 0))
+    for _ in range(8):
+        world.advance()
+    assert world.held() == 0
+    before = world.food_places()[0]
+    world.place(0, Pose(300, 115, 0))
+    after = world.food_places()[0]
+    assert (after.x - before.x, after.y - before.y) == pytest.approx((100, 0))
+    world.advance()
+    assert world.food_places()[0][:2] == pytest.approx(after[:2])
 
 
 @pytest.mark.parametrize(
@@ -130,81 +153,90 @@ def test_picking_up_carrying_and_releasing_as_in_pymunk() -> None:
 def test_food_before_a_fingertip_stays_within_the_cone_of_friction(off: float, stays: bool) -> None:
     """At 0.04 a tip carries food along that is up to 0.78 mm off its middle; further off, it slips aside."""
     aside, ahead = half_gap(JAW_OPEN) + FINGER_THICKNESS / 2 + off, FINGER_TIP + FOOD_RADIUS
-    batch = BatchWorld(HALL, 1, 1, Noise.none())
-    batch.reset(0, HALL.start, [(HALL.start.x + ahead + 3.0, HALL.start.y + aside)])
+    world = compiled_world(HALL, HALL.start, (HALL.start.x + ahead + 3.0, HALL.start.y + aside))
     for motors in [Motors(0, 0, 255, 200)] * 11 + [Motors(8, 8, 255, 200)] * 30:
-        batch.advance(motors)
-    x, y = batch.food_places()[0, 0, :2] - batch.poses()[0, :2]
-    assert (abs(x - ahead) < 0.1) == stays
-    assert (abs(y - aside) < 0.1) == stays
+        world.robots[0].drive(motors)
+        world.advance()
+    food, robot = world.food_places()[0], world.poses()[0]
+    assert (abs(food.x - robot.x - ahead) < 0.1) == stays
+    assert (abs(food.y - robot.y - aside) < 0.1) == stays
 
 
-def test_an_arm_does_not_come_down_on_food() -> None:
-    batch = BatchWorld(CORRIDOR, 1, 1, Noise.none())
-    batch.reset(0, (200, 115, 0), [(200 + FINGER_TIP, 115 + 28)])
+def test_arm_is_not_lowered_onto_food() -> None:
+    world = compiled_world(CORRIDOR, (200, 115, 0), (200 + FINGER_TIP, 115 + 28))
+    world.robots[0].drive(Motors(0, 0, 255, 200))
     for _ in range(15):
-        batch.advance((0, 0, 255, 200))
-    assert batch.senses().arm[0] == 234
+        world.advance()
+    assert world.robots[0].sense().arm == 234
+
+
+def test_timing_sets_duration_of_a_round_and_speeds_of_arm_and_jaw() -> None:
+    world = CompiledWorld(HALL, Noise.none(), timing=Timing(0.2, 20.0, 100.0))
+    world.reset(np.random.default_rng(0), Layout((HALL.start,), HALL.foods))
+    world.robots[0].drive(Motors(10, 10, 255, 0))
+    world.advance()
+    assert world.poses()[0].x == pytest.approx(HALL.start.x + 16.0)
+    senses = world.robots[0].sense()
+    assert (senses.arm, senses.jaw, senses.left_pulses) == (219, 180, 200)
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR], ids=lambda arena: arena.name)
-def test_whatever_is_commanded_nothing_ends_up_in_a_wall_or_in_food(arena: Any) -> None:
+def test_random_commands_put_nothing_into_a_wall_or_into_food(arena: Any) -> None:
     rng = np.random.default_rng(5)
     worlds, foods = 256, 3
-    batch = BatchWorld(arena, worlds, foods)
+    many = ManyWorlds(arena, worlds, foods)
     places = np.array(((150, 60), (250, 170), (420, 60)))
-    batch.reset(5, (80, 115, 0), places)
+    many.reset(5, (80, 115, 0), places)
     arms = rng.choice((215, 255), worlds)
     for step in range(150):
         if step % 10 == 0:
             arms, jaws = rng.choice((215, 255), worlds), rng.choice((0, 200), worlds)
             wheels = rng.integers(-12, 19, (worlds, 2))
-        batch.advance(np.column_stack((wheels, arms, jaws)))
-        poses, where, held = batch.poses(), batch.food_places(), batch.held()
+        many.advance(np.column_stack((wheels, arms, jaws)))
+        poses, held, up = many.poses(), many.robot("held"), many.lifted()
+        where = np.stack((many.food("x"), many.food("y")), axis=2)
         for world in range(0, worlds, 16):
             x, y, _ = poses[world]
             assert arena.clearance(Point(x, y)) > RADIUS - 1.0
             for k in range(foods):
-                assert arena.clearance(Point(*where[world, k, :2])) > FOOD_RADIUS - 1.5
+                assert arena.clearance(Point(*where[world, k])) > FOOD_RADIUS - 1.5
                 if k != held[world]:
-                    assert math.dist((x, y), where[world, k, :2]) > RADIUS + FOOD_RADIUS - 1.5
+                    assert math.dist((x, y), where[world, k]) > RADIUS + FOOD_RADIUS - 1.5
                 for other in range(k):
-                    lifted = where[world, k, 2] or where[world, other, 2]
-                    assert (
-                        lifted
-                        or math.dist(where[world, k, :2], where[world, other, :2]) > 2 * FOOD_RADIUS - 1.5
-                    )
-    moved = np.abs(where[:, :, :2] - places).max(axis=(1, 2))
+                    lifted = up[world, k] or up[world, other]
+                    assert lifted or math.dist(where[world, k], where[world, other]) > 2 * FOOD_RADIUS - 1.5
+    moved = np.abs(where - places).max(axis=(1, 2))
     assert (moved > 5).mean() > 0.5
 
 
-def test_a_world_is_the_same_in_any_company_and_on_any_number_of_threads() -> None:
+def test_worlds_do_not_depend_on_their_number_or_the_threads_or_the_lanes_of_a_block() -> None:
     rng = np.random.default_rng(2)
     motors = rng.integers(-10, 15, (40, 300, 2))
 
-    def run(worlds: Any, threads: Any) -> Any:
+    def run(worlds: int, threads: int, lanes: int) -> Any:
         numba.set_num_threads(threads)
-        batch = BatchWorld(CORRIDOR, worlds)
-        batch.reset(9, CORRIDOR.start, CORRIDOR.foods)
+        many = ManyWorlds(CORRIDOR, worlds, lanes=lanes)
+        many.reset(9, CORRIDOR.start, CORRIDOR.foods)
         for row in motors:
-            batch.advance(np.column_stack((row[:worlds], np.full((worlds, 2), (255, 200)))))
-        scene = batch.scene()
-        return batch.poses(), batch.senses().proximity, scene.robots, scene.foods
+            many.advance(np.column_stack((row[:worlds], np.full((worlds, 2), (255, 200)))))
+        return many.poses(), many.robot("proximity"), many.robot("marker_x"), many.tracks()
 
     most = numba.get_num_threads()
-    few, many = run(3, 1), run(300, most)
+    few, many, alone = run(3, 1, 128), run(300, most, 128), run(3, most, 1)
     numba.set_num_threads(most)
-    assert all(np.array_equal(a, b[:3]) for a, b in zip(few, many, strict=True))
+    for a, b, c in zip(few, many, alone, strict=True):
+        assert np.array_equal(a, b[:3])
+        assert np.array_equal(a, c)
     assert not np.array_equal(many[0][0], many[0][1])
 
 
-def test_tracks_are_those_of_retracking_frame_by_frame() -> None:
+def test_tracks_are_those_of_the_association_of_frames() -> None:
     """The same detections into `Tracks`: the same tracks, label by label, under losses."""
     noise = Noise(loss_rate_food=0.03, cable_loss_factor=3.0, reversal_rate=0.0)
     rng = np.random.default_rng(4)
     worlds, foods = 60, 3
-    batch = BatchWorld(RECTANGLE, worlds, foods, noise)
-    batch.reset(1, (120, 300, 0), ((230, 270), (260, 340), (420, 320)))
+    many = ManyWorlds(RECTANGLE, worlds, foods, noise)
+    many.reset(1, (120, 300, 0), ((230, 270), (260, 340), (420, 320)))
     rules = [Tracks() for _ in range(worlds)]
     changes = 0
     for step in range(250):
@@ -212,14 +244,14 @@ def test_tracks_are_those_of_retracking_frame_by_frame() -> None:
             if step % 12 == 1:
                 wheels = rng.integers(-8, 16, (worlds, 2))
                 rest = np.column_stack((rng.choice((215, 255), worlds), rng.choice((0, 200), worlds)))
-            batch.advance(np.column_stack((wheels, rest)))
-        poses, scene = batch.poses(), batch.scene()
-        seen = np.stack([batch._food_rows(row) for row in (at.SEEN, at.SEEN_X, at.SEEN_Y)], axis=2)
-        lost, where = batch._food_rows(at.LOST), batch.food_places()
+            many.advance(np.column_stack((wheels, rest)))
+        poses, tracks = many.poses(), many.tracks()
+        seen = np.stack([many.food(name) for name in ("seen", "seen_x", "seen_y")], axis=2)
+        lost, where = many.food("lost"), np.stack((many.food("x"), many.food("y")), axis=2)
         for world in range(worlds):
             x, y, heading = poses[world].tolist()
             plate = (Plate(x, y, math.cos(heading), math.sin(heading)),)
-            covers = [where[world, k, :2] for k in range(foods) if lost[world, k]]
+            covers = [where[world, k] for k in range(foods) if lost[world, k]]
             clear = FOOD_RADIUS + 5.0 * noise.position_jitter * 5.0
 
             def visible(
@@ -233,39 +265,24 @@ def test_tracks_are_those_of_retracking_frame_by_frame() -> None:
                 Detection(u, v, 0, 0, False, u, v, 1, 1, 1) for show, u, v in seen[world].tolist() if show
             ]
             expected = {r.label: (r.x, r.y, r.found) for r in rules[world].update(shown, visible).regions}
-            got = {
-                label: (*place, found)
-                for label, place, found in zip(
-                    scene.labels[world].tolist(),
-                    scene.foods[world].tolist(),
-                    scene.foods_found[world].tolist(),
-                    strict=True,
-                )
-                if label >= 0
-            }
+            got = {label: (x, y, found) for label, x, y, _, found, _ in tracks[world].tolist() if label >= 0}
             assert expected == got
             changes += max(got, default=0) > foods - 1
     assert changes > 100
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"num_worlds": 0}, "num_worlds is 0"),
-        ({"num_worlds": 1, "foods": 17}, "foods is 17"),
-        ({"num_worlds": 1, "holes": 3}, "holes is 3"),
-    ],
-)
-def test_bad_arguments_are_quoted(arguments: Any, message: Any) -> None:
-    with pytest.raises(ValueError, match=message):
-        BatchWorld(CORRIDOR, **arguments)
+def test_bad_arguments_are_quoted() -> None:
+    with pytest.raises(ValueError, match="holes is 3"):
+        CompiledWorld(CORRIDOR, holes=3)
+    world = CompiledWorld(RECTANGLE)
+    with pytest.raises(RuntimeError, match="before reset"):
+        world.advance()
+    foods = tuple(Point(60 + 40 * (k % 5), 60 + 40 * (k // 5)) for k in range(MOST_FOODS + 1))
+    with pytest.raises(ValueError, match="17 food objects; allowed: at most 16"):
+        world.reset(np.random.default_rng(0), Layout((Pose(500, 500, 0),), foods))
 
 
-def test_bad_arrays_are_quoted() -> None:
-    batch = BatchWorld(CORRIDOR, 4)
-    with pytest.raises(ValueError, match=r"starts has shape \(2, 3\)"):
-        batch.reset(0, np.zeros((2, 3)), CORRIDOR.foods)
-    batch.reset(0, CORRIDOR.start, CORRIDOR.foods)
-    with pytest.raises(ValueError, match="motors has values that are not finite"):
-        batch.advance((np.nan, 0, 215, 200))
-    assert batch.bytes_per_world < 2000
+def test_a_world_takes_less_than_2000_bytes() -> None:
+    bodies = ManyWorlds(CORRIDOR, 4096).bodies
+    size = sum(part.nbytes for part in (bodies.robots, bodies.foods, bodies.tracks))
+    assert size / 4096 < 2000

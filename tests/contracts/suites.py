@@ -204,6 +204,23 @@ class WorldContract:
         stage.world.close()
 
 
+class SimulationContract(WorldContract):
+    """`World` in simulation: the same generator gives the same world."""
+
+    def test_same_generator_gives_the_same_world_bit_for_bit(self, stage: Stage) -> None:
+        runs = []
+        for _ in range(2):
+            stage.world.reset(np.random.default_rng(9), stage.layout)
+            history = []
+            for i in range(30):
+                motors = Motors(10 - i % 5, 5 + i % 7, 215 if i < 15 else 255, 200 if i % 10 < 5 else 0)
+                stage.robot.drive(motors)
+                stage.world.advance()
+                history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
+            runs.append(history)
+        assert runs[0] == runs[1]
+
+
 class PolicyContract:
     """`Policy`: act."""
 

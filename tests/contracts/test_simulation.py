@@ -1,15 +1,14 @@
-"""The contracts, made by the simulation."""
+"""The contracts, for the simulation on pymunk and for policies."""
 
 import numpy as np
 import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
-from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import RECTANGLE, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, Stage, WorldContract
+from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
 
 
 @pytest.fixture(params=["none", "laboratory"])
@@ -29,19 +28,8 @@ class TestOverheadCamera(CameraContract):
     pass
 
 
-class TestPymunkWorld(WorldContract):
-    def test_same_generator_same_world_bit_for_bit(self, stage: Stage) -> None:
-        runs = []
-        for _ in range(2):
-            stage.world.reset(np.random.default_rng(9), stage.layout)
-            history = []
-            for i in range(30):
-                motors = Motors(10 - i % 5, 5 + i % 7, 215 if i < 15 else 255, 200 if i % 10 < 5 else 0)
-                stage.robot.drive(motors)
-                stage.world.advance()
-                history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
-            runs.append(history)
-        assert runs[0] == runs[1]
+class TestPymunkWorld(SimulationContract):
+    pass
 
 
 @pytest.fixture(params=["teacher", "imitator", "uniform"])

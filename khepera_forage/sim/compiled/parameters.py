@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from khepera_forage.geometry.polygon import area, edges, line_of
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_SPEED, CONTROL_PERIOD, JAW_SPEED
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import constants_dtype, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor
+from khepera_forage.sim.world import Timing
 
 
 class Parameters(NamedTuple):
@@ -30,7 +30,12 @@ class Parameters(NamedTuple):
 
 
 def parameters_of(
-    arena: Arena, foods: int, noise: Noise | None = None, holes: int = 2, wheel_speed: float = 1.0
+    arena: Arena,
+    foods: int,
+    noise: Noise | None = None,
+    holes: int = 2,
+    wheel_speed: float = 1.0,
+    timing: Timing | None = None,
 ) -> Parameters:
     """The parameters of worlds in one arena.
 
@@ -40,14 +45,15 @@ def parameters_of(
         noise: By default `Noise.laboratory()`.
         holes: Holes of the robots' marker, 1 or 2.
         wheel_speed: Share of the commanded speed that wheels reach.
+        timing: Duration of a round, and speeds of arm and jaw.
     """
-    noise = Noise.laboratory() if noise is None else noise
-    return Parameters(
-        foods,
-        _walls_of(arena),
-        _corners_of(arena),
-        _constants_of(noise, cable_anchor([arena]), holes, wheel_speed),
-    )
+    constants = np.zeros(1, constants_dtype)
+    _write_noise(constants, Noise.laboratory() if noise is None else noise, holes)
+    constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena])
+    constants["wheel_speed"] = wheel_speed
+    for name, value in (Timing() if timing is None else timing)._asdict().items():
+        constants[name] = value
+    return Parameters(foods, _walls_of(arena), _corners_of(arena), constants)
 
 
 def _walls_of(arena: Arena) -> NDArray[Any]:
@@ -71,15 +77,11 @@ def _corners_of(arena: Arena) -> NDArray[Any]:
     return np.array(corners, corner_dtype)
 
 
-def _constants_of(noise: Noise, anchor: tuple[float, float], holes: int, wheel_speed: float) -> NDArray[Any]:
-    constants = np.zeros(1, constants_dtype)
-    for name in constants_dtype.names or ():
-        if hasattr(noise, name):
-            constants[name] = getattr(noise, name)
+def _write_noise(constants: NDArray[Any], noise: Noise, holes: int) -> None:
+    for name in (
+        *("wheel_slip", "wheel_bias", "proximity_gain", "proximity_floor"),
+        *("position_jitter", "heading_jitter", "reversal_rate", "loss_rate_food", "cable_loss_factor"),
+    ):
+        constants[name] = getattr(noise, name)
     constants["loss_rate_marker"] = noise.loss_rate_one_hole if holes == 1 else noise.loss_rate_two_holes
     constants["loss_end"] = 1.0 / noise.loss_rounds
-    constants["anchor_x"], constants["anchor_y"] = anchor
-    constants["wheel_speed"] = wheel_speed
-    constants["round_duration"] = CONTROL_PERIOD
-    constants["arm_speed"], constants["jaw_speed"] = ARM_SPEED, JAW_SPEED
-    return constants
