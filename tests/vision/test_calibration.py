@@ -1,4 +1,4 @@
-"""From picture to floor by four points, and parallax."""
+"""Calibration by four points, and parallax."""
 
 import math
 from pathlib import Path
@@ -17,20 +17,20 @@ TILTED = Calibration(PICTURE, FLOOR)
 inside = st.floats(0.05, 0.95)
 
 
-def test_the_four_points_are_where_they_were_said_to_be() -> None:
+def test_four_points_map_to_each_other() -> None:
     for point, place in zip(PICTURE, FLOOR, strict=True):
         assert TILTED.to_region(*point) == pytest.approx((place[0] / 5, place[1] / 5), abs=1e-6)
         assert TILTED.to_picture(place[0] / 5, place[1] / 5) == pytest.approx(point, abs=1e-6)
 
 
-def test_a_straight_line_stays_straight_and_the_middle_is_where_the_diagonals_cross() -> None:
-    """What a homography does and an interpolation between the four points does not."""
+def test_diagonals_of_the_picture_cross_in_the_middle_of_the_floor() -> None:
+    """This holds for a homography, but not for an interpolation between the four points."""
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = PICTURE
     s, _ = np.linalg.solve([[cx - ax, bx - dx], [cy - ay, by - dy]], [bx - ax, by - ay])
     assert TILTED.to_region(ax + s * (cx - ax), ay + s * (cy - ay)) == pytest.approx((240, 240), abs=1e-6)
 
 
-def test_identity_is_five_millimetres_a_pixel_with_y_up() -> None:
+def test_identity_is_5_mm_per_pixel_with_y_up() -> None:
     plain = Calibration.identity()
     assert plain.to_region(0.5, 479.5) == pytest.approx((0.5, 0.5))
     assert plain.to_region(640, 0) == pytest.approx((640, 480))
@@ -38,13 +38,13 @@ def test_identity_is_five_millimetres_a_pixel_with_y_up() -> None:
 
 
 @given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 23.0, 300.0]))
-def test_there_and_back(u: float, v: float, height: float) -> None:
+def test_to_picture_is_the_inverse_of_to_region(u: float, v: float, height: float) -> None:
     for calibration in (TILTED, Calibration(PICTURE, FLOOR, (1100.0, 1300.0, 2500.0))):
         assert calibration.to_picture(*calibration.to_region(u, v, height), height) == pytest.approx((u, v))
 
 
 @given(st.floats(10, 630), st.floats(10, 470), st.sampled_from([0.0, 70.0]))
-def test_the_stretch_is_the_derivative(u: float, v: float, height: float) -> None:
+def test_jacobian_is_the_derivative(u: float, v: float, height: float) -> None:
     calibration = Calibration(PICTURE, FLOOR, (1100.0, 1300.0, 2500.0))
     jacobian, step = calibration.jacobian(u, v, height), 1e-4
     x, y = calibration.to_region(u, v, height)
@@ -56,8 +56,8 @@ def test_the_stretch_is_the_derivative(u: float, v: float, height: float) -> Non
         assert ((moved_x - x) / step, (moved_y - y) / step) == pytest.approx((dx, dy), abs=1e-4)
 
 
-def test_parallax_by_similar_triangles() -> None:
-    """A camera 2 m high; what is 200 mm high is seen 10/9 as far from the point below it."""
+def test_parallax_follows_similar_triangles() -> None:
+    """With a camera 2 m high, a point 200 mm high appears 10/9 as far from the point below the camera."""
     calibration = Calibration.identity((1600.0, 1200.0, 2000.0))
     assert calibration.to_region(320 + 100, 240, 200) == pytest.approx((320 + 90, 240))
     assert calibration.to_region(320, 240 - 100, 200) == pytest.approx((320, 240 + 90))
@@ -66,14 +66,16 @@ def test_parallax_by_similar_triangles() -> None:
 
 
 @pytest.mark.parametrize("camera", [None, (1234.5, 678.25, 2600.0)])
-def test_saved_and_loaded(tmp_path: Path, camera: tuple[float, float, float] | None) -> None:
+def test_saved_calibration_is_loaded_unchanged(
+    tmp_path: Path, camera: tuple[float, float, float] | None
+) -> None:
     calibration = Calibration(PICTURE, FLOOR, camera)
     calibration.save(tmp_path / "calibration.toml")
     assert Calibration.load(tmp_path / "calibration.toml") == calibration
     assert Calibration.from_table(calibration.as_table()) == calibration
 
 
-def test_whole_numbers_of_a_file_will_do() -> None:
+def test_whole_numbers_in_a_file_are_accepted() -> None:
     table = {
         "picture": [[0, 480], [640, 480], [640, 0], [0, 0]],
         "floor": [[0, 0], [3200, 0], [3200, 2400], [0, 2400]],
@@ -95,20 +97,18 @@ def test_whole_numbers_of_a_file_will_do() -> None:
         (PICTURE, FLOOR, (0.0, 0.0), "3 finite numbers"),
     ],
 )
-def test_points_of_which_nothing_can_be_made(
-    picture: object, floor: object, camera: object, message: str
-) -> None:
+def test_impossible_points_are_refused(picture: object, floor: object, camera: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Calibration.from_table({"picture": picture, "floor": floor, "camera": camera})
 
 
 @given(st.permutations(range(4)))
-def test_the_order_of_the_points_does_not_matter_as_long_as_it_is_the_same(order: list[int]) -> None:
+def test_order_of_points_does_not_matter_if_both_lists_agree(order: list[int]) -> None:
     calibration = Calibration(tuple(PICTURE[i] for i in order), tuple(FLOOR[i] for i in order))
     assert calibration.to_region(300, 200) == pytest.approx(TILTED.to_region(300, 200))
 
 
-def test_a_mistake_in_a_table_is_named(tmp_path: Path) -> None:
+def test_error_in_a_table_is_named(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="'hight' is unknown"):
         Calibration.from_table({"picture": PICTURE, "floor": FLOOR, "hight": 2.0})
     with pytest.raises(ValueError, match="no 'floor'"):
@@ -119,7 +119,7 @@ def test_a_mistake_in_a_table_is_named(tmp_path: Path) -> None:
         Calibration.load(path)
 
 
-def test_nothing_is_higher_than_the_camera() -> None:
+def test_height_above_the_camera_is_refused() -> None:
     calibration = Calibration.identity((0.0, 0.0, 50.0))
     with pytest.raises(ValueError, match=r"height is 70\.0 mm"):
         calibration.to_region(1, 1, 70.0)

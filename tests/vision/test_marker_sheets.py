@@ -1,4 +1,4 @@
-"""The page to print: sizes are those of figure 3.9, and the tracker knows what is on it."""
+"""The page to print: sizes as in figure 3.9, and markers that the tracker recognises."""
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -14,10 +14,10 @@ from khepera_forage.vision.tracker import Tracker
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def test_rectangles_of_the_drawing_have_their_true_size() -> None:
+def test_svg_rectangles_have_their_true_size() -> None:
     root = ElementTree.fromstring(svg().partition("\n")[2])
     assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
-    assert root.get("viewBox") == "0 0 210 297", "so that a unit is a mm"
+    assert root.get("viewBox") == "0 0 210 297", "one unit is one mm"
     sizes = [
         (r.get("fill"), float(r.attrib["width"]), float(r.attrib["height"]))
         for r in root.iter(f"{SVG}rect")
@@ -29,7 +29,7 @@ def test_rectangles_of_the_drawing_have_their_true_size() -> None:
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf"])
-def test_pictures_are_a_page_of_a4(tmp_path: Path, kind: str) -> None:
+def test_png_and_pdf_are_an_a4_page(tmp_path: Path, kind: str) -> None:
     path = save_marker_sheet(tmp_path / f"markers.{kind}")
     if kind == "pdf":
         data = path.read_bytes()
@@ -43,29 +43,29 @@ def test_pictures_are_a_page_of_a4(tmp_path: Path, kind: str) -> None:
         assert image.size == (round(PAGE_WIDTH / 25.4 * DPI), round(PAGE_HEIGHT / 25.4 * DPI))
 
 
-def test_the_tracker_knows_what_was_printed(tmp_path: Path) -> None:
-    """The printed page, cut along the frames, on a grey floor, photographed at 5 mm a pixel."""
+def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
+    """The printed page, cut along the frames, on a grey floor, at 5 mm per pixel."""
     with Image.open(save_marker_sheet(tmp_path / "markers.png")) as image:
         page = np.asarray(image.convert("L"))
     scale = DPI / 25.4
     floor = np.full((480 * 8, 640 * 8), 105, np.uint8)
     for row, (x, y) in enumerate(((1000, 1000), (2000, 1400))):
         top, left = 68 + row * 118 - 48, 105 - 68
-        print_ = page[
+        printed = page[
             int(top * scale) : int((top + 96) * scale), int(left * scale) : int((left + 136) * scale)
         ]
-        small = cv2.resize(print_, (round(136 * 8 / 5), round(96 * 8 / 5)), interpolation=cv2.INTER_AREA)
+        small = cv2.resize(printed, (round(136 * 8 / 5), round(96 * 8 / 5)), interpolation=cv2.INTER_AREA)
         height, width = small.shape
         up, across = round((2400 - y) * 8 / 5 - height / 2), round(x * 8 / 5 - width / 2)
         floor[up : up + height, across : across + width] = np.clip(small, 25, 225)
     frame = cv2.resize(floor, (640, 480), interpolation=cv2.INTER_AREA)
-    seen = {d.holes: d for d in Tracker().detect(np.asarray(frame, np.uint8))}
-    assert sorted(seen) == [1, 2]
+    detections = {d.holes: d for d in Tracker().detect(np.asarray(frame, np.uint8))}
+    assert sorted(detections) == [1, 2]
     for holes, (x, y) in ((1, (1000, 1000)), (2, (2000, 1400))):
-        assert (seen[holes].x, seen[holes].y) == pytest.approx((x / 5, y / 5), abs=0.3)
-        assert (seen[holes].orientation + 180) % 360 - 180 == pytest.approx(0, abs=2)
+        assert (detections[holes].x, detections[holes].y) == pytest.approx((x / 5, y / 5), abs=0.3)
+        assert (detections[holes].orientation + 180) % 360 - 180 == pytest.approx(0, abs=2)
 
 
-def test_another_kind_of_file(tmp_path: Path) -> None:
+def test_other_suffix_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"allowed: a name that ends in \.svg, \.png, \.pdf"):
         save_marker_sheet(tmp_path / "markers.txt")

@@ -1,4 +1,4 @@
-"""The real camera's contract, and a scene drawn on its frame."""
+"""The tracked camera, and a scene drawn over its frame."""
 
 import subprocess
 import sys
@@ -12,67 +12,67 @@ from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.scene import Camera, Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
-from tests.vision.filming import Film
+from tests.vision.scene_renderer import SceneRenderer
 
 MARKERS = ((500.0, 500.0, 1.0, 1), (1500.0, 900.0, 2.0, 2))
 FOODS = ((800.0, 800.0), (300.0, 1500.0))
 
 
-class Shots:
-    """A source whose every frame a test has taken itself; it counts how many were asked for."""
+class RenderedSource:
+    """A frame source of rendered frames that counts its calls."""
 
     def __init__(self) -> None:
-        self.film, self.asked, self.closed = Film(), 0, 0
+        self.renderer, self.calls, self.closed = SceneRenderer(), 0, 0
         self.foods = FOODS
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
-        self.asked += 1
-        return self.film.shoot(MARKERS, self.foods), 0.25
+        self.calls += 1
+        return self.renderer.frame(MARKERS, self.foods), 0.25
 
     def close(self) -> None:
         self.closed += 1
 
 
-def test_look_does_nothing_and_exposing_takes_one_frame() -> None:
-    shots = Shots()
-    camera = TrackedCamera(shots, Tracker())
+def test_look_takes_no_frame_and_expose_takes_one() -> None:
+    source = RenderedSource()
+    camera = TrackedCamera(source, Tracker())
     as_camera: Camera = camera
     assert as_camera.look() == Scene(())
     with pytest.raises(RuntimeError, match="expose"):
         _ = camera.frame
     camera.reset()
-    assert shots.asked == 1
+    assert source.calls == 1
     scene = camera.look()
     assert camera.look() is scene
     assert camera.age == 0.25
     assert sorted(r.holes for r in scene.regions) == [0, 0, 1, 2]
     camera.expose()
-    assert shots.asked == 2
+    assert source.calls == 2
     assert [r.label for r in camera.look().regions] == [r.label for r in scene.regions]
 
 
-def test_a_reset_forgets_the_tracks() -> None:
-    shots = Shots()
-    camera = TrackedCamera(shots, Tracker())
+def test_reset_forgets_the_tracks() -> None:
+    source = RenderedSource()
+    camera = TrackedCamera(source, Tracker())
     camera.reset()
-    shots.foods = ((2500.0, 2000.0),)  # type: ignore[assignment] # one is gone
+    source.foods = ((2500.0, 2000.0),)  # type: ignore[assignment] # another number of foods
     camera.expose()
     assert max(r.label for r in camera.look().regions) == 4
     camera.reset()
     assert sorted(r.label for r in camera.look().regions) == [0, 1, 2]
 
 
-def test_closing_closes_the_source() -> None:
-    shots = Shots()
-    with TrackedCamera(shots, Tracker()) as camera:
+def test_close_closes_the_source() -> None:
+    source = RenderedSource()
+    with TrackedCamera(source, Tracker()) as camera:
         camera.reset()
-    assert shots.closed == 1
+    assert source.closed == 1
 
 
-def test_a_scene_is_drawn_where_it_is() -> None:
-    """Red for markers, green for food, grey for what is lost; nothing anywhere else."""
-    film, tracker = Film(), Tracker()
-    frame = film.shoot(MARKERS, FOODS)
+def test_overlay_draws_regions_at_their_places() -> None:
+    """Markers are red, food is green, lost regions are grey; all other pixels stay unchanged."""
+    renderer, tracker = SceneRenderer(), Tracker()
+    frame = renderer.frame(MARKERS, FOODS)
     scene = tracker.update(frame)
     picture = draw_scene(frame, scene)
     assert picture.shape == (480, 640, 3)
@@ -94,10 +94,10 @@ def test_a_scene_is_drawn_where_it_is() -> None:
     assert np.abs(grey[:, :, 0] - grey[:, :, 1]).max() < 20
 
 
-def test_drawing_follows_the_calibration() -> None:
-    """A picture upside down: the outline must still lie on the marker."""
-    film = Film()
-    frame = np.ascontiguousarray(film.shoot(MARKERS[:1])[::-1, ::-1])
+def test_overlay_follows_the_calibration() -> None:
+    """In a picture turned by 180 degrees the outline must still lie on the marker."""
+    renderer = SceneRenderer()
+    frame = np.ascontiguousarray(renderer.frame(MARKERS[:1])[::-1, ::-1])
     plain = Calibration.identity()
     turned = Calibration(tuple((640 - u, 480 - v) for u, v in plain.picture), plain.floor)
     tracker = Tracker(calibration=turned)
@@ -107,12 +107,12 @@ def test_drawing_follows_the_calibration() -> None:
     assert abs(float(np.median(rows)) - 100) < 15
 
 
-def test_other_frames_are_not_drawn_on() -> None:
+def test_overlay_refuses_other_frames() -> None:
     with pytest.raises(ValueError, match=r"frame is \(2, 2\)"):
         draw_scene(np.zeros((2, 2), np.uint8), Scene(()))
 
 
-def test_without_opencv_one_reads_what_to_install() -> None:
+def test_missing_opencv_is_reported_with_what_to_install() -> None:
     program = (
         "import sys; sys.modules['cv2'] = None\n"
         "import khepera_forage\n"

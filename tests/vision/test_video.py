@@ -1,4 +1,4 @@
-"""Frames from films and streams: the real OpenCV below, so what is tested is what a user has."""
+"""Frame sources on real video files and network streams, through the real OpenCV."""
 
 import threading
 import time
@@ -19,13 +19,13 @@ from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
 
 
 def picture(grey: int, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
-    """All of one grey, but for a white bar on the left."""
+    """One grey level, with a white bar on the left."""
     frame = np.full((height, width), grey, np.uint8)
     frame[:, : width // 8] = 255
     return frame
 
 
-def film(path: Path, greys: list[int], fps: float, width: int = 640, height: int = 480) -> Path:
+def video(path: Path, greys: list[int], fps: float, width: int = 640, height: int = 480) -> Path:
     code = cv2.VideoWriter.fourcc(*"MJPG")
     writer = cv2.VideoWriter(str(path), code, fps, (width, height), True)
     for grey in greys:
@@ -38,8 +38,8 @@ def threads() -> list[str]:
     return [t.name for t in threading.enumerate() if t.name.startswith("camera")]
 
 
-def test_newest_frame_of_a_film(tmp_path: Path) -> None:
-    with VideoSource(film(tmp_path / "film.avi", [100] * 50, 25)) as source:
+def test_newest_frame_of_a_video_file(tmp_path: Path) -> None:
+    with VideoSource(video(tmp_path / "video.avi", [100] * 50, 25)) as source:
         as_source: FrameSource = source
         frame, age = as_source.newest()
         assert frame.shape == (480, 640)
@@ -51,26 +51,26 @@ def test_newest_frame_of_a_film(tmp_path: Path) -> None:
     assert threads() == []
 
 
-def test_a_film_plays_at_its_own_speed_and_the_newest_frame_wins(tmp_path: Path) -> None:
-    """20 frames a second, each lighter than the last: after half a second about ten have gone by unseen."""
+def test_video_file_plays_at_its_own_speed(tmp_path: Path) -> None:
+    """20 frames per second, each lighter than the last: after half a second about ten were skipped."""
     greys = list(range(40, 240, 4))
-    with VideoSource(film(tmp_path / "film.avi", greys, 20)) as source:
+    with VideoSource(video(tmp_path / "video.avi", greys, 20)) as source:
         first, start = int(source.newest()[0][240, 320]), time.monotonic()
         time.sleep(0.5)
         later, passed = int(source.newest()[0][240, 320]), time.monotonic() - start
-        # Not as many as a loaded machine had time for, and by far not the whole film.
+        # No more frames than were due in the time measured, and far fewer than the whole video.
         assert 4 <= later - first <= 4 * (20 * passed + 2)
 
 
-def test_frames_cannot_be_written_to(tmp_path: Path) -> None:
-    with VideoSource(film(tmp_path / "film.avi", [100] * 20, 10)) as source:
+def test_frames_are_read_only(tmp_path: Path) -> None:
+    with VideoSource(video(tmp_path / "video.avi", [100] * 20, 10)) as source:
         frame, _ = source.newest()
         with pytest.raises(ValueError, match="read-only"):
             frame[0, 0] = 1
 
 
-def test_the_end_of_a_film_is_told(tmp_path: Path) -> None:
-    path = film(tmp_path / "short.avi", [80, 90, 100], 30)
+def test_end_of_a_video_is_reported(tmp_path: Path) -> None:
+    path = video(tmp_path / "short.avi", [80, 90, 100], 30)
     with VideoSource(path) as source:
         for _ in range(500):
             try:
@@ -87,8 +87,8 @@ def test_the_end_of_a_film_is_told(tmp_path: Path) -> None:
             source.newest()
 
 
-def test_closing_twice_and_using_what_is_closed(tmp_path: Path) -> None:
-    source = VideoSource(film(tmp_path / "film.avi", [100] * 50, 25))
+def test_close_twice_is_allowed_and_use_after_close_is_refused(tmp_path: Path) -> None:
+    source = VideoSource(video(tmp_path / "video.avi", [100] * 50, 25))
     source.close()
     source.close()
     with pytest.raises(ValueError, match="closed"):
@@ -96,25 +96,25 @@ def test_closing_twice_and_using_what_is_closed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(320, 240), (1280, 960)])
-def test_another_size_of_the_same_shape_is_scaled(tmp_path: Path, width: int, height: int) -> None:
-    with VideoSource(film(tmp_path / "film.avi", [100] * 20, 10, width, height)) as source:
+def test_other_size_with_the_same_aspect_ratio_is_scaled(tmp_path: Path, width: int, height: int) -> None:
+    with VideoSource(video(tmp_path / "video.avi", [100] * 20, 10, width, height)) as source:
         frame, _ = source.newest()
         assert frame.shape == (480, 640)
         assert frame[240, 60] > 250
         assert abs(int(frame[240, 100]) - 100) <= 4
 
 
-def test_another_shape_is_refused(tmp_path: Path) -> None:
+def test_other_aspect_ratio_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"wide\.avi has frames of 640 x 360; allowed: 640 x 480"):
-        VideoSource(film(tmp_path / "wide.avi", [100] * 5, 10, 640, 360))
+        VideoSource(video(tmp_path / "wide.avi", [100] * 5, 10, 640, 360))
     assert threads() == []
 
 
-def test_sources_that_are_none(tmp_path: Path) -> None:
+def test_invalid_sources_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match=r"nowhere\.avi"):
         VideoSource(tmp_path / "nowhere.avi")
     text = tmp_path / "text.avi"
-    text.write_text("not a film")
+    text.write_text("not a video")
     with pytest.raises(CameraLost, match="cannot be opened; no frame ever came"):
         VideoSource(text)
     with pytest.raises(CameraLost, match="camera 99: cannot be opened"):
@@ -124,17 +124,17 @@ def test_sources_that_are_none(tmp_path: Path) -> None:
     assert threads() == []
 
 
-class Streaming:
-    """A network camera on loopback: a still picture again and again, until told to be silent or to hang up."""
+class NetworkCamera:
+    """A network camera on loopback: one picture repeated, until it is set silent or disconnected."""
 
     def __init__(self) -> None:
-        self.silent, self.gone = threading.Event(), threading.Event()
+        self.silent, self.disconnected = threading.Event(), threading.Event()
         self.url = ""
 
 
 @contextmanager
-def network_camera() -> Iterator[Streaming]:
-    camera = Streaming()
+def network_camera() -> Iterator[NetworkCamera]:
+    camera = NetworkCamera()
     _, jpeg = cv2.imencode(".jpg", picture(120))
     part = (
         b"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % jpeg.size
@@ -148,7 +148,7 @@ def network_camera() -> Iterator[Streaming]:
             self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
             self.end_headers()
             try:
-                while not camera.gone.wait(0.02):
+                while not camera.disconnected.wait(0.02):
                     if not camera.silent.is_set():
                         self.wfile.write(part)
             except OSError:
@@ -164,7 +164,7 @@ def network_camera() -> Iterator[Streaming]:
     try:
         yield camera
     finally:
-        camera.gone.set()
+        camera.disconnected.set()
         server.shutdown()
         serving.join()
         server.server_close()
@@ -178,21 +178,21 @@ def lost_after(source: VideoSource, seconds: float) -> CameraLost:
         except CameraLost as lost:
             return lost
         time.sleep(0.01)
-    raise AssertionError(f"still there after {seconds} s")
+    raise AssertionError(f"camera not lost after {seconds} s")
 
 
-def test_a_network_camera_that_hangs_up_is_lost() -> None:
+def test_disconnected_network_camera_is_lost() -> None:
     with network_camera() as camera, VideoSource(camera.url, timeout=3.0) as source:
         frame, _ = source.newest()
         assert abs(int(frame[240, 320]) - 120) <= 3
-        camera.gone.set()
+        camera.disconnected.set()
         lost = lost_after(source, 20.0)
         assert lost.source == camera.url
         assert camera.url in str(lost)
         assert lost.age is not None
 
 
-def test_a_network_camera_that_falls_silent_is_lost_when_its_last_frame_is_too_old() -> None:
+def test_silent_network_camera_is_lost_after_the_timeout() -> None:
     with network_camera() as camera:
         source = VideoSource(camera.url, timeout=1.0)
         camera.silent.set()
@@ -200,12 +200,12 @@ def test_a_network_camera_that_falls_silent_is_lost_when_its_last_frame_is_too_o
         assert "no new frame within 1 s" in str(lost)
         assert lost.age is not None
         assert lost.age > 1.0
-        camera.gone.set()  # lets the hanging read return
+        camera.disconnected.set()  # the blocked read returns
         source.close()
         assert threads() == []
 
 
-def test_a_tracked_camera_on_a_film(tmp_path: Path) -> None:
+def test_tracked_camera_on_a_video_file(tmp_path: Path) -> None:
     frame = np.full((480, 640), 100, np.uint8)
     draw_shapes(frame, ImagePose(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])
     path = tmp_path / "food.avi"

@@ -1,0 +1,99 @@
+"""Rendered frames of markers and food placed by a test, and errors of the regions tracked in them."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.scene import Region, Scene
+from khepera_forage.vision.simulated_camera import Truth
+
+Frame = NDArray[np.uint8]
+NONE = CameraAppearance.none()
+PAIR = Truth(((400.0, 300.0, 0.5, 1), (900.0, 700.0, 2.0, 2)), ((400.0, 700.0), (900.0, 300.0)))
+ROW, COLUMN = np.mgrid[:480, :640] + 0.5
+Marker = tuple[float, float, float, int]
+
+
+class SceneRenderer:
+    """Renders one frame after another; every frame has its own markers and food.
+
+    Args:
+        appearance: The laboratory's by default.
+        anchor: Of the cables.
+        seed: Of everything random.
+    """
+
+    def __init__(
+        self,
+        appearance: CameraAppearance | None = None,
+        anchor: tuple[float, float] | None = None,
+        seed: int = 0,
+    ) -> None:
+        self.truth = Truth((), ())
+        self._renderer = FrameRenderer(
+            lambda: self.truth, appearance or CameraAppearance.laboratory(), anchor
+        )
+        self._rng = np.random.default_rng(seed)
+        self._markers = -1
+
+    def frame(
+        self, markers: tuple[Marker, ...], foods: tuple[tuple[float, float], ...] = ()
+    ) -> NDArray[np.uint8]:
+        self.truth = Truth(markers, foods)
+        if len(markers) != self._markers:
+            self._markers = len(markers)
+            self._renderer.reset(self._rng)
+        return self._renderer.frame()
+
+
+def random_marker(rng: np.random.Generator, holes: int, left: float = 120.0, right: float = 3080.0) -> Marker:
+    """A marker at a random pose inside the picture, its x between `left` and `right` mm."""
+    heading = float(rng.uniform(-math.pi, math.pi))
+    return float(rng.uniform(left, right)), float(rng.uniform(120, 2280)), heading, holes
+
+
+def only_region(scene: Scene, holes: int) -> Region:
+    (region,) = [r for r in scene.regions if r.holes == holes]
+    return region
+
+
+def position_error(region: Region, x: float, y: float) -> float:
+    """Distance in pixels from a position in mm."""
+    return math.hypot(region.x - x / 5, region.y - y / 5)
+
+
+def heading_error(region: Region, heading: float) -> float:
+    """Degrees from a heading in radians."""
+    return abs(math.remainder(region.orientation - math.degrees(heading), 360))
+
+
+def render_frames(
+    truth: Truth,
+    appearance: CameraAppearance = NONE,
+    frames: int = 1,
+    seed: int = 0,
+    anchor: tuple[float, float] | None = None,
+) -> list[Frame]:
+    renderer = FrameRenderer(lambda: truth, appearance, anchor)
+    renderer.reset(np.random.default_rng(seed))
+    return [renderer.frame() for _ in range(frames)]
+
+
+def render_frame(
+    truth: Truth, appearance: CameraAppearance = NONE, anchor: tuple[float, float] | None = None
+) -> Frame:
+    return render_frames(truth, appearance, anchor=anchor)[0]
+
+
+def centroid(weight: NDArray[np.float64]) -> tuple[float, float]:
+    """Centroid in pixels, x right and y up."""
+    total = weight.sum()
+    return float((weight * COLUMN).sum() / total), 480 - float((weight * ROW).sum() / total)
+
+
+def grey_at(frame: Frame, x: float, y: float) -> int:
+    """The grey level at a place in mm."""
+    return int(frame[479 - int(y / 5), int(x / 5)])

@@ -1,0 +1,210 @@
+"""Detection in single frames: accuracy, other objects to ignore, and disturbances."""
+
+import math
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
+from khepera_forage.vision.tracker import Tracker
+from tests.vision.scene_renderer import (
+    SceneRenderer,
+    heading_error,
+    only_region,
+    position_error,
+    random_marker,
+)
+
+LABORATORY = CameraAppearance.laboratory()
+APPEARANCES = {
+    "laboratory": LABORATORY,
+    "dim": replace(LABORATORY, white=150.0, floor=70.0, wall=55.0, body=30.0, black=18.0),
+    "blurred": replace(LABORATORY, blur=1.2),
+    "noisy": replace(LABORATORY, grain=6.0),
+    "uneven light": replace(LABORATORY, gradient=0.3, vignette=0.4),
+    "dark cables": replace(LABORATORY, cable=30.0, cable_width=6.0),
+}
+
+
+@pytest.mark.parametrize("name", APPEARANCES)
+def test_markers_are_detected_at_any_pose(name: str) -> None:
+    """All positions within 1 pixel, and 99 % of headings within 3 degrees, for poses all over the picture."""
+    rng, renderer, tracker = (
+        np.random.default_rng(1),
+        SceneRenderer(APPEARANCES[name], (1500.0, 1200.0)),
+        Tracker(),
+    )
+    distances, angles = [], []
+    for _ in range(150):
+        markers = (random_marker(rng, 1, right=1400), random_marker(rng, 2, left=1700))
+        scene = tracker.update(renderer.frame(markers))
+        for x, y, heading, holes in markers:
+            region = only_region(scene, holes)
+            assert region.found
+            distances.append(position_error(region, x, y))
+            angles.append(heading_error(region, heading))
+    assert max(distances) < 1.0
+    assert max(angles) < 3.5
+    assert float(np.quantile(angles, 0.99)) < 3.0
+    assert float(np.median(distances)) < 0.1
+
+
+def test_centres_have_no_bias() -> None:
+    rng, renderer, tracker = np.random.default_rng(2), SceneRenderer(), Tracker()
+    errors = []
+    for _ in range(200):
+        marker, food = random_marker(rng, 1, right=1500), random_marker(rng, 0, left=1700)[:2]
+        for d in tracker.detect(renderer.frame((marker,), (food,))):
+            x, y = marker[:2] if d.holes else food
+            errors.append((d.holes, d.x - x / 5, d.y - y / 5))
+    for holes in (0, 1):
+        part = np.array([e[1:] for e in errors if e[0] == holes])
+        assert len(part) == 200
+        assert np.abs(part.mean(axis=0)).max() < 0.02
+        assert np.abs(part).max() < 0.3
+
+
+def test_features_match_the_shapes() -> None:
+    (marker,) = Tracker().detect(SceneRenderer(CameraAppearance.none()).frame(((1000.0, 1000.0, 0.0, 2),)))
+    assert (marker.first_x, marker.first_y) == pytest.approx((188, 208), abs=1)
+    assert marker.area == pytest.approx(24 * 16 - 2 * 16, rel=0.1)
+    assert marker.perimeter == pytest.approx(80, rel=0.1)
+    assert marker.compactness == pytest.approx(80**2 / 352, rel=0.2)
+    (food,) = Tracker().detect(SceneRenderer(CameraAppearance.none()).frame((), ((1000.0, 1000.0),)))
+    assert (food.x, food.y) == pytest.approx((200, 200), abs=0.05)
+    assert food.area == pytest.approx(math.pi * 3.5**2, rel=0.15)
+    assert food.compactness == pytest.approx(4 * math.pi, rel=0.3)
+    assert (food.holes, food.orientation, food.edge) == (0, 0, False)
+
+
+def test_edge_flag_is_set_at_the_picture_edge() -> None:
+    renderer, tracker = SceneRenderer(), Tracker()
+    for x, edge in ((66.0, False), (58.0, True)):
+        (marker,) = tracker.detect(renderer.frame(((x, 1000.0, 0.0, 1),)))
+        assert marker.edge is edge
+        assert abs(marker.x - x / 5) < 1
+
+
+def test_repeated_frames_give_equal_results() -> None:
+    renderer = SceneRenderer()
+    frame = renderer.frame(
+        ((500.0, 500.0, 1.0, 1), (1500.0, 900.0, 2.0, 2)), ((800.0, 800.0), (300.0, 1500.0))
+    )
+    before, tracker = frame.copy(), Tracker()
+    assert tracker.detect(frame) == tracker.detect(frame) == Tracker().detect(frame)
+    assert (frame == before).all()
+    scene = tracker.update(frame)
+    assert tracker.scene is scene
+    assert tracker.update(frame) == scene
+
+
+# ---------------------------------------------------------------- shapes to ignore
+
+
+def empty_floor(grey: int = 100) -> NDArray[np.uint8]:
+    return np.full((480, 640), grey, np.uint8)
+
+
+@pytest.mark.parametrize("grey", [0, 5, 100, 250, 255])
+def test_empty_floor_has_no_detections(grey: int) -> None:
+    assert Tracker().detect(empty_floor(grey)) == []
+
+
+def test_walls_paper_lines_and_specks_are_ignored() -> None:
+    frame = empty_floor()
+    cv2.rectangle(frame, (100, 100), (146, 230), 240, 2)  # walls around a corridor
+    cv2.rectangle(frame, (300, 100), (420, 180), 240, cv2.FILLED)  # a sheet of paper
+    cv2.rectangle(frame, (500, 100), (524, 116), 240, cv2.FILLED)  # a marker whose holes are not seen
+    cv2.line(frame, (50, 400), (600, 300), 230, 2)
+    cv2.circle(frame, (200, 50), 1, 255, cv2.FILLED)
+    cv2.ellipse(frame, (300, 440), (12, 3), 20, 0, 360, 230, cv2.FILLED)
+    assert Tracker().detect(frame) == []
+    draw_shapes(frame, ImagePose(123.5, 314.5, 1, 0, 0.2), [Disc(17.5, 230)])  # food inside the walls
+    (food,) = Tracker().detect(frame)
+    assert (food.x, food.y) == pytest.approx((123.5, 480 - 165.5), abs=0.2)
+
+
+def test_random_pictures_give_finite_regions() -> None:
+    rng, tracker = np.random.default_rng(0), Tracker()
+    for scale in (1, 2, 4, 8, 16, 32):
+        small = rng.integers(0, 256, (480 // scale + 1, 640 // scale + 1), dtype=np.uint8)
+        frame = np.kron(small, np.ones((scale, scale), np.uint8))[:480, :640]
+        for region in tracker.update(np.ascontiguousarray(frame)).regions:
+            assert all(math.isfinite(value) for value in region)
+
+
+@pytest.mark.parametrize(
+    "frame", [np.zeros((240, 320), np.uint8), np.zeros((480, 640)), np.zeros((480, 640, 3), np.uint8)]
+)
+def test_frames_of_another_shape_or_type_are_refused(frame: NDArray[np.uint8]) -> None:
+    with pytest.raises(ValueError, match=r"frame is \(.*allowed: \(480, 640\)"):
+        Tracker().update(frame)
+
+
+# ---------------------------------------------------------------- food beside markers and cables
+
+
+@pytest.mark.parametrize("gap", [0.5, 3.0, 8.0])
+@pytest.mark.parametrize("turn", [0.0, 0.4, 0.8])
+def test_touching_foods_are_separated(gap: float, turn: float) -> None:
+    reach = 17.5 + gap / 2
+    foods = tuple((1000 + s * reach * math.cos(turn), 1000 + s * reach * math.sin(turn)) for s in (-1, 1))
+    found = Tracker().detect(SceneRenderer().frame((), foods))
+    assert len(found) == 2
+    for x, y in foods:
+        assert min(math.hypot(d.x - x / 5, d.y - y / 5) for d in found) < 0.6
+
+
+@pytest.mark.parametrize("angle", range(0, 360, 20))
+def test_food_at_the_rim_does_not_move_the_marker(angle: int) -> None:
+    """On all sides, from almost hidden to clear of the marker; half hidden food is not reported."""
+    renderer, tracker = SceneRenderer(), Tracker()
+    for distance in (20.0, 45.0, 58.0, 75.0, 95.0):
+        x = 1000 + distance * math.cos(math.radians(angle))
+        y = 1000 + distance * math.sin(math.radians(angle))
+        scene = tracker.detect(renderer.frame(((1000.0, 1000.0, 0.3, 2),), ((x, y),)))
+        (marker,) = [d for d in scene if d.holes]
+        assert math.hypot(marker.x - 200, marker.y - 200) < 0.5
+        assert abs(marker.orientation - math.degrees(0.3)) < 3
+        for food in (d for d in scene if not d.holes):
+            assert math.hypot(food.x - x / 5, food.y - y / 5) < 1.0
+        if distance == 20.0:
+            assert len(scene) == 1
+
+
+def test_cable_never_changes_the_number_of_holes() -> None:
+    """Lines of several grey levels across a marker at all angles, about 7 mm and 17 mm wide (as wide as a hole).
+
+    A marker may be lost, but it never has a wrong number of holes.
+    """
+    rng, renderer, tracker = np.random.default_rng(3), SceneRenderer(), Tracker()
+    lost = {1: 0, 2: 0}
+    for _ in range(400):
+        holes = int(rng.integers(1, 3))
+        frame = renderer.frame(((1000.0, 1000.0, float(rng.uniform(-3, 3)), holes),), ((1250.0, 1000.0),))
+        angle, across = rng.uniform(0, math.pi), rng.uniform(-9, 9)
+        along = np.array([math.cos(angle), math.sin(angle)])
+        start = np.array([200, 280]) + across * np.array([-along[1], along[0]])
+        one, other = (np.rint(start + s * 150 * along).astype(int).tolist() for s in (-1, 1))
+        width = int(rng.integers(1, 3))
+        cv2.line(frame, one, other, int(rng.choice([20, 60, 80, 130])), width, cv2.LINE_AA)
+        markers = [d for d in tracker.detect(frame) if d.holes]
+        assert [d.holes for d in markers] in ([], [holes])
+        lost[width] += not markers
+        for d in markers:
+            assert math.hypot(d.x - 200, d.y - 200) < 1.3
+    assert lost[1] < 0.25 * 200 < lost[2]
+
+
+def test_detections_are_plain_numbers() -> None:
+    found = Tracker().detect(SceneRenderer().frame(((1000.0, 1000.0, 0.0, 2),), ((500.0, 500.0),)))
+    assert len(found) == 2
+    for detection in found:
+        assert isinstance(detection, Detection)
+        assert {type(value) for value in detection} <= {int, float, bool}
+        assert type(detection.holes) is type(detection.orientation) is int
