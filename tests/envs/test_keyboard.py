@@ -1,4 +1,4 @@
-"""The picture for a person at the keyboard: what changes in it, and what does not."""
+"""The picture for a person who teaches: message, hint and keys."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
     return Painter.to_array(KeyboardPainter().paint(view, caption))
 
 
-def test_every_behaviour_has_a_letter_of_its_name_and_its_number() -> None:
+def test_every_behaviour_has_a_letter_and_a_number() -> None:
     assert list(LETTERS) == list(Behaviour)[:10]
     assert len(set(LETTERS.values())) == 10
     for behaviour, letter in LETTERS.items():
@@ -28,16 +28,16 @@ def test_every_behaviour_has_a_letter_of_its_name_and_its_number() -> None:
         assert BEHAVIOUR_OF[letter] == BEHAVIOUR_OF[str(int(behaviour))] == behaviour
 
 
-def test_above_the_keys_stands_the_picture_of_the_environment() -> None:
+def test_picture_of_the_environment_is_above_the_keys() -> None:
     picture, above = pixels(VIEW, PLAIN), Painter.to_array(Painter().paint(VIEW))
     assert picture.shape[1] == above.shape[1]
     np.testing.assert_array_equal(picture[: len(above)], above)
 
 
 @pytest.mark.parametrize("behaviour", list(LETTERS))
-@pytest.mark.parametrize("what", ["held", "last"])
-def test_a_key_is_marked_in_its_place_and_nowhere_else(behaviour: Behaviour, what: str) -> None:
-    marked = PLAIN._replace(held=behaviour) if what == "held" else PLAIN._replace(last=behaviour)
+@pytest.mark.parametrize("mark", ["held", "last"])
+def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> None:
+    marked = PLAIN._replace(held=behaviour) if mark == "held" else PLAIN._replace(last=behaviour)
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, marked)
     rows, columns = np.nonzero((before != after).any(axis=2))
     assert len(rows) > 300
@@ -53,7 +53,7 @@ def test_a_key_is_marked_in_its_place_and_nowhere_else(behaviour: Behaviour, wha
     [PLAIN._replace(message="Wait."), PLAIN._replace(hint="Space"), PLAIN._replace(warning=True)],
     ids=["message", "hint", "warning"],
 )
-def test_message_and_warning_show(changed: Caption) -> None:
+def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
     rows = np.nonzero((before != after).any(axis=2))[0]
     height = len(Painter.to_array(Painter().paint(VIEW)))
@@ -61,12 +61,12 @@ def test_message_and_warning_show(changed: Caption) -> None:
     assert height <= rows.min() <= rows.max() < height + 36
 
 
-def test_what_is_said_aside_gives_way_to_the_message() -> None:
+def test_hint_is_left_out_beside_a_long_message() -> None:
     long = PLAIN._replace(message="word " * 60)
     np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(hint="")))
 
 
-def test_another_view_is_another_picture_and_the_old_one_comes_back() -> None:
+def test_keyboard_painter_draws_changed_views() -> None:
     painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
     first = Painter.to_array(painter.paint(VIEW, PLAIN))
     assert Painter.to_array(painter.paint(other, PLAIN)).shape != first.shape

@@ -1,0 +1,111 @@
+"""The render window, and rendering without display, pygame or Pillow, each in a new interpreter."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+def in_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run code in a new interpreter, with warnings as errors and only the given environment variables."""
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+
+DRAW = """
+import sys
+from khepera_forage.envs.rendering import Renderer, View
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
+"""
+
+
+@pytest.mark.parametrize("environment", [{}, {"SDL_VIDEODRIVER": "no such driver"}], ids=["unset", "invalid"])
+def test_arrays_need_no_display(environment: dict[str, str]) -> None:
+    done = in_python(
+        DRAW
+        + """
+assert Renderer("rgb_array").draw(View((CORRIDOR,))).any()
+import pygame
+assert pygame.display.get_init() is False
+""",
+        **environment,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_window_opens_draws_and_closes() -> None:
+    done = in_python(
+        DRAW
+        + """
+import pygame
+renderer = Renderer("human", fps=1000)
+assert not pygame.display.get_init()
+for _ in range(2):
+    assert renderer.draw(View((CORRIDOR,), title="one")) is None
+    small = pygame.display.get_surface().get_size()
+    assert renderer.draw(View((RECTANGLE,), title="two")) is None
+    assert pygame.display.get_surface().get_size() != small
+    assert pygame.display.get_caption()[0] == "two"
+    assert pygame.surfarray.array3d(pygame.display.get_surface()).std() > 5
+    renderer.close()
+    renderer.close()
+    assert not pygame.display.get_init()
+renderer.draw(View((CORRIDOR,)))
+pygame.event.post(pygame.event.Event(pygame.QUIT))
+assert not renderer.closed_by_user
+renderer.draw(View((CORRIDOR,)))
+assert renderer.closed_by_user and not pygame.display.get_init()
+renderer.draw(View((CORRIDOR,)))
+assert not pygame.display.get_init()
+renderer.close()
+renderer.draw(View((CORRIDOR,)))
+assert not renderer.closed_by_user and pygame.display.get_init()
+renderer.close()
+""",
+        SDL_VIDEODRIVER="dummy",
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_window_keeps_the_frame_rate() -> None:
+    done = in_python(
+        DRAW
+        + """
+import time
+renderer = Renderer("human", fps=20)
+renderer.draw(View((CORRIDOR,)))
+start = time.perf_counter()
+for step in range(6):
+    renderer.draw(View((CORRIDOR,), step=step))
+assert time.perf_counter() - start > 0.25
+renderer.close()
+""",
+        SDL_VIDEODRIVER="dummy",
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_missing_pygame_or_pillow_is_reported_with_what_to_install() -> None:
+    done = in_python(
+        """
+import sys
+sys.modules["pygame"] = sys.modules["PIL"] = None
+import numpy as np
+from gymnasium.error import DependencyNotInstalled
+from khepera_forage.envs.rendering import Renderer, save_gif
+frame = np.zeros((2, 2, 3), np.uint8)
+for missing in (lambda: Renderer("rgb_array"), lambda: save_gif([frame], "never.gif")):
+    try:
+        missing()
+    except DependencyNotInstalled as error:
+        assert "pip install khepera-forage[render]" in str(error), error
+    else:
+        raise AssertionError("no error")
+"""
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
