@@ -1,4 +1,4 @@
-"""The register of food with the real world: through pushing, carrying and setting down."""
+"""The food tracker in a simulated world: while food is pushed, carried and set down."""
 
 import math
 from collections.abc import Callable
@@ -6,32 +6,37 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
-from khepera_forage.task.perception import nearest_food
+from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.food_tracking import is_collected, is_finished
+from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
 
 ODDS = {
-    FoodType.PICKABLE: (1.0, 0.0, 0.0),
-    FoodType.PUSHABLE: (0.0, 1.0, 0.0),
-    FoodType.POISONOUS: (0.0, 0.0, 1.0),
+    FoodType.PICKABLE: (1.0, 0.0),
+    FoodType.PUSHABLE: (0.0, 1.0),
+    FoodType.POISONOUS: (0.0, 0.0),
 }
+"""Odds of PICKABLE and PUSHABLE food."""
 B = Behaviour
 Check = Callable[["Forage"], None]
 
 
 class Forage:
-    """One robot, its world and its register, round by round."""
+    """One robot, its world and its food tracker, round by round."""
 
     def __init__(
         self,
         arena: Arena,
-        odds: tuple[float, float, float],
+        odds: tuple[float, float],
         noise: Noise | None = None,
         seed: int = 0,
         foods: tuple[Point, ...] = (),
@@ -40,11 +45,9 @@ class Forage:
         foods = foods or arena.foods
         self.world = PymunkWorld([arena], (2,), Noise.none() if noise is None else noise)
         self.world.reset(np.random.default_rng(seed), Layout((arena.start,), foods))
-        self.types = FoodTypes(len(foods), odds, np.random.default_rng(seed))
-        site = site_of(arena)
-        places = [(f.x / MM_PER_PIXEL, f.y / MM_PER_PIXEL) for f in foods]
-        self.register = FoodRegister(site, places, self.types)
-        self.robot = Forager(self.world.robots[0], site, 2, self.register)
+        self.tracker = tracker_of(foods)
+        draw_food_types(self.tracker.foods, key_of(seed), *odds)
+        self.robot = Forager(self.world.robots[0], arena_map_of(arena), 2, self.tracker, DEFAULT_VALUES)
         self.robot.perceive(self.world.camera.look())
 
     def step(self, behaviour: int | None = None) -> None:
@@ -75,26 +78,26 @@ class Forage:
         )
 
 
-def ties_hold(forage: Forage) -> None:
-    """Every region in view is tied to the object that really lies there, and so is what the gripper holds."""
-    register = forage.register
+def links_are_right(forage: Forage) -> None:
+    """Every region in view is linked to the food object that really lies there; so is food in the gripper."""
+    tracker = forage.tracker
     for region in forage.world.camera.look().regions:
-        k = None if region.holes or not region.found else register.object_of(region.label)
+        k = None if region.holes or not region.found else linked_food(tracker, region.label)
         if k is not None:
             place = forage.world.food_places()[k]
             assert math.dist(place[:2], (region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL)) < 10
     if forage.held is not None:
-        assert register.type_in_gripper == register.known[forage.held]
-        assert forage.robot.raw.food_type == register.known[forage.held]
+        assert tracker.type_in_gripper == tracker.foods[forage.held].known
+        assert forage.robot.raw.food_type == tracker.foods[forage.held].known
     else:
         assert forage.robot.raw.food_type == FoodType.UNKNOWN
 
 
-def deliveries_hold(forage: Forage) -> None:
+def deliveries_are_right(forage: Forage) -> None:
     """What counts as delivered lies at home, within a pixel, and is not what the gripper holds."""
     arena = forage.arena
     for k, food in enumerate(forage.world.food_places()):
-        if forage.register.delivered[k]:
+        if forage.tracker.foods[k].delivered:
             assert forage.held != k
             assert not food.lifted
             assert math.dist(food[:2], arena.home) <= arena.home_radius + MM_PER_PIXEL
@@ -104,126 +107,100 @@ def deliveries_hold(forage: Forage) -> None:
 
 
 @pytest.mark.parametrize("kind", [FoodType.PICKABLE, FoodType.PUSHABLE])
-def test_a_type_is_known_from_exploring_on_and_stays_through_the_way_home(kind: FoodType) -> None:
+def test_type_is_known_from_exploring_until_delivery(kind: FoodType) -> None:
     forage = Forage(CORRIDOR, ODDS[kind])
     forage.until(lambda f: f.held is not None)
-    assert forage.register.known == [FoodType.UNKNOWN]
+    assert known_types(forage.tracker) == [FoodType.UNKNOWN]
     assert forage.robot.raw.food_type == FoodType.UNKNOWN
-    forage.until(lambda f: f.register.known[0] != FoodType.UNKNOWN, limit=20)
+    forage.until(lambda f: f.tracker.foods[0].known != FoodType.UNKNOWN, limit=20)
     assert forage.robot.raw.food_type == kind
     moved = 0.0
 
     def check(forage: Forage) -> None:
         nonlocal moved
-        assert forage.register.known == [kind]
-        ties_hold(forage)
-        deliveries_hold(forage)
+        assert known_types(forage.tracker) == [kind]
+        links_are_right(forage)
+        deliveries_are_right(forage)
         moved = max(moved, math.dist(forage.world.food_places()[0][:2], CORRIDOR.foods[0]))
 
-    forage.until(lambda f: f.register.finished, check=check)
+    forage.until(lambda f: is_finished(f.tracker), check=check)
     assert moved > 80
-    assert (forage.register.delivered_food, forage.register.poison_home) == (1, 0)
+    assert (forage.tracker.delivered, forage.tracker.poison_home) == (1, 0)
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_two_objects_keep_their_own_types_through_all_troubles(seed: int) -> None:
-    forage = Forage(RECTANGLE, (0.4, 0.4, 0.2), Noise.laboratory(), seed)
+def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int) -> None:
+    forage = Forage(RECTANGLE, (0.4, 0.4), Noise.laboratory(), seed)
 
     def check(forage: Forage) -> None:
-        ties_hold(forage)
-        deliveries_hold(forage)
+        links_are_right(forage)
+        deliveries_are_right(forage)
 
-    forage.until(lambda f: f.register.finished, limit=1200, check=check)
-    register = forage.register
-    assert FoodType.UNKNOWN not in register.known
-    assert register.collected == [kind != FoodType.POISONOUS for kind in register.known]
-
-
-def test_types_do_not_depend_on_which_is_identified_first() -> None:
-    orders = []
-    for order in ((0, 1, 2, 3), (3, 1, 0, 2)):
-        types = FoodTypes(4, (0.4, 0.3, 0.3), np.random.default_rng(12))
-        for index in order:
-            assert types.known[index] == FoodType.UNKNOWN
-            types.identify(index)
-        orders.append(types.known)
-    assert orders[0] == orders[1]
-
-
-def test_types_come_with_their_odds() -> None:
-    types = FoodTypes(4000, (0.5, 0.3, 0.2), np.random.default_rng(0))
-    for index in range(4000):
-        types.identify(index)
-    shares = [types.known.count(kind) / 4000 for kind in ODDS]
-    assert shares == pytest.approx([0.5, 0.3, 0.2], abs=0.03)  # four standard errors
-
-
-def test_corresponding_food_shares_one_draw() -> None:
-    types = FoodTypes(1, (0.5, 0.5, 0.0), np.random.default_rng(1))
-    site = site_of(CORRIDOR)
-    teacher, learner = (FoodRegister(site, [(74, 23)], types) for _ in range(2))
-    types.identify(0)
-    assert teacher.known == learner.known != [FoodType.UNKNOWN]
+    forage.until(lambda f: is_finished(f.tracker), limit=1200, check=check)
+    known = known_types(forage.tracker)
+    assert FoodType.UNKNOWN not in known
+    assert [is_collected(food) for food in forage.tracker.foods] == [t != FoodType.POISONOUS for t in known]
 
 
 # ---------------------------------------------------------------- delivery
 
 
-def test_food_is_delivered_when_set_down_at_home_and_clear_and_no_sooner() -> None:
+def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() -> None:
     forage = Forage(CORRIDOR, ODDS[FoodType.PICKABLE])
     forage.until(lambda f: f.world.food_places()[0].lifted)
-    # Into the home and about in it, without letting go.
+    # Into the home, and further in it, without releasing the food.
     for behaviour, rounds in ((B.GO_HOME, 60), (B.WAIT, 10)):
         for _ in range(rounds):
             forage.step(behaviour)
-            assert not forage.register.delivered[0]
-            deliveries_hold(forage)
+            assert not forage.tracker.foods[0].delivered
+            deliveries_are_right(forage)
     food = forage.world.food_places()[0]
     assert math.dist(food[:2], CORRIDOR.home) < CORRIDOR.home_radius
     forage.until(lambda f: not f.world.food_places()[0].lifted, limit=60)
-    assert not forage.register.delivered[0], "still in the gripper"
-    forage.until(lambda f: f.register.delivered[0], limit=60, check=deliveries_hold)
+    assert not forage.tracker.foods[0].delivered, "still in the gripper"
+    forage.until(lambda f: f.tracker.foods[0].delivered, limit=60, check=deliveries_are_right)
     assert forage.robot.senses.object_presence == 0
     label = next(r.label for r in forage.world.camera.look().regions if r.holes == 0)
-    assert label in forage.register.settled
-    assert not forage.robot.raw.food_seen, "it is no candidate any more"
-    assert forage.robot.vector.robot_food_distance == site_of(CORRIDOR).diagonal
+    assert label in labels_of_no_candidates(forage.tracker)
+    assert not forage.robot.raw.food_seen, "delivered food is no candidate"
+    assert forage.robot.vector.robot_food_distance == arena_map_of(CORRIDOR).diagonal
 
 
-def test_food_set_down_outside_home_is_found_again() -> None:
+def test_food_set_down_outside_home_is_delivered_later() -> None:
     forage = Forage(CORRIDOR, ODDS[FoodType.PICKABLE])
     forage.until(lambda f: f.world.food_places()[0].lifted)
     for _ in range(30):
         forage.step(B.RELEASE_FOOD if forage.robot.raw.jaw > 130 else B.SEARCH_FOR_FOOD)
-    forage.until(lambda f: f.register.finished)
-    assert forage.register.delivered_food == 1
+    forage.until(lambda f: is_finished(f.tracker))
+    assert forage.tracker.delivered == 1
 
 
 # ---------------------------------------------------------------- poison
 
 
-def test_poison_is_no_candidate_once_it_is_known() -> None:
+def test_known_poison_is_no_candidate() -> None:
     forage = Forage(RECTANGLE, ODDS[FoodType.POISONOUS])
-    forage.until(lambda f: FoodType.POISONOUS in f.register.known)
-    first = forage.register.known.index(FoodType.POISONOUS)
-    assert forage.register.deliverable == 1
-    assert not forage.register.finished
+    forage.until(lambda f: FoodType.POISONOUS in known_types(f.tracker))
+    first = known_types(forage.tracker).index(FoodType.POISONOUS)
+    assert forage.tracker.deliverable == 1
+    assert not is_finished(forage.tracker)
 
     def check(forage: Forage) -> None:
-        ties_hold(forage)
-        scene, own = forage.world.camera.look(), forage.robot.own
-        food = nearest_food(scene, forage.robot.site, own.x, own.y, forage.register.settled)
-        if food is not None and forage.held is None:
-            assert forage.register.object_of(food.label) != first
+        links_are_right(forage)
+        tracker = forage.tracker
+        if tracker.food_seen and forage.held is None:
+            nearest = (tracker.food_x, tracker.food_y)
+            labels = [r.label for r in forage.world.camera.look().regions if (r.x, r.y) == nearest]
+            assert [linked_food(tracker, label) == first for label in labels] == [False]
 
-    forage.until(lambda f: f.register.finished, check=check)
-    register = forage.register
-    assert (register.deliverable, register.delivered_food, register.poison_home) == (0, 0, 0)
+    forage.until(lambda f: is_finished(f.tracker), check=check)
+    tracker = forage.tracker
+    assert (tracker.deliverable, tracker.delivered, tracker.poison_home) == (0, 0, 0)
 
 
-def test_poison_brought_home_is_counted_apart() -> None:
+def test_poison_brought_home_is_counted_separately() -> None:
     forage = Forage(CORRIDOR, ODDS[FoodType.POISONOUS])
-    forage.until(lambda f: FoodType.POISONOUS in f.register.known)
+    forage.until(lambda f: FoodType.POISONOUS in known_types(f.tracker))
     for _ in range(25):
         forage.step(B.PICK_UP_FOOD)
     assert forage.world.food_places()[0].lifted
@@ -231,8 +208,8 @@ def test_poison_brought_home_is_counted_apart() -> None:
         forage.step(B.GO_HOME)
     for _ in range(60):
         forage.step(B.RELEASE_FOOD)
-    register = forage.register
-    assert register.delivered == [True]
-    assert (register.poison_home, register.delivered_food, register.deliverable) == (1, 0, 0)
-    assert register.collected == [False]
-    assert register.finished
+    tracker = forage.tracker
+    assert delivered(tracker) == [True]
+    assert (tracker.poison_home, tracker.delivered, tracker.deliverable) == (1, 0, 0)
+    assert not is_collected(tracker.foods[0])
+    assert is_finished(tracker)

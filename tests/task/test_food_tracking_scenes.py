@@ -1,18 +1,28 @@
-"""The register of food with scenes made up: what seldom happens in a run, and what must not confuse it."""
+"""The food tracker with made-up scenes: what seldom happens in a simulated run, and what must not confuse it."""
 
-import numpy as np
+import math
+
 import pytest
 
-from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.sim.arena import RECTANGLE
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
+from khepera_forage.sim.arena import RECTANGLE, Point
+from khepera_forage.task.food_tracking import (
+    FoodObject,
+    is_collected,
+    is_finished,
+    share_identified,
+    update_food,
+)
+from khepera_forage.task.identification import explored
 from khepera_forage.task.states import FoodType
-from khepera_forage.vision.scene import Region, Scene
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region
+from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
 
-SITE = site_of(RECTANGLE)
+ARENA = arena_map_of(RECTANGLE)
 FIRST, SECOND = (74.0, 40.0), (74.0, 80.0)
-HOME = (SITE.home_x, SITE.home_y)
+HOME = (ARENA.home_x, ARENA.home_y)
 EMPTY = Senses((0,) * 8, 0, 0, 255, 200, 0)
 PRESENT = EMPTY._replace(object_presence=255)
 GRIPPED = PRESENT._replace(arm=215, jaw=126)
@@ -26,18 +36,30 @@ def region(label: int, place: tuple[float, float], found: bool = True, holes: in
 class Story:
     """Rounds as camera and robot would report them; the robot looks along the x axis."""
 
-    def __init__(self, odds: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> None:
-        self.register = FoodRegister(SITE, [FIRST, SECOND], FoodTypes(2, odds, np.random.default_rng(0)))
+    def __init__(self, food_type: FoodType = FoodType.PICKABLE) -> None:
+        self.tracker = tracker_of([Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)])
+        for food in self.tracker.foods:
+            food.type = food_type
         self.senses = EMPTY
         self.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND))
 
     def round(
         self, robot: tuple[float, float], senses: Senses, *foods: Region, motors: Motors = STILL
-    ) -> FoodRegister:
+    ) -> None:
         own = region(0, robot, holes=2)
-        self.register.update(Scene((own, *foods)), own, self.senses, senses, motors)
+        update_food(
+            self.tracker,
+            self.tracker.foods,
+            self.tracker.links,
+            (own, *foods),
+            ARENA,
+            own.x,
+            own.y,
+            own.orientation,
+            senses.object_presence != 0,
+            explored(self.senses, senses, motors),
+        )
         self.senses = senses
-        return self.register
 
     def explore_first(self) -> None:
         """Two rounds in which the first object stays in the barrier; it is hidden by the marker."""
@@ -45,96 +67,161 @@ class Story:
             self.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
 
 
-def test_what_is_in_the_gripper_is_the_object_that_lay_there() -> None:
-    story = Story((0.0, 1.0, 0.0))
+def nearest_of(story: Story) -> tuple[float, float] | None:
+    """The nearest candidate."""
+    tracker = story.tracker
+    return (tracker.food_x, tracker.food_y) if tracker.food_seen else None
+
+
+def test_nearest_food_is_a_candidate_of_the_own_arena() -> None:
+    story = Story()
+    beyond = (40.0, ARENA.top + 20)
+    regions = region(3, beyond), region(4, (41.0, 60.0), holes=1), region(2, SECOND), region(1, FIRST)
+    story.round((40, 50), EMPTY, *regions)
+    assert nearest_of(story) == FIRST
+    story.tracker.foods[0].delivered = True
+    story.round((40, 50), EMPTY, *regions)
+    assert nearest_of(story) == SECOND
+    story.tracker.foods[1].known = FoodType.POISONOUS
+    story.round((40, 50), EMPTY, *regions)
+    assert nearest_of(story) is None
+    assert (story.tracker.food_x, story.tracker.food_y) == (0.0, 0.0)
+
+
+def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() -> None:
+    story = Story()
+    story.round((40, 50), EMPTY, region(1, FIRST, found=False), region(2, SECOND))
+    assert nearest_of(story) == FIRST
+    story.round((40, 50), EMPTY, region(1, FIRST), region(2, SECOND), region(9, (42.0, 52.0)))
+    assert linked_food(story.tracker, 9) is None
+    assert nearest_of(story) == (42.0, 52.0)
+
+
+def test_identified_types_are_shared_with_the_corresponding_food() -> None:
+    foods = [FoodObject(10, 10, type=FoodType.PUSHABLE), FoodObject(20, 10, type=FoodType.PICKABLE)]
+    others = [FoodObject(10, 80, type=FoodType.PUSHABLE), FoodObject(20, 80, type=FoodType.PICKABLE)]
+    foods[0].known = FoodType.PUSHABLE
+    share_identified(foods, others)
+    assert [food.known for food in others] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
+    share_identified(others, foods)
+    assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
+
+
+@pytest.mark.parametrize(
+    ("known", "is_delivered", "collected"),
+    [
+        (FoodType.PICKABLE, True, True),
+        (FoodType.PICKABLE, False, False),
+        (FoodType.POISONOUS, True, False),
+        (FoodType.UNKNOWN, False, False),
+    ],
+)
+def test_is_collected_holds_for_delivered_food_but_not_for_poison(
+    known: FoodType, is_delivered: bool, collected: bool
+) -> None:
+    assert is_collected(FoodObject(0, 0, known=known, delivered=is_delivered)) is collected
+
+
+def test_held_food_is_where_the_gripper_is() -> None:
+    story = Story()
     story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
-    types = [story.register.type_in_gripper]
+    held = story.tracker.foods[story.tracker.held]
+    assert math.dist((held.x, held.y), (63, 40)) * MM_PER_PIXEL == pytest.approx(58.0)
+    assert held.y == 40.0
+
+
+def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
+    story = Story(FoodType.PUSHABLE)
+    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
+    types = [story.tracker.type_in_gripper]
     story.explore_first()
-    types.append(story.register.type_in_gripper)
-    assert story.register.known == [FoodType.PUSHABLE, FoodType.UNKNOWN]
+    types.append(story.tracker.type_in_gripper)
+    assert known_types(story.tracker) == [FoodType.PUSHABLE, FoodType.UNKNOWN]
     story.round((50, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    types.append(story.register.type_in_gripper)
+    types.append(story.tracker.type_in_gripper)
     assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
 
 
 @pytest.mark.parametrize("motors", [STILL._replace(left=1), STILL._replace(right=-1)])
-def test_nothing_is_identified_on_the_move(motors: Motors) -> None:
+def test_moving_robot_identifies_nothing(motors: Motors) -> None:
     story = Story()
     for _ in range(5):
         story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
-    assert story.register.known == [FoodType.UNKNOWN] * 2
+    assert known_types(story.tracker) == [FoodType.UNKNOWN] * 2
 
 
-def test_gripped_food_is_not_delivered_even_where_it_can_be_seen_at_home() -> None:
+def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
     story = Story()
     story.explore_first()
     at_home = (HOME[0] - 2, HOME[1])
     story.round((at_home[0] - 11, at_home[1]), GRIPPED, region(1, at_home), region(2, SECOND))
-    assert story.register.delivered == [False, False]
+    assert delivered(story.tracker) == [False, False]
     story.round((at_home[0] - 20, at_home[1]), EMPTY, region(1, at_home), region(2, SECOND))
-    assert story.register.delivered == [True, False]
-    assert story.register.settled == {1}
-    assert not story.register.finished
+    assert delivered(story.tracker) == [True, False]
+    assert labels_of_no_candidates(story.tracker) == {1}
+    assert not is_finished(story.tracker)
 
 
-def test_a_region_that_is_only_remembered_at_home_delivers_nothing() -> None:
+def test_lost_region_at_home_delivers_nothing() -> None:
     story = Story()
     story.round((20, 60), EMPTY, region(1, HOME, found=False), region(2, SECOND))
-    assert story.register.delivered == [False, False]
+    assert delivered(story.tracker) == [False, False]
 
 
-def test_carried_food_is_known_again_while_its_old_track_lingers() -> None:
-    """The place where it lay cannot be seen yet, so the camera still remembers it there."""
-    story = Story((0.0, 1.0, 0.0))
+def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
+    """The marker still hides the place where the food lay, so its track stays there, lost."""
+    story = Story(FoodType.PUSHABLE)
     story.explore_first()
     lingering = region(1, FIRST, found=False)
     story.round((63, 55), GRIPPED, lingering, region(2, SECOND))
     story.round((50, 55), EMPTY, lingering, region(2, SECOND), region(3, (74, 55)))
-    assert story.register.object_of(3) == 0
-    assert story.register.object_of(2) == 1
+    assert linked_food(story.tracker, 3) == 0
+    assert linked_food(story.tracker, 2) == 1
 
 
-def test_carried_food_is_known_again_where_it_was_set_down_and_not_where_it_lay() -> None:
-    story = Story((0.0, 1.0, 0.0))
+def test_carried_food_is_recognised_where_it_was_set_down() -> None:
+    story = Story(FoodType.PUSHABLE)
     story.explore_first()
-    # Carried to near the second, of which every trace is lost meanwhile.
+    # Carried close to the second food object, whose track is dropped meanwhile.
     drop = (SECOND[0] + 2, SECOND[1] - 8)
     story.round((drop[0] - 11.6, drop[1]), GRIPPED)
     story.round((drop[0] - 25, drop[1]), EMPTY, region(3, drop))
-    assert story.register.object_of(3) == 0
+    assert linked_food(story.tracker, 3) == 0
     story.round((drop[0] - 25, drop[1]), EMPTY, region(3, drop), region(4, SECOND))
-    assert story.register.object_of(4) == 1
+    assert linked_food(story.tracker, 4) == 1
 
 
-def test_food_that_was_lost_for_a_while_stays_what_it_is() -> None:
-    story = Story((0.0, 0.0, 1.0))
+def test_poison_that_was_lost_for_a_while_stays_poison() -> None:
+    story = Story(FoodType.POISONOUS)
     story.explore_first()
     story.round((40, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    assert story.register.settled == {1}, "poison, and no longer held"
+    assert labels_of_no_candidates(story.tracker) == {1}, "poison, and no longer held"
     story.round((40, 40), EMPTY, region(2, SECOND))
-    assert story.register.settled == set()
+    assert labels_of_no_candidates(story.tracker) == set()
     story.round((40, 40), EMPTY, region(2, SECOND), region(5, FIRST))
-    assert story.register.settled == {5}
-    assert story.register.deliverable == 1
+    assert labels_of_no_candidates(story.tracker) == {5}
+    assert story.tracker.deliverable == 1
 
 
-def test_poison_in_the_gripper_is_still_the_nearest_food() -> None:
-    story = Story((0.0, 0.0, 1.0))
+def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
+    story = Story(FoodType.POISONOUS)
     story.explore_first()
-    assert story.register.settled == set()
-    assert story.register.type_in_gripper == FoodType.POISONOUS
+    assert labels_of_no_candidates(story.tracker) == set()
+    assert story.tracker.type_in_gripper == FoodType.POISONOUS
+    assert nearest_of(story) == FIRST
 
 
-def test_food_of_the_next_enclosure_is_none_of_its_business() -> None:
+def test_food_of_the_next_arena_is_linked_to_nothing() -> None:
     story = Story()
-    beyond = (HOME[0], SITE.bounds[3] + 20)
+    beyond = (HOME[0], ARENA.top + 20)
     story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, beyond))
-    assert story.register.object_of(9) is None
+    assert linked_food(story.tracker, 9) is None
+    assert delivered(story.tracker) == [False, False]
 
 
-def test_more_regions_than_objects_are_tied_to_none() -> None:
-    """Such as a glare on the floor."""
+def test_surplus_region_is_linked_to_nothing() -> None:
+    """Such as a reflection on the floor."""
     story = Story()
     story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, HOME))
-    assert story.register.object_of(9) is None
-    assert story.register.delivered == [False, False]
+    assert linked_food(story.tracker, 9) is None
+    assert delivered(story.tracker) == [False, False]

@@ -1,4 +1,4 @@
-"""The tree of figure 4.2 against table 4.2, which is written here apart, from the thesis."""
+"""The decision tree of figure 4.2 against table 4.2, which is written out here from the thesis."""
 
 from collections.abc import Callable
 
@@ -6,19 +6,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from khepera_forage.robots.khepera import ARM_RAISED
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.states import (
-    CARRY_HEIGHT,
-    CLOSE_TO_FOOD,
-    NEXT_TO_FOOD,
     Behaviour,
     FoodType,
     State,
     StateVector,
     behaviour_for,
     classify,
+    is_raised,
 )
 
 HOME_RADIUS = 20
+NEXT_TO_FOOD, CLOSE_TO_FOOD = int(Decisions().next_to_food), int(Decisions().close_to_food)
+HIGHEST_RAISED_ARM = ARM_RAISED + int(Decisions().carry_margin)
+FARTHER_STATE = Decisions(equal_distance="farther state").values()
 
 Row = Callable[[StateVector], bool]
 TABLE: dict[State, Row] = {
@@ -47,7 +50,7 @@ TABLE: dict[State, Row] = {
         bool(v.object_presence)
         and v.robot_home_distance > HOME_RADIUS
         and v.food_type == FoodType.PICKABLE
-        and v.arms_height > CARRY_HEIGHT
+        and v.arms_height > HIGHEST_RAISED_ARM
     ),
     State.READY_TO_PUSH_FOOD: lambda v: (
         bool(v.object_presence) and v.robot_home_distance > HOME_RADIUS and v.food_type == FoodType.PUSHABLE
@@ -59,7 +62,7 @@ TABLE: dict[State, Row] = {
         bool(v.object_presence)
         and v.robot_home_distance > HOME_RADIUS
         and v.food_type == FoodType.PICKABLE
-        and v.arms_height <= CARRY_HEIGHT
+        and v.arms_height <= HIGHEST_RAISED_ARM
     ),
     State.AT_HOME_NO_FOOD: lambda v: not v.object_presence and v.robot_home_distance < HOME_RADIUS,
     State.AT_HOME_WITH_FOOD: lambda v: bool(v.object_presence) and v.robot_home_distance < HOME_RADIUS,
@@ -70,7 +73,7 @@ VECTORS = st.builds(
     object_presence=st.integers(0, 1),
     robot_home_distance=st.integers(0, 60) | st.sampled_from((HOME_RADIUS - 1, HOME_RADIUS, HOME_RADIUS + 1)),
     food_type=st.integers(0, 3),
-    arms_height=st.integers(215, 255) | st.sampled_from((CARRY_HEIGHT, CARRY_HEIGHT + 1)),
+    arms_height=st.integers(215, 255) | st.sampled_from((HIGHEST_RAISED_ARM, HIGHEST_RAISED_ARM + 1)),
     robot_food_distance=st.integers(0, 60)
     | st.sampled_from((NEXT_TO_FOOD - 1, NEXT_TO_FOOD, NEXT_TO_FOOD + 1, CLOSE_TO_FOOD, CLOSE_TO_FOOD + 1)),
 )
@@ -82,15 +85,15 @@ def perceivable(vector: StateVector) -> bool:
 
 
 @given(VECTORS.filter(perceivable))
-def test_every_row_implies_its_leaf_and_rows_exclude_each_other(vector: StateVector) -> None:
+def test_classify_agrees_with_every_row_of_table_4_2_and_rows_exclude_each_other(vector: StateVector) -> None:
     rows = [state for state, row in TABLE.items() if row(vector)]
     assert len(rows) <= 1
     if rows:
-        assert classify(vector, HOME_RADIUS) == rows[0]
+        assert classify(vector, HOME_RADIUS, DEFAULT_VALUES) == rows[0]
 
 
 @given(VECTORS.filter(perceivable))
-def test_only_equal_distances_match_no_row_and_go_to_the_nearer_state(vector: StateVector) -> None:
+def test_classify_gives_the_nearer_state_where_equal_distances_match_no_row(vector: StateVector) -> None:
     if any(row(vector) for row in TABLE.values()):
         return
     home, food = vector.robot_home_distance, vector.robot_food_distance
@@ -99,7 +102,7 @@ def test_only_equal_distances_match_no_row_and_go_to_the_nearer_state(vector: St
         nearer = vector._replace(robot_home_distance=home - 1)
     else:
         nearer = vector._replace(robot_food_distance=food - 1)
-    assert classify(vector, HOME_RADIUS) == classify(nearer, HOME_RADIUS)
+    assert classify(vector, HOME_RADIUS, DEFAULT_VALUES) == classify(nearer, HOME_RADIUS, DEFAULT_VALUES)
 
 
 @pytest.mark.parametrize(
@@ -111,22 +114,40 @@ def test_only_equal_distances_match_no_row_and_go_to_the_nearer_state(vector: St
         (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD + 1), State.CLOSE_TO_FOOD),
         (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD), State.CLOSE_TO_FOOD),
         (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD + 1), State.SEARCH),
-        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT, 9), State.FOOD_IN_HAND),
-        (StateVector(1, HOME_RADIUS + 1, 1, CARRY_HEIGHT + 1, 9), State.READY_TO_PICK_UP_FOOD),
+        (StateVector(1, HOME_RADIUS + 1, 1, HIGHEST_RAISED_ARM, 9), State.FOOD_IN_HAND),
+        (StateVector(1, HOME_RADIUS + 1, 1, HIGHEST_RAISED_ARM + 1, 9), State.READY_TO_PICK_UP_FOOD),
     ],
 )
-def test_ties_go_to_the_nearer_state(vector: StateVector, state: State) -> None:
-    assert classify(vector, HOME_RADIUS) == state
+def test_classify_gives_the_nearer_state_at_each_threshold(vector: StateVector, state: State) -> None:
+    assert classify(vector, HOME_RADIUS, DEFAULT_VALUES) == state
+
+
+@given(VECTORS.filter(perceivable))
+def test_classify_with_farther_state_differs_only_at_equal_distances(vector: StateVector) -> None:
+    home, food = vector.robot_home_distance, vector.robot_food_distance
+    if home == HOME_RADIUS:
+        vector = vector._replace(robot_home_distance=home + 1)
+    if food in (NEXT_TO_FOOD, CLOSE_TO_FOOD):
+        vector = vector._replace(robot_food_distance=food + 1)
+    expected = classify(vector, HOME_RADIUS, DEFAULT_VALUES)
+    original = vector._replace(robot_home_distance=home, robot_food_distance=food)
+    assert classify(original, HOME_RADIUS, FARTHER_STATE) == expected
+
+
+def test_is_raised_holds_up_to_the_carry_margin() -> None:
+    assert is_raised(ARM_RAISED, DEFAULT_VALUES)
+    assert is_raised(HIGHEST_RAISED_ARM, DEFAULT_VALUES)
+    assert not is_raised(HIGHEST_RAISED_ARM + 1, DEFAULT_VALUES)
 
 
 @given(VECTORS)
-def test_the_unknown_state_cannot_be_reached(vector: StateVector) -> None:
-    assert classify(vector, HOME_RADIUS) != State.UNKNOWN
+def test_classify_never_gives_the_unknown_state(vector: StateVector) -> None:
+    assert classify(vector, HOME_RADIUS, DEFAULT_VALUES) != State.UNKNOWN
 
 
-def test_every_state_can_be_reached() -> None:
+def test_classify_gives_every_other_state() -> None:
     reached = {
-        classify(StateVector(presence, home, food_type, arm, food), HOME_RADIUS)
+        classify(StateVector(presence, home, food_type, arm, food), HOME_RADIUS, DEFAULT_VALUES)
         for presence in (0, 1)
         for home in (5, 50)
         for food_type in range(4)
@@ -151,6 +172,6 @@ def test_every_state_can_be_reached() -> None:
         (State.AT_HOME_WITH_FOOD, "RELEASE_FOOD"),
     ],
 )
-def test_states_and_behaviours_stand_one_to_one_as_in_table_4_1(state: State, behaviour: str) -> None:
+def test_behaviour_for_a_state_is_that_of_table_4_1(state: State, behaviour: str) -> None:
     assert behaviour_for(state).name == behaviour
     assert int(state) == int(Behaviour[behaviour])
