@@ -2,8 +2,8 @@
 
 from typing import Any
 
-_OF_EPISODE = ("score", "penalty", "correct", "steps")
-_OF_FOOD = ("delivered", "poison_home")
+OF_EPISODE = ("score", "penalty", "correct", "steps")
+OF_FOOD = ("delivered", "poison_home")
 
 
 def episode_info(state: Any, pose: Any, episode: Any, tracker: Any) -> dict[str, Any]:
@@ -19,8 +19,8 @@ def episode_info(state: Any, pose: Any, episode: Any, tracker: Any) -> dict[str,
         Values as given; arrays are fresh.
     """
     info = {"state": state, "correct_behaviour": _fresh(state), "pose": pose}
-    info |= {name: _read(episode, name) for name in _OF_EPISODE}
-    return info | {name: _read(tracker, name) for name in _OF_FOOD}
+    info |= {name: _read(episode, name) for name in OF_EPISODE}
+    return info | {name: _read(tracker, name) for name in OF_FOOD}
 
 
 def _read(record: Any, name: str) -> Any:

@@ -12,7 +12,7 @@ def register_all() -> None:
                 kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
                 gym.register(
                     env_id,
-                    entry_point=f"khepera_forage.envs.entry_points:{kind}",
-                    vector_entry_point=f"khepera_forage.envs.vector_entry_points:{kind}",
+                    entry_point=f"khepera_forage.envs.backends:{kind}",
+                    vector_entry_point=f"khepera_forage.envs.backends:{kind}_vector",
                     kwargs=kwargs,
                 )

@@ -1,4 +1,4 @@
-"""`TaskBatch`: bodies and task of many worlds, one robot each, advanced together: what the vector environments wrap."""
+"""`CompiledBatch`: bodies and task of many worlds, one robot each, advanced together."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,31 +7,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.compilation.threads import BLOCKS_A_THREAD, share_out, threads_for
-from khepera_forage.envs.arguments import FoodOdds, the_arena, whole_number
-from khepera_forage.envs.compiled.parameters import rules_of
-from khepera_forage.envs.compiled.rounds import play_all
-from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds
+from khepera_forage.counter_rng import key_of, keys_of
+from khepera_forage.envs.arguments import FoodOdds, whole_number
+from khepera_forage.envs.compiled.parameters import recall_parameters
+from khepera_forage.envs.compiled.records import place_dtype, start_dtype
+from khepera_forage.envs.compiled.rounds import step_all
+from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds, kept
+from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.sim.compiled.numbers import keys_of
-from khepera_forage.sim.compiled.rows import LANES
-from khepera_forage.sim.layout_checks import check_robot
-from khepera_forage.task.placement import given_layout
+from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.task.decisions import Decisions
 
-Floats = NDArray[np.float64]
+_SMALL = 1 << 63
 
 
-class TaskBatch:
-    """Recalls in many worlds. Each plays one episode after another, by random numbers of its own.
+class CompiledBatch:
+    """Recalls in many worlds. Each has one episode after another, with random numbers of its own.
 
     Args:
         num_worlds: How many.
         arena: As for the environments.
         foods: Food objects in each, 1 to 16.
         limit: Steps after which an episode ends.
-        noise: The laboratory's troubles.
+        noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
+        decisions: Ours by default.
 
     Raises:
         ValueError: An argument out of range.
@@ -45,45 +46,49 @@ class TaskBatch:
         limit: int = 500,
         noise: Noise | None = None,
         food_types: FoodOdds = None,
+        decisions: Decisions | None = None,
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
-        self.arena = the_arena(arena)
-        self._setting, self._rules = rules_of(self.arena, foods, limit, noise, food_types)
-        self.foods, self.limit = self._setting.foods, self._rules.limit
+        self.arena, self.decisions, self._parameters, self._task = recall_parameters(
+            arena, foods, limit, noise, food_types, decisions
+        )
+        self.foods, self.limit = foods, limit
         self._blocks = -(-self.num_worlds // LANES)
         self.worlds = empty_worlds(self._blocks, self.foods)
 
     @property
     def bytes_per_world(self) -> float:
-        """Memory that a world takes; what threads work in comes to it."""
-        return float(sum(rows.nbytes for rows in _kept(self.worlds)) / self._blocks / LANES)
+        """Memory of a world, without what threads work in."""
+        return float(sum(array.nbytes for array in kept(self.worlds)) / self._blocks / LANES)
 
     @property
     def diagonal(self) -> int:
         """Of the arena, in pixels."""
-        return int(self._rules.place[4])
+        return int(self._task.arena["map_diagonal"][0])
 
     @property
-    def home(self) -> Floats:
+    def home(self) -> NDArray[np.float64]:
         """x, y and radius of the home, in pixels."""
-        return self._rules.place[:3].copy()
+        arena = self._task.arena[0]
+        return np.array((arena["map_home_x"], arena["map_home_y"], arena["map_home_radius"]))
 
-    def seed(self, seed: int, worlds: NDArray[np.int64]) -> None:
-        """Give worlds their random numbers: world i of a seed, whatever the size of the batch.
+    def seed(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
+        """Seed some worlds, each with its own seed: it then has the episodes of a single environment with that seed.
 
         Args:
-            seed: At least 0.
-            worlds: Numbers of those that are seeded.
+            seeds: One a world, each at least 0.
+            worlds: Numbers of the worlds.
         """
-        self._key(worlds, keys_of(seed, worlds))
-
-    def seed_each(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
-        """Give each of some worlds a seed of its own, of which it is then world 0."""
-        zero = np.zeros(1, np.int64)
-        self._key(worlds, np.concatenate([keys_of(seed, zero) for seed in seeds]))
+        if max(seeds) < _SMALL:
+            keys = keys_of(np.array(seeds, np.uint64))
+        else:
+            keys = np.array([key_of(seed) for seed in seeds], np.uint64)
+        robots, here = self.worlds.bodies.robots, (worlds // LANES, worlds % LANES)
+        robots["key"][here], robots["round"][here] = keys, 0
+        self.worlds.episodes["number"][here] = 0
 
     def restart(self, worlds: NDArray[np.int64], options: Mapping[str, Any] | None = None) -> None:
-        """Begin new episodes in some worlds, up to their first observation; the others stay as they are.
+        """Begin new episodes in some worlds, up to their first observation; the others stay unchanged.
 
         Args:
             worlds: Their numbers.
@@ -92,92 +97,102 @@ class TaskBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        pose, places = asked_for(self.arena, self.foods, options or {})
-        # New episodes begin in blocks of their own, which are then copied to where they belong.
+        given = as_records(*given_places(self.arena, self.foods, options or {}), self.foods)
+        # New episodes begin in blocks of their own, whose records are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        room = empty_worlds(blocks, self.foods)
+        begun = empty_worlds(blocks, self.foods)
         new = np.arange(len(worlds))
-        there, here = (new // LANES, slice(None), new % LANES), (worlds // LANES, slice(None), worlds % LANES)
-        _by_row(room.bodies.keys)[there] = _by_row(self.worlds.bodies.keys)[here]
+        there, here = (new // LANES, new % LANES), (worlds // LANES, worlds % LANES)
+        for name in ("key", "round"):
+            begun.bodies.robots[name][there] = self.worlds.bodies.robots[name][here]
+        begun.episodes["number"][there] = self.worlds.episodes["number"][here]
         lanes = blocks * LANES
-        self._play(room, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), pose, places)
-        if np.isnan(_by_row(room.bodies.robots)[:, body.X]).any():
+        if not self._step(begun, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), *given):
             raise no_room(self.arena, self.foods)
-        for rows, begun in zip(_kept(self.worlds), _kept(room), strict=True):
-            _by_row(rows)[here] = _by_row(begun)[there]
+        for array, source in zip(kept(self.worlds), kept(begun), strict=True):
+            _copy_worlds(array, here, source, there)
 
-    def step(self, actions: Floats, waiting: NDArray[np.bool_]) -> None:
-        """One round of 0.1 s in every world.
+    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
+        """One round in every world.
 
         Args:
-            actions: One behaviour a world, shape (worlds,), or motors as `Motors` has them, shape (worlds, 4).
+            actions: One behaviour a world, shape (worlds,), or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
+
+        Raises:
+            ValueError: The arena has no room for a new episode.
         """
         lanes = self._blocks * LANES
         padded = np.zeros((lanes, *actions.shape[1:]))
         padded[: self.num_worlds] = actions
-        fresh = np.zeros(lanes, np.bool_)
-        fresh[: self.num_worlds] = waiting
-        nowhere, nothing = np.full(3, np.nan), np.full((self.foods, 2), np.nan)
-        self._play(self.worlds, padded.reshape(lanes, -1), fresh, nowhere, nothing)
+        begins = np.zeros(lanes, np.bool_)
+        begins[: self.num_worlds] = waiting
+        if not self._step(
+            self.worlds, padded.reshape(lanes, -1), begins, *as_records(None, None, self.foods)
+        ):
+            raise no_room(self.arena, self.foods)
 
-    def task(self, row: int, kind: type[np.generic] = np.float64) -> NDArray[Any]:
-        """A row of `envs.compiled.rows`, one number a world, as a fresh array of some type."""
-        return self._row(self.worlds.tasks, row, kind)
+    def task(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
+        """A field of the task's records, one number a world, as a fresh array of some type."""
+        return self._over_worlds(self.worlds.tasks[name]).astype(kind)
 
-    def body(self, row: int, kind: type[np.generic] = np.float64) -> NDArray[Any]:
-        """A row of `sim.compiled.rows`, one number a world, as a fresh array of some type."""
-        return self._row(self.worlds.bodies.robots, row, kind)
+    def robot(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
+        """A field of the robots' records, one number a world, as a fresh array of some type."""
+        return self._over_worlds(self.worlds.bodies.robots[name]).astype(kind)
 
-    def _row(self, rows: Floats, row: int, kind: type[np.generic]) -> NDArray[Any]:
-        return _by_row(rows)[:, row].astype(kind).reshape(-1)[: self.num_worlds]
+    @property
+    def proximity(self) -> NDArray[np.int64]:
+        """The eight infra-reds of each world, shape (worlds, 8)."""
+        readings: NDArray[Any] = self.worlds.bodies.robots["proximity"].swapaxes(1, 2).reshape(-1, 8)
+        return readings[: self.num_worlds].astype(np.int64)
 
-    def _key(self, worlds: NDArray[np.int64], keys: NDArray[np.uint64]) -> None:
-        rows, lanes = self.worlds.bodies.keys.reshape(-1, body.KEY_ROWS, LANES), worlds % LANES
-        rows[worlds // LANES, body.KEY, lanes] = keys
-        rows[worlds // LANES, body.ROUND, lanes] = 0
+    @property
+    def episodes(self) -> NDArray[Any]:
+        """`episode_dtype`, one element a world; a view."""
+        return self._over_worlds(self.worlds.episodes)
 
-    def _play(
-        self, worlds: Worlds, actions: Floats, fresh: NDArray[np.bool_], pose: Floats, places: Floats
-    ) -> None:
-        begun, given = np.zeros(1, np.int64), (self._setting, self._rules, actions, fresh, pose, places)
-        share_out(play_all, threads_for(len(worlds.tasks) // BLOCKS_A_THREAD), worlds, begun, *given)
+    @property
+    def trackers(self) -> NDArray[Any]:
+        """`tracker_dtype`, one element a world; a view."""
+        return self._over_worlds(self.worlds.trackers)
+
+    def _over_worlds(self, array: NDArray[Any]) -> NDArray[Any]:
+        return array.reshape(-1)[: self.num_worlds]
+
+    def _step(
+        self,
+        worlds: Worlds,
+        actions: NDArray[np.float64],
+        waiting: NDArray[np.bool_],
+        start: NDArray[Any],
+        places: NDArray[Any],
+    ) -> bool:
+        taken, free = np.zeros(1, np.int64), np.ones(1, np.bool_)
+        threads = threads_for(len(worlds.tasks) // BLOCKS_A_THREAD)
+        common = (worlds, taken, free, self._parameters, self._task, actions, waiting, start, places)
+        share_out(step_all, threads, *common)
+        return bool(free[0])
 
 
-def asked_for(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Floats, Floats]:
-    """Start and food places that `reset(options=...)` asks for, mm and radians; what it leaves open is not a number.
+def as_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Given start and food places as kernels take them; not a number where they are random.
 
     Args:
-        arena: Where.
+        start: A `Pose`, or None.
+        places: One `Point` a food object, or None.
         foods: Number of food objects.
-        options: `start` and `foods` as for the environments.
-
-    Raises:
-        ValueError: Options that are unknown or place something off the free floor.
     """
-    pose, places = np.full(3, np.nan), np.full((foods, 2), np.nan)
-    if options:
-        layout = given_layout(arena, foods, options, np.random.default_rng(0))
-        if "start" in options:
-            check_robot(arena, layout.starts[0])
-            pose = np.array(layout.starts[0])
-        if "foods" in options:
-            places = np.array(layout.foods)
-    return pose, places
+    starts = np.full(1, np.nan, start_dtype) if start is None else np.array([tuple(start)], start_dtype)
+    if places is None:
+        return starts, np.full(foods, np.nan, place_dtype)
+    return starts, np.array([tuple(place) for place in places], place_dtype)
 
 
-def no_room(arena: Arena, foods: int) -> ValueError:
-    """What is wrong with an arena in which no random places were found."""
-    return ValueError(
-        f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
-    )
-
-
-def _kept(worlds: Worlds) -> tuple[NDArray[Any], ...]:
-    """All arrays that hold something between rounds."""
-    return *worlds.bodies[:3], worlds.tasks, worlds.registers
-
-
-def _by_row(rows: NDArray[Any]) -> NDArray[Any]:
-    """Blocks of rows as (blocks, rows, lanes)."""
-    return rows.reshape(rows.shape[0], -1, LANES)
+def _copy_worlds(array: NDArray[Any], here: Any, source: NDArray[Any], there: Any) -> None:
+    """Copy some worlds from one array of `kept` to another of the same kind."""
+    if not array.dtype[0].shape:
+        array[here] = source[there]
+        return
+    for name in array.dtype.names or ():
+        # A field over lanes, which are its last axis.
+        np.moveaxis(array[name], -1, 1)[here] = np.moveaxis(source[name], -1, 1)[there]

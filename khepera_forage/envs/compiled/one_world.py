@@ -1,127 +1,144 @@
-"""`OneWorld`: the batch's world on its own, advanced by a kernel of one lane.
+"""`OneWorld`: a compiled world on its own, advanced by the kernels of a batch with one lane.
 
-All of it lies in one flat array, so that a call hands over one argument: for numba every further array is a tenth of
-a microsecond, and a step of the kernel takes less than one.
+A call of a kernel takes a tenth of a microsecond for every array among its arguments, and a step of the kernel takes
+less than one microsecond. So all arrays are handed over as one: their addresses and lengths.
 """
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.compilation.decorators import entrance, inline
-from khepera_forage.compilation.widths import at_width
-from khepera_forage.envs.compiled import rows as at
-from khepera_forage.envs.compiled.parameters import Rules
-from khepera_forage.envs.compiled.rounds import play_block
-from khepera_forage.envs.compiled.worlds import Worlds
-from khepera_forage.sim.compiled import rows as body
+from khepera_forage.compilation.addresses import array_at
+from khepera_forage.compilation.decorators import entrance
+from khepera_forage.envs.compiled.parameters import TaskParameters
+from khepera_forage.envs.compiled.records import (
+    arena_dtype,
+    decisions_dtype,
+    episode_dtype,
+    food_object_dtype,
+    link_dtype,
+    place_dtype,
+    start_dtype,
+    task_dtype,
+    tracker_dtype,
+    wall_dtype,
+)
+from khepera_forage.envs.compiled.rounds import step_block
+from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds, worlds_of
+from khepera_forage.sim.compiled import records as bodies
 from khepera_forage.sim.compiled.bodies import Bodies
-from khepera_forage.sim.compiled.parameters import Setting
+from khepera_forage.sim.compiled.parameters import Parameters
 
-Floats = NDArray[np.float64]
-FOODS, WALLS, CORNERS, LIMIT, NUMBERS, HEAD = range(6)
-"""What the array begins with; `NUMBERS` is how many an action has: 1, a behaviour, or 4, motors."""
-_WALL, _SITE_WALL, _CORNER, _NOISE, _PLACE, _ARENA, _ODDS = 8, 5, 2, 14, 9, 7, 3
-"""Numbers of a wall in mm, of one in pixels, of a corner, and of each of the arrays of `Setting` and `Rules`."""
-
-
-class Given(NamedTuple):
-    """What a round is to do.
-
-    Attributes:
-        action: One behaviour or four motor values, shape (1, n).
-        fresh: 1 where a new episode begins instead, shape (1,).
-        pose: Where the robot then stands, mm and radians; not a number for a random place.
-        places: Where the food then lies, mm, shape (foods, 2).
-    """
-
-    action: Floats
-    fresh: Floats
-    pose: Floats
-    places: Floats
-
-
-@inline
-def parts_of(memory: Floats) -> tuple[Worlds, Setting, Rules, Given]:
-    """The parts of the array, as views: in Python and in the kernel."""
-    foods, walls, corners = int(memory[FOODS]), int(memory[WALLS]), int(memory[CORNERS])
-    numbers = int(memory[NUMBERS])
-    a = HEAD
-    b = a + body.KEY_ROWS
-    keys = memory[a:b].view(np.uint64)
-    c = b + body.ROBOT_ROWS
-    d = c + foods * body.FOOD_ROWS
-    e = d + at.TASK_ROWS
-    f = e + foods * at.TASK_FOOD_ROWS
-    w = f + body.WORK_ROWS
-    worlds = Worlds(Bodies(memory[b:c], memory[c:d], keys, memory[f:w]), memory[d:e], memory[e:f])
-    g = w + walls * _WALL
-    h = g + corners * _CORNER
-    i = h + _NOISE
-    setting = Setting(
-        foods, memory[w:g].reshape(walls, _WALL), memory[g:h].reshape(corners, _CORNER), memory[h:i]
-    )
-    j = i + _PLACE
-    k = j + walls * _SITE_WALL
-    m = k + _ARENA
-    n = m + _ODDS
-    site_walls = memory[j:k].reshape(walls, _SITE_WALL)
-    rules = Rules(memory[i:j], site_walls, memory[k:m], memory[m:n], int(memory[LIMIT]))
-    o = n + numbers
-    p = o + 1
-    q = p + 3
-    r = q + 2 * foods
-    given = Given(memory[n:o].reshape(1, numbers), memory[o:p], memory[p:q], memory[q:r].reshape(foods, 2))
-    return worlds, setting, rules, given
-
-
-def _memory_of(setting: Setting, rules: Rules, numbers: int) -> Floats:
-    """An array with everything that never changes in its place, and zeros elsewhere."""
-    foods, walls, corners = setting.foods, setting.walls.shape[0], setting.corners.shape[0]
-    state = body.KEY_ROWS + body.ROBOT_ROWS + at.TASK_ROWS + foods * (body.FOOD_ROWS + at.TASK_FOOD_ROWS)
-    state += body.WORK_ROWS
-    return np.concatenate(
-        (
-            (foods, walls, corners, rules.limit, numbers),
-            np.zeros(state),
-            *(part.ravel() for part in (setting.walls, setting.corners, setting.noise)),
-            *(part.ravel() for part in (rules.place, rules.walls, rules.arena, rules.odds)),
-            np.zeros(numbers + 1 + 3 + 2 * foods),
-        )
-    )
+_ROBOT, _FOOD, _SCRATCH, _TASK = (
+    bodies.robot_dtype(1),
+    bodies.food_dtype(1),
+    bodies.scratch_dtype(1),
+    task_dtype(1),
+)
+_TRACK, _DETECTION = bodies.track_dtype, bodies.detection_dtype
+_WALL, _CORNER, _CONSTANTS = bodies.wall_dtype, bodies.corner_dtype, bodies.constants_dtype
+_FLOAT, _FLAG = np.dtype(np.float64), np.dtype(np.bool_)
+FOODS, WALLS, CORNERS, NUMBERS, HEAD = range(5)
+"""What the table begins with: counts, and how many numbers an action has."""
 
 
 class OneWorld:
-    """One world of recalls: what `TaskBatch` is for many. World 0 of a seed is the same in both.
+    """One world of recalls: what `CompiledBatch` is for many. The world of a seed is the same in both.
 
     Args:
-        setting: What holds for the bodies.
-        rules: What holds for the task.
-        numbers: How many an action has: 1, a behaviour, or 4, motors.
+        parameters: Of the bodies.
+        task: Of the task.
+        numbers: How many an action has: 1, a behaviour, or 4, numbers in -1..1.
 
     Attributes:
-        memory: All of it; `play` advances it.
-        worlds: Its rows, one number each.
-        given: What the coming round is to do.
+        worlds: The records of one block with one lane.
+        action: The coming action, shape (1, numbers).
+        begins: Whether a new episode begins instead, shape (1,).
+        start: Where the robot then starts; not a number for a random start.
+        places: Where food then lies; not a number for random places.
+        has_room: Whether the last new episode had room, shape (1,).
     """
 
-    def __init__(self, setting: Setting, rules: Rules, numbers: int) -> None:
-        self.__setstate__(_memory_of(setting, rules, numbers))
+    def __init__(self, parameters: Parameters, task: TaskParameters, numbers: int) -> None:
+        foods = parameters.foods
+        self.parameters, self.task = parameters, task
+        self.worlds = empty_worlds(1, foods, lanes=1)
+        self.action = np.zeros((1, numbers))
+        self.begins, self.has_room = np.zeros(1, np.bool_), np.ones(1, np.bool_)
+        self.start, self.places = np.full(1, np.nan, start_dtype), np.full(foods, np.nan, place_dtype)
+        self._tabulate()
 
-    def __getstate__(self) -> Floats:
-        return self.memory
+    def _tabulate(self) -> None:
+        counts = (
+            self.parameters.foods,
+            len(self.parameters.walls),
+            len(self.parameters.corners),
+            self.action.shape[1],
+        )
+        arrays = (
+            *self.worlds.bodies,
+            *self.worlds[1:],
+            *self.parameters[1:],
+            *self.task,
+            self.action,
+            self.begins,
+            self.start,
+            self.places,
+            self.has_room,
+        )
+        self.table = np.array((*counts, *(array.ctypes.data for array in arrays)), np.int64)
 
-    def __setstate__(self, memory: Floats) -> None:
-        self.memory = memory
-        self.worlds, _, _, self.given = parts_of(memory)
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "table"}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # Copies: a pickle may be loaded in this process too, and must not share arrays with what it was made of.
+        for name, value in state.items():
+            setattr(self, name, value)
+        self._tabulate()
 
-_play_alone = at_width(play_block, 1)
+    def step(self) -> None:
+        """One round, or the start of an episode, as `action` and `begins` say."""
+        _step_one(self.table)
 
 
 @entrance
-def play(memory: Floats) -> None:
-    """One round of a `OneWorld`, given its memory."""
-    worlds, setting, rules, given = parts_of(memory)
-    _play_alone(worlds, setting, rules, given.action, given.fresh, given.pose, given.places)
+def _step_one(table: NDArray[np.int64]) -> None:
+    foods, numbers = table[FOODS], table[NUMBERS]
+    a = table[HEAD:]
+    blocks = Bodies(
+        array_at(a[0], (1,), _ROBOT),
+        array_at(a[1], (1, foods), _FOOD),
+        array_at(a[2], (1, 1, 2 * foods), _TRACK),
+        array_at(a[3], (1,), _SCRATCH),
+        array_at(a[4], (1, foods), _DETECTION),
+    )
+    worlds = Worlds(
+        blocks,
+        array_at(a[5], (1,), _TASK),
+        array_at(a[6], (1, 1), tracker_dtype),
+        array_at(a[7], (1, 1, foods), food_object_dtype),
+        array_at(a[8], (1, 1, 2 * foods), link_dtype),
+        array_at(a[9], (1, 1), episode_dtype),
+        array_at(a[10], (1, 1), start_dtype),
+        array_at(a[11], (1, foods), place_dtype),
+    )
+    parameters = Parameters(
+        foods,
+        array_at(a[12], (table[WALLS],), _WALL),
+        array_at(a[13], (table[CORNERS],), _CORNER),
+        array_at(a[14], (1,), _CONSTANTS),
+    )
+    task = TaskParameters(
+        array_at(a[15], (1,), arena_dtype),
+        array_at(a[16], (table[WALLS],), wall_dtype),
+        array_at(a[17], (table[WALLS],), wall_dtype),
+        array_at(a[18], (1,), decisions_dtype),
+    )
+    action = array_at(a[19], (1, numbers), _FLOAT)
+    begins = array_at(a[20], (1,), _FLAG)
+    start = array_at(a[21], (1,), start_dtype)
+    places = array_at(a[22], (foods,), place_dtype)
+    has_room = array_at(a[23], (1,), _FLAG)
+    has_room[0] = step_block(worlds_of(worlds, 0, 0), parameters, task, action, begins, start, places)

@@ -1,46 +1,58 @@
-"""What every world of a batch knows of its arena and of its task, as plain arrays for the kernels."""
+"""What all compiled worlds of a batch have in common, for their bodies and for their task."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arguments import FoodOdds, food_odds, the_arena, whole_number
-from khepera_forage.envs.forager import site_of
+from khepera_forage.compilation.decorators import inline
+from khepera_forage.envs.arguments import (
+    FoodOdds,
+    checked_arena,
+    checked_decisions,
+    food_odds,
+    timing_of,
+    whole_number,
+)
+from khepera_forage.envs.compiled.records import arena_dtype, decisions_dtype, wall_dtype
+from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.parameters import Setting, setting_of
-from khepera_forage.sim.compiled.rows import MOST_FOODS
+from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.layout_checks import check_seen
+from khepera_forage.task.arena_map import ArenaMap, Floor
+from khepera_forage.task.decisions import Decisions, DecisionValues
+
+MOST_FOODS = 16
+"""Food objects that a compiled world can have."""
 
 
-class Rules(NamedTuple):
-    """What holds for the task in every world of a batch.
+class TaskParameters(NamedTuple):
+    """What is the same for the task of every world of a batch. Kernels read all of it at run time.
 
     Attributes:
-        place: See `site_array`.
-        walls: See `site_walls`.
-        arena: See `arena_array`.
-        odds: Of the food types that are drawn.
-        limit: Steps after which an episode ends.
+        arena: `arena_dtype`, shape (1,).
+        map_walls: `wall_dtype`, the walls in pixels.
+        floor_walls: `wall_dtype`, the walls in mm.
+        decisions: `decisions_dtype`, shape (1,).
     """
 
-    place: NDArray[np.float64]
-    walls: NDArray[np.float64]
-    arena: NDArray[np.float64]
-    odds: NDArray[np.float64]
-    limit: int
+    arena: NDArray[Any]
+    map_walls: NDArray[Any]
+    floor_walls: NDArray[Any]
+    decisions: NDArray[Any]
 
 
-def rules_of(
+def recall_parameters(
     arena: Arena | str,
     foods: int,
     limit: int,
     noise: Noise | None,
     food_types: FoodOdds,
+    decisions: Decisions | None = None,
     wheel_speed: float = 1.0,
-) -> tuple[Setting, Rules]:
-    """What holds in the worlds of recalls, for the bodies and for the task.
+) -> tuple[Arena, Decisions, Parameters, TaskParameters]:
+    """The parameters of recalls, checked.
 
     Args:
         arena: As for the environments.
@@ -48,33 +60,91 @@ def rules_of(
         limit: Steps after which an episode ends.
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
+        decisions: Ours by default.
         wheel_speed: Share of the commanded speed that wheels reach.
 
     Raises:
         ValueError: An argument out of range, or an arena that the camera does not see.
     """
-    the = the_arena(arena)
-    check_seen([the])
+    decisions = checked_decisions(decisions)
+    arena = checked_arena(arena, decisions)
+    check_seen([arena])
     if whole_number("foods", foods, 1) > MOST_FOODS:
-        raise ValueError(f"foods is {foods!r}; allowed: 1 to {MOST_FOODS} in a batch")
-    limit = whole_number("limit", limit, 1)
-    rules = Rules(site_array(the), site_walls(the), arena_array(the), np.array(food_odds(food_types)), limit)
-    return setting_of(the, foods, noise, wheel_speed=wheel_speed), rules
+        raise ValueError(f"foods is {foods!r}; allowed: 1 to {MOST_FOODS} in compiled worlds")
+    bodies = parameters_of(
+        arena,
+        foods,
+        noise,
+        holes=decisions.recall_marker,
+        wheel_speed=wheel_speed,
+        timing=timing_of(decisions),
+    )
+    task = task_parameters(arena, whole_number("limit", limit, 1), food_odds(food_types), decisions)
+    return arena, decisions, bodies, task
 
 
-def site_array(arena: Arena) -> NDArray[np.float64]:
-    """A `Site` without its walls, in pixels: home (x, y, radius), its opening, diagonal, bounds."""
-    site = site_of(arena)
-    return np.array(
-        (site.home_x, site.home_y, site.home_radius, site.home_opening, site.diagonal, *site.bounds)
+def task_parameters(
+    arena: Arena, limit: int, odds: tuple[float, float, float], decisions: Decisions
+) -> TaskParameters:
+    """The task's parameters in one arena."""
+    map_, floor = arena_map_of(arena), floor_of(arena)
+    values: Any = decisions.values()
+    record = np.zeros(1, arena_dtype)
+    for prefix, known in (("map", map_), ("floor", floor)):
+        for name, value in known._asdict().items():
+            if name != "walls":
+                record[f"{prefix}_{name}"] = value
+    record["pickable"], record["pushable"] = odds[:2]
+    record["limit"] = limit
+    return TaskParameters(
+        record,
+        np.array(list(map(tuple, map_.walls)), wall_dtype),
+        np.array(list(map(tuple, floor.walls)), wall_dtype),
+        np.array([tuple(values)], decisions_dtype),
     )
 
 
-def site_walls(arena: Arena) -> NDArray[np.float64]:
-    """The walls of a `Site`, one a row."""
-    return np.array(site_of(arena).walls)
+@inline
+def arena_map(task: TaskParameters) -> ArenaMap:
+    """What the robots know of their arena."""
+    arena = task.arena[0]
+    return ArenaMap(
+        arena.map_home_x,
+        arena.map_home_y,
+        int(arena.map_home_radius),
+        arena.map_home_opening,
+        int(arena.map_diagonal),
+        arena.map_left,
+        arena.map_bottom,
+        arena.map_right,
+        arena.map_top,
+        task.map_walls,
+    )
 
 
-def arena_array(arena: Arena) -> NDArray[np.float64]:
-    """Bounds and home in mm, as `placing` has them."""
-    return np.array((*arena.bounds, *arena.home, arena.home_radius))
+@inline
+def floor(task: TaskParameters) -> Floor:
+    """The floor on which everything is placed."""
+    arena = task.arena[0]
+    return Floor(
+        arena.floor_left,
+        arena.floor_bottom,
+        arena.floor_right,
+        arena.floor_top,
+        arena.floor_home_x,
+        arena.floor_home_y,
+        arena.floor_home_radius,
+        task.floor_walls,
+    )
+
+
+# One attribute a field of `Decisions`: written out here, since a compiled function cannot loop over names.
+_namespace: dict[str, Any] = {"DecisionValues": DecisionValues}
+exec(
+    "def decision_values(task):\n    record = task.decisions[0]\n    return DecisionValues("
+    + ", ".join(f"record.{name}" for name in decisions_dtype.names or ())
+    + ")",
+    _namespace,
+)
+decision_values = inline(_namespace["decision_values"])
+"""The decisions as the rules take them; called with `TaskParameters`, in compiled code."""

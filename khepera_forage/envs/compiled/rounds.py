@@ -1,154 +1,167 @@
-"""Rounds and beginnings of episodes in blocks of worlds: the kernels of `TaskBatch` and of `episodes`."""
+"""Rounds and the start of episodes in blocks of worlds."""
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
-from khepera_forage.compilation.trigonometry import cosine_sine
 from khepera_forage.compilation.work_queue import take
-from khepera_forage.envs.compiled import rows as at
-from khepera_forage.envs.compiled.food_tracking import update
-from khepera_forage.envs.compiled.parameters import Rules
-from khepera_forage.envs.compiled.placement import place_all
-from khepera_forage.envs.compiled.task import command_motors, drive, perceive, remember
+from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
+from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values, floor
+from khepera_forage.envs.compiled.perception import perceive, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.sim.compiled.numbers import upper, word
-from khepera_forage.sim.compiled.parameters import Setting
-from khepera_forage.sim.compiled.rows import LANES
+from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.stepping import advance_block, stand
-from khepera_forage.task.identification import drawn_type
+from khepera_forage.task.episode import begin_episode, begin_step, end_step
+from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.vision.scene import MM_PER_PIXEL
-
-_PLACES, _TYPES = np.uint64(1 << 40), np.uint64(1 << 41)
 
 
 @inline
-def begin_episode(worlds: Worlds, i: int, setting: Setting, rules: Rules) -> bool:
-    """Put robot and food of one world in random places; its first frame is taken in the coming round.
+def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
+    """Put robot and food of one world where `starts` and `places` say, and forget what was known of the food."""
+    start, places = worlds.starts[0], worlds.places
+    stand(worlds.bodies, i, start.x, start.y, start.heading, parameters)
+    tracker = worlds.trackers[i]
+    tracker.held = -1
+    tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
+    tracker.deliverable = places.shape[0]
+    for k in range(places.shape[0]):
+        body, known = worlds.bodies.foods[k], worlds.foods[i, k]
+        body.x[i], body.y[i] = places[k].x, places[k].y
+        known.x, known.y = places[k].x / MM_PER_PIXEL, places[k].y / MM_PER_PIXEL
+        known.known = 0
+        known.delivered = known.carried = False
+    for k in range(worlds.links.shape[1]):
+        worlds.links[i, k].label = -1
+
+
+@kernel
+def begin_world(
+    worlds: Worlds, i: int, parameters: Parameters, task: TaskParameters, given: Any, given_places: Any
+) -> bool:
+    """Begin an episode in one world; its first frame is taken in the coming round.
+
+    Args:
+        worlds: The records of one block.
+        i: The lane.
+        parameters: Of the bodies.
+        task: Of the task.
+        given: `start_dtype`, shape (1,): where the robot starts; not a number for a random start.
+        given_places: `place_dtype`, shape (foods,): where food lies; not a number for a random place.
 
     Returns:
         Whether there was room.
     """
-    keys, f, t, q = worlds.bodies.keys, worlds.bodies.food, worlds.tasks, worlds.registers
-    foods = setting.foods
-    key, round_ = keys[body.KEY * LANES + i], keys[body.ROUND * LANES + i]
-    x, y, heading = place_all(f, i, foods, word(key, _PLACES + round_), setting.walls, rules.arena)
-    stand(worlds.bodies, i, x, y, heading, setting)
-    for row in range(at.TASK_ROWS):
-        if row != at.EPISODE:
-            t[row * LANES + i] = 0.0
-    t[at.HELD * LANES + i] = -1.0
-    types = word(key, _TYPES + round_)
-    for food in range(foods):
-        mine, there = food * at.TASK_FOOD_ROWS * LANES + i, food * body.FOOD_ROWS * LANES + i
-        for row in range(at.TASK_FOOD_ROWS):
-            q[mine + row * LANES] = 0.0
-        q[mine + at.PLACE_X * LANES] = f[there + body.FOOD_X * LANES] / MM_PER_PIXEL
-        q[mine + at.PLACE_Y * LANES] = f[there + body.FOOD_Y * LANES] / MM_PER_PIXEL
-        draw = upper(word(types, np.uint64(food)))
-        q[mine + at.TYPE * LANES] = drawn_type(draw, rules.odds[0], rules.odds[1]).value
-    return bool(x == x)
-
-
-@kernel
-def decide(t: NDArray[np.float64], s: NDArray[np.float64]) -> None:
-    """Count the step, and whether the teacher would do the same."""
-    for i in range(LANES):
-        counts = 1.0 - s[body.NEW * LANES + i]
-        right = t[at.BEHAVIOUR * LANES + i] == t[at.STATE * LANES + i]
-        t[at.STEPS * LANES + i] += counts
-        t[at.CORRECT * LANES + i] += counts if right else 0.0
+    episode, key = worlds.episodes[i], worlds.bodies.robots.key[i]
+    start, places, arena = worlds.starts[0], worlds.places, task.arena[0]
+    has_start, has_places = given[0].x == given[0].x, given_places[0].x == given_places[0].x
+    free = has_start and has_places
+    if not free:
+        free = draw_layout(start, places, layout_key(key, episode.number), floor(task), decision_values(task))
+    if has_start:
+        start.x, start.y, start.heading = given[0].x, given[0].y, given[0].heading
+    if has_places:
+        for k in range(places.shape[0]):
+            places[k].x, places[k].y = given_places[k].x, given_places[k].y
+    put_down(worlds, i, parameters)
+    draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.pickable, arena.pushable)
+    episode.number += 1
+    return bool(free)
 
 
 @sequence
-def carry_out(worlds: Worlds, setting: Setting, rules: Rules) -> None:
+def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters) -> None:
     """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth."""
-    s, w, f = worlds.bodies.robots, worlds.bodies.work, worlds.bodies.food
-    t, q = worlds.tasks, worlds.registers
-    remember(s, t)
-    for i in range(LANES):
-        t[at.REWARD * LANES + i] = t[at.POISON_HOME * LANES + i] - t[at.DELIVERED * LANES + i]
-        t[at.FRESH * LANES + i] = s[body.NEW * LANES + i]
-    advance_block(worlds.bodies, setting)
-    update(s, w, f, t, q, setting.foods, rules.place)
-    perceive(s, w, t, rules.place, rules.walls)
-    limit = rules.limit
-    for i in range(LANES):
-        fresh = t[at.FRESH * LANES + i] != 0.0
-        delivered = t[at.DELIVERED * LANES + i]
-        change = t[at.REWARD * LANES + i] + delivered - t[at.POISON_HOME * LANES + i]
-        finished = not fresh and delivered == t[at.DELIVERABLE * LANES + i]
-        late = not fresh and t[at.STEPS * LANES + i] >= limit
-        t[at.REWARD * LANES + i] = 0.0 if fresh else change - 1.0 / limit
-        t[at.TERMINATED * LANES + i] = 1.0 if finished else 0.0
-        t[at.TRUNCATED * LANES + i] = 1.0 if late and not finished else 0.0
-
-
-@inline
-def _put(
-    s: NDArray[np.float64],
-    f: NDArray[np.float64],
-    q: NDArray[np.float64],
-    i: int,
-    foods: int,
-    pose: NDArray[np.float64],
-    places: NDArray[np.float64],
-) -> None:
-    """Stand robot and food where they were asked to; what is not a number stays where it was drawn."""
-    if pose[0] == pose[0]:
-        s[body.X * LANES + i], s[body.Y * LANES + i], s[body.HEADING * LANES + i] = pose[0], pose[1], pose[2]
-        s[body.COS * LANES + i], s[body.SIN * LANES + i] = cosine_sine(pose[2])
-    for food in range(foods):
-        if places[food, 0] == places[food, 0]:
-            there, mine = food * body.FOOD_ROWS * LANES + i, food * at.TASK_FOOD_ROWS * LANES + i
-            f[there + body.FOOD_X * LANES], f[there + body.FOOD_Y * LANES] = places[food, 0], places[food, 1]
-            q[mine + at.PLACE_X * LANES] = places[food, 0] / MM_PER_PIXEL
-            q[mine + at.PLACE_Y * LANES] = places[food, 1] / MM_PER_PIXEL
+    robot = worlds.bodies.robots
+    remember_senses(robot, worlds.tasks)
+    for i in range(robot.x.shape[0]):
+        worlds.tasks.begins[i] = robot.first_frame[i]
+    advance_block(worlds.bodies, parameters)
+    track_food(worlds, task)
+    perceive(robot, worlds.tasks, task)
+    end_steps(worlds, task)
 
 
 @kernel
-def play_block(
+def begin_steps(worlds: Worlds) -> None:
+    """Account for the decision in every world of a block."""
+    robot, task = worlds.bodies.robots, worlds.tasks
+    for i in range(robot.x.shape[0]):
+        if robot.first_frame[i] == 0.0:
+            begin_step(worlds.episodes[i], worlds.trackers[i], task.behaviour[i] == task.state[i])
+
+
+@kernel
+def end_steps(worlds: Worlds, task: TaskParameters) -> None:
+    """Account for what the round has brought in every world of a block."""
+    limit = task.arena[0].limit
+    for i in range(worlds.bodies.robots.x.shape[0]):
+        if worlds.tasks.begins[i] != 0.0:
+            begin_episode(worlds.episodes[i], worlds.trackers[i])
+        else:
+            end_step(worlds.episodes[i], worlds.trackers[i], limit)
+
+
+@kernel
+def step_block(
     worlds: Worlds,
-    setting: Setting,
-    rules: Rules,
-    actions: NDArray[np.float64],
-    waiting: NDArray[np.bool_] | NDArray[np.float64],
-    pose: NDArray[np.float64],
-    places: NDArray[np.float64],
-) -> None:
-    """One round in a block by given actions; lanes that wait begin an episode instead."""
-    s, t = worlds.bodies.robots, worlds.tasks
-    for i in range(LANES):
+    parameters: Parameters,
+    task: TaskParameters,
+    actions: Any,
+    waiting: Any,
+    given: Any,
+    given_places: Any,
+) -> bool:
+    """One round in a block by given actions; worlds that wait begin an episode instead.
+
+    Args:
+        worlds: The records of one block.
+        parameters: Of the bodies.
+        task: Of the task.
+        actions: One behaviour a lane, shape (lanes, 1), or four numbers in -1..1, shape (lanes, 4).
+        waiting: Whether each world begins a new episode.
+        given: As for `begin_world`.
+        given_places: As for `begin_world`.
+
+    Returns:
+        Whether all new episodes had room.
+    """
+    robot = worlds.bodies.robots
+    free = True
+    for i in range(robot.x.shape[0]):
         if waiting[i]:
-            begin_episode(worlds, i, setting, rules)
-            _put(s, worlds.bodies.food, worlds.registers, i, setting.foods, pose, places)
+            free = begin_world(worlds, i, parameters, task, given, given_places) and free
     if actions.shape[1] == 1:
-        for i in range(LANES):
-            t[at.BEHAVIOUR * LANES + i] = actions[i, 0]
-        decide(t, s)
-        drive(s, t, rules.place)
+        for i in range(robot.x.shape[0]):
+            worlds.tasks.behaviour[i] = actions[i, 0]
+        drive_behaviours(robot, worlds.tasks, task)
     else:
-        command_motors(s, t, rules.place, actions)
-        decide(t, s)
-    carry_out(worlds, setting, rules)
+        drive_actions(robot, worlds.tasks, actions, task)
+    begin_steps(worlds)
+    carry_out(worlds, parameters, task)
+    return free
 
 
 @entrance
-def play_all(
+def step_all(
     thread: int,
     worlds: Worlds,
-    begun: NDArray[np.int64],
-    setting: Setting,
-    rules: Rules,
-    actions: NDArray[np.float64],
-    waiting: NDArray[np.bool_],
-    pose: NDArray[np.float64],
-    places: NDArray[np.float64],
+    taken: Any,
+    free: Any,
+    parameters: Parameters,
+    task: TaskParameters,
+    actions: Any,
+    waiting: Any,
+    given: Any,
+    given_places: Any,
 ) -> None:
-    """One round in every block that no other thread has taken; see `play_block`."""
-    block = take(begun)
+    """One round in every block that no other thread has taken; see `step_block`.
+
+    `free[0]` becomes False where a new episode had no room.
+    """
+    lanes = worlds.trackers.shape[1]
+    block = take(taken)
     while block < worlds.tasks.shape[0]:
-        lanes, some = slice(block * LANES, (block + 1) * LANES), worlds_of(worlds, block, thread)
-        play_block(some, setting, rules, actions[lanes], waiting[lanes], pose, places)
-        block = take(begun)
+        some, part = worlds_of(worlds, block, thread), slice(block * lanes, (block + 1) * lanes)
+        if not step_block(some, parameters, task, actions[part], waiting[part], given, given_places):
+            free[0] = False
+        block = take(taken)

@@ -11,12 +11,12 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.envs.arguments import FoodOdds
-from khepera_forage.envs.compiled import rows as at
-from khepera_forage.envs.compiled.batch import TaskBatch
+from khepera_forage.envs.backends import COMPILED, check_compiled
+from khepera_forage.envs.compiled.batch import CompiledBatch
+from khepera_forage.envs.info import episode_info
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.task.scoring import PENALTY_NONE_DELIVERED, PENALTY_SOME_LEFT
+from khepera_forage.task.decisions import Decisions
 
 Observation = dict[str, NDArray[Any]]
 Infos = dict[str, Any]
@@ -37,6 +37,8 @@ class RecallVectorEnv(VectorEnv):
         autoreset_mode: An `AutoresetMode`, or its value: what happens where an episode has ended. By default the next
             step begins a new one.
         render_mode: Must be None.
+        decisions: As for the single environment.
+        backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
 
     Raises:
         ValueError: An argument out of range.
@@ -52,17 +54,20 @@ class RecallVectorEnv(VectorEnv):
         food_types: FoodOdds = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
+        decisions: Decisions | None = None,
+        backend: str = COMPILED,
     ) -> None:
+        check_compiled(backend)
         if render_mode is not None:
             raise ValueError(
                 f"render_mode is {render_mode!r}; allowed for a batch: None (one world at a time can be rendered)"
             )
-        self.batch = TaskBatch(num_envs, arena, foods, limit, noise, food_types)
+        self.batch = CompiledBatch(num_envs, arena, foods, limit, noise, food_types, decisions)
         self.num_envs = self.batch.num_worlds
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
         self.render_mode = None
-        single = self._single(arena, foods, limit)
+        single = self._single(arena=arena, foods=foods, limit=limit, decisions=decisions)
         self.single_observation_space, self.single_action_space = (
             single.observation_space,
             single.action_space,
@@ -78,8 +83,9 @@ class RecallVectorEnv(VectorEnv):
         """Begin new episodes in all worlds, or in those of `options["reset_mask"]`.
 
         Args:
-            seed: Of all worlds, each of which draws numbers of its own; or one seed a world. Without, worlds go on
-                with their numbers; at the first reset they get some at random.
+            seed: World i has the episodes of a single environment with seed + i, as in Gymnasium's own vector
+                environments; or one seed a world. Without a seed, worlds go on with their random numbers; at the
+                first reset they are seeded at random.
             options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
 
         Raises:
@@ -92,15 +98,16 @@ class RecallVectorEnv(VectorEnv):
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
             given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
-            if not self._seeded:
-                self.batch.seed(int(self.np_random.integers(2**62)), worlds)
-            if given:
-                self.batch.seed_each([s for _, s in given], np.array([world for world, _ in given]))
         elif seed is not None:
             super().reset(seed=seed)
-            self.batch.seed(seed, worlds)
-        elif not self._seeded:
-            self.batch.seed(int(self.np_random.integers(2**62)), worlds)
+            given = [(world, seed + world) for world in worlds.tolist()]
+        else:
+            given = []
+        if not self._seeded:
+            first = int(self.np_random.integers(2**62))
+            self.batch.seed([first + world for world in worlds.tolist()], worlds)
+        if given:
+            self.batch.seed([s for _, s in given], np.array([world for world, _ in given]))
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
@@ -122,10 +129,10 @@ class RecallVectorEnv(VectorEnv):
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
                 "reset(options={'reset_mask': terminations | truncations})"
             )
-        self.batch.step(self._commands(actions), self._over)
-        task = self.batch.task
-        rewards = task(at.REWARD, np.float64)
-        terminated, truncated = task(at.TERMINATED, np.bool_), task(at.TRUNCATED, np.bool_)
+        self.batch.step(self._checked(actions), self._over)
+        rewards, terminated, truncated = (
+            self.batch.episodes[name].copy() for name in ("reward", "terminated", "truncated")
+        )
         self._over = terminated | truncated
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
             return (
@@ -148,12 +155,16 @@ class RecallVectorEnv(VectorEnv):
         return self._observation(), rewards, terminated, truncated, infos
 
     @abstractmethod
-    def _single(self, arena: Arena | str, foods: int, limit: int) -> gym.Env[Any, Any]:
+    def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
         """The environment that this stands for."""
 
     @abstractmethod
-    def _commands(self, actions: ArrayLike) -> NDArray[np.float64]:
-        """Actions as `TaskBatch.step` takes them."""
+    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+        """Actions as `CompiledBatch.step` takes them.
+
+        Raises:
+            ValueError: Actions that are not in the action space.
+        """
 
     @abstractmethod
     def _observation(self) -> Observation:
@@ -173,26 +184,9 @@ class RecallVectorEnv(VectorEnv):
 
     def _infos(self, mask: NDArray[np.bool_]) -> Infos:
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
-        task = self.batch.task
-        rows = (at.STATE, at.CORRECT, at.STEPS, at.DELIVERED, at.POISON_HOME, at.DELIVERABLE)
-        state, correct, steps, delivered, poison_home, deliverable = (task(row, np.int64) for row in rows)
-        # `task.scoring` for many at a time.
-        some = np.where(delivered > 0, PENALTY_SOME_LEFT, PENALTY_NONE_DELIVERED)
-        penalty = np.where(delivered >= deliverable, 0.0, some)
-        score = np.where(steps > 0, 100.0 * correct / np.maximum(steps, 1) - penalty, 0.0)
-        own = (body.OWN_X, body.OWN_Y, body.OWN_DEGREES)
-        pose = np.stack([self.batch.body(row, np.float64) for row in own], axis=1)
-        infos: Infos = {
-            "state": state,
-            "correct_behaviour": state.copy(),
-            "pose": pose,
-            "score": score,
-            "penalty": penalty,
-            "correct": correct,
-            "steps": steps,
-            "delivered": delivered,
-            "poison_home": poison_home,
-        }
+        state = self.batch.task("state", np.int64)
+        pose = [self.batch.robot(name) for name in ("marker_x", "marker_y", "marker_heading")]
+        infos = episode_info(state, np.stack(pose, axis=1), self.batch.episodes, self.batch.trackers)
         if not mask.all():
             for values in infos.values():
                 values[~mask] = 0

@@ -1,49 +1,92 @@
-"""The rows of all blocks of a batch that forages, or of one block."""
+"""The records of all compiled worlds that forage, or of one block of them."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from khepera_forage.compilation.decorators import inline
-from khepera_forage.envs.compiled import rows as at
+from khepera_forage.compilation.decorators import sequence
+from khepera_forage.compilation.threads import most_threads_for
+from khepera_forage.envs.compiled.records import (
+    episode_dtype,
+    food_object_dtype,
+    link_dtype,
+    place_dtype,
+    start_dtype,
+    task_dtype,
+    tracker_dtype,
+)
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
-from khepera_forage.sim.compiled import rows as body
 from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
-from khepera_forage.sim.compiled.rows import LANES
+from khepera_forage.sim.compiled.records import LANES
 
 
 class Worlds(NamedTuple):
-    """Bodies and their task: one array a block each, or the arrays of one block (see `rows`).
+    """Bodies and their task; `worlds_of` gives the records of one block.
 
     Attributes:
-        bodies: Robots, food and random numbers.
-        tasks: `TASK_ROWS` rows.
-        registers: `TASK_FOOD_ROWS` rows a food object.
+        bodies: Robots, food and tracks.
+        tasks: `task_dtype`, shape (blocks,); of one block a record.
+        trackers: `tracker_dtype`, shape (blocks, lanes); of one block (lanes,), and so on.
+        foods: `food_object_dtype`, shape (blocks, lanes, foods).
+        links: `link_dtype`, shape (blocks, lanes, 2 * foods).
+        episodes: `episode_dtype`, shape (blocks, lanes).
+        starts: `start_dtype`, shape (threads, 1). It holds nothing between rounds.
+        places: `place_dtype`, shape (threads, foods). It holds nothing between rounds.
     """
 
     bodies: Bodies
-    tasks: NDArray[np.float64]
-    registers: NDArray[np.float64]
+    tasks: Any
+    trackers: Any
+    foods: Any
+    links: Any
+    episodes: Any
+    starts: Any
+    places: Any
 
 
-@inline
+@sequence  # compiled functions cannot return records within a tuple
 def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
-    """Those of one block, as one thread works on them."""
-    return Worlds(bodies_of(worlds.bodies, block, thread), worlds.tasks[block], worlds.registers[block])
+    """The records of one block, and the scratch records of one thread."""
+    return Worlds(
+        bodies_of(worlds.bodies, block, thread),
+        worlds.tasks[block],
+        worlds.trackers[block],
+        worlds.foods[block],
+        worlds.links[block],
+        worlds.episodes[block],
+        worlds.starts[thread],
+        worlds.places[thread],
+    )
 
 
-def empty_worlds(blocks: int, foods: int) -> Worlds:
-    """Room for some blocks, in which lanes that no world uses can be advanced: at rest, far from anything."""
-    bodies = empty_bodies(blocks, foods)
-    robots = bodies.robots.reshape(blocks, body.ROBOT_ROWS, LANES)
-    robots[:, body.X] = robots[:, body.Y] = -1e6
-    robots[:, body.COS] = 1.0
-    robots[:, body.ARM] = robots[:, body.ARM_TO] = ARM_RAISED
-    robots[:, body.JAW] = robots[:, body.JAW_TO] = JAW_OPEN
-    robots[:, body.HELD] = -1.0
-    food = bodies.food.reshape(blocks, foods, body.FOOD_ROWS, LANES)
-    food[:, :, [body.TRACK, body.NOTE, body.GHOST]] = -1.0
-    tasks = np.zeros((blocks, at.TASK_ROWS * LANES))
-    tasks.reshape(blocks, at.TASK_ROWS, LANES)[:, at.HELD] = -1.0
-    return Worlds(bodies, tasks, np.zeros((blocks, foods * at.TASK_FOOD_ROWS * LANES)))
+def empty_worlds(blocks: int, foods: int, lanes: int = LANES) -> Worlds:
+    """Records for some blocks. Lanes that no world uses hold a robot at rest, far from anything."""
+    bodies = empty_bodies(blocks, foods, lanes)
+    robots = bodies.robots
+    robots["x"] = robots["y"] = -1e6
+    robots["cos"] = 1.0
+    robots["arm"] = robots["arm_target"] = ARM_RAISED
+    robots["jaw"] = robots["jaw_target"] = JAW_OPEN
+    robots["held"] = -1.0
+    bodies.tracks["label"] = -1
+    threads = most_threads_for(blocks)
+    trackers, links = (
+        np.zeros((blocks, lanes), tracker_dtype),
+        np.zeros((blocks, lanes, 2 * foods), link_dtype),
+    )
+    trackers["held"], links["label"] = -1, -1
+    return Worlds(
+        bodies,
+        np.zeros(blocks, task_dtype(lanes)),
+        trackers,
+        np.zeros((blocks, lanes, foods), food_object_dtype),
+        links,
+        np.zeros((blocks, lanes), episode_dtype),
+        np.zeros((threads, 1), start_dtype),
+        np.zeros((threads, foods), place_dtype),
+    )
+
+
+def kept(worlds: Worlds) -> tuple[Any, ...]:
+    """All arrays that hold something between rounds."""
+    return (*worlds.bodies[:3], *worlds[1:6])

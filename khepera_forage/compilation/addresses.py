@@ -1,0 +1,38 @@
+"""Arrays by their address, for kernels that are given many arrays at the price of one."""
+
+from typing import Any
+
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+
+@intrinsic
+def _array_at(typing_context: Any, address: Any, shape: Any, dtype: Any) -> Any:
+    array_type = types.Array(dtype.dtype, len(shape), "C")
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        element = context.get_data_type(array_type.dtype)
+        array = arrayobj.make_array(array_type)(context, builder)
+        sizes = cgutils.unpack_tuple(builder, arguments[1])
+        stride = itemsize = context.get_constant(types.intp, context.get_abi_sizeof(element))
+        strides = []
+        for size in reversed(sizes):
+            strides.insert(0, stride)
+            stride = builder.mul(stride, size)
+        arrayobj.populate_array(
+            array,
+            data=builder.inttoptr(arguments[0], element.as_pointer()),
+            shape=sizes,
+            strides=strides,
+            itemsize=itemsize,
+            meminfo=None,
+        )
+        return array._getvalue()
+
+    return array_type(types.int64, shape, dtype), generate
+
+
+array_at: Any = _array_at
+"""Compiled: the C-contiguous array at an address, `array_at(address, shape, dtype)`. The caller keeps it alive."""

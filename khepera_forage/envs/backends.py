@@ -1,0 +1,113 @@
+"""The backends: what simulates the bodies. Entry points of `gym.make` and `gym.make_vec`."""
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium as gym
+from gymnasium.vector import VectorEnv
+
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.recall import RecallEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
+
+PYMUNK, COMPILED = "pymunk", "compiled"
+BACKENDS = (PYMUNK, COMPILED)
+"""Rigid bodies of pymunk; or kernels that numba compiles, faster and for many worlds at once."""
+
+
+class EntryPoint:
+    """What `gym.make` calls: makes an environment on one of the backends.
+
+    Args:
+        on_pymunk: Class on pymunk.
+        compiled: Name of the class in `envs.compiled.single`, which needs numba.
+    """
+
+    metadata = RecallEnv.metadata
+
+    def __init__(self, on_pymunk: type[gym.Env[Any, Any]], compiled: str) -> None:
+        self._on_pymunk = on_pymunk
+        self._compiled = compiled
+
+    def __call__(self, backend: str = PYMUNK, **kwargs: Any) -> gym.Env[Any, Any]:
+        """Make the environment.
+
+        Args:
+            backend: One of `BACKENDS`.
+            kwargs: Arguments of its class.
+
+        Raises:
+            ValueError: Another backend.
+            ImportError: The backend "compiled" without numba.
+        """
+        if check_backend(backend) == PYMUNK:
+            return self._on_pymunk(**kwargs)
+        made = getattr(import_module("khepera_forage.envs.compiled.single"), self._compiled)
+        env: gym.Env[Any, Any] = made(**kwargs)
+        return env
+
+
+class VectorEntryPoint:
+    """What `gym.make_vec` calls: makes compiled worlds, whatever their number.
+
+    Args:
+        compiled: Name of the class in `envs.compiled.vector_envs`.
+    """
+
+    def __init__(self, compiled: str) -> None:
+        self._compiled = compiled
+
+    def __call__(self, num_envs: int = 1, backend: str = COMPILED, **kwargs: Any) -> VectorEnv[Any, Any, Any]:
+        """Make the vector environment.
+
+        Args:
+            num_envs: How many worlds.
+            backend: Must be "compiled".
+            kwargs: Arguments of its class.
+
+        Raises:
+            ValueError: Another backend.
+            ImportError: numba is not installed.
+        """
+        check_compiled(backend)
+        made = getattr(import_module("khepera_forage.envs.compiled.vector_envs"), self._compiled)
+        env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
+        return env
+
+
+def check_backend(backend: Any) -> str:
+    """The backend that a user asked for.
+
+    Raises:
+        ValueError: Not one of `BACKENDS`.
+        ImportError: The backend "compiled" without numba.
+    """
+    if backend not in BACKENDS:
+        raise ValueError(f"backend is {backend!r}; allowed: {', '.join(map(repr, BACKENDS))}")
+    if backend == COMPILED and find_spec("numba") is None:
+        raise ImportError(
+            "the backend 'compiled' needs numba, which is not installed: pip install 'khepera-forage[fast]'; the "
+            "backend 'pymunk' works without numba (in make_vec: vectorization_mode='sync' or 'async')"
+        )
+    return str(backend)
+
+
+def check_compiled(backend: Any) -> None:
+    """Complain about a backend other than "compiled" where worlds are compiled.
+
+    Raises:
+        ValueError: Another backend.
+        ImportError: numba is not installed.
+    """
+    if check_backend(backend) != COMPILED:
+        raise ValueError(
+            f"backend is {backend!r}; allowed here: {COMPILED!r} (make_vec with vectorization_mode='sync' or 'async' "
+            "makes worlds of pymunk)"
+        )
+
+
+behaviours = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv")
+wheels = EntryPoint(WheelsEnv, "CompiledWheelsEnv")
+behaviours_vector = VectorEntryPoint("BehavioursVectorEnv")
+wheels_vector = VectorEntryPoint("WheelsVectorEnv")

@@ -1,0 +1,90 @@
+"""What robots are commanded in every world of a block: the motors of behaviours, or given motors."""
+
+from typing import Any
+
+from khepera_forage.compilation.decorators import inline, kernel
+from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, decision_values
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, applicable
+from khepera_forage.task.actions import decode_motors
+from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour
+
+_WAIT = float(Behaviour.WAIT)
+
+
+@inline
+def raw_data_in(robot: Any, task: Any, i: int, arena: ArenaMap) -> RawData:
+    """The raw data of the last round in one lane."""
+    return RawData(
+        (
+            int(robot.proximity[0, i]),
+            int(robot.proximity[1, i]),
+            int(robot.proximity[2, i]),
+            int(robot.proximity[3, i]),
+            int(robot.proximity[4, i]),
+            int(robot.proximity[5, i]),
+        ),
+        int(robot.arm_reading[i]),
+        int(robot.jaw_reading[i]),
+        int(robot.object_presence[i]),
+        robot.marker_x[i],
+        robot.marker_y[i],
+        int(robot.marker_heading[i]),
+        robot.marker_found[i] != 0.0,
+        task.food_seen[i] != 0.0,
+        task.food_x[i],
+        task.food_y[i],
+        int(task.food_type[i]),
+        arena.home_x,
+        arena.home_y,
+        arena.home_radius,
+        arena.home_opening,
+        task.wall_distance[i],
+        task.wall_bearing[i],
+        task.home_distance[i],
+        task.home_bearing[i],
+        task.food_distance[i],
+        task.food_bearing[i],
+    )
+
+
+@inline
+def drive(robot: Any, i: int, motors: Motors) -> None:
+    """Give one robot its motors; before its first frame it stands as it was put down."""
+    new = robot.first_frame[i] != 0.0
+    robot.left[i] = 0.0 if new else motors.left
+    robot.right[i] = 0.0 if new else motors.right
+    robot.arm_target[i] = ARM_RAISED if new else motors.arm
+    robot.jaw_target[i] = JAW_OPEN if new else motors.jaw
+
+
+@kernel
+def drive_behaviours(robot: Any, task: Any, parameters: TaskParameters) -> None:
+    """Command what the behaviour decided on commands, in every lane."""
+    arena, decisions = arena_map(parameters), decision_values(parameters)
+    for i in range(robot.x.shape[0]):
+        motors = command(int(task.behaviour[i]), raw_data_in(robot, task, i, arena), decisions)
+        drive(robot, i, applicable(motors))
+
+
+@kernel
+def drive_actions(robot: Any, task: Any, actions: Any, parameters: TaskParameters) -> None:
+    """Command the motors of actions, one row of four numbers in -1..1 a lane.
+
+    The behaviour is then the state where they are what the teacher would command, and WAIT elsewhere.
+    """
+    arena, decisions = arena_map(parameters), decision_values(parameters)
+    for i in range(robot.x.shape[0]):
+        given = applicable(decode_motors(actions[i, 0], actions[i, 1], actions[i, 2], actions[i, 3]))
+        right = applicable(command(int(task.state[i]), raw_data_in(robot, task, i, arena), decisions))
+        same = (
+            given.left == right.left
+            and given.right == right.right
+            and given.arm == right.arm
+            and given.jaw == right.jaw
+        )
+        task.behaviour[i] = task.state[i] if same else _WAIT
+        drive(robot, i, given)

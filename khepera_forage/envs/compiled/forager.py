@@ -1,0 +1,85 @@
+"""The robot of a compiled world at its task: what `envs.forager.Forager` offers, read from records."""
+
+from typing import Any
+
+from khepera_forage.envs.compiled.one_world import OneWorld
+from khepera_forage.envs.compiled.records import VECTOR, TrackerRow
+from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
+
+
+class CompiledForager:
+    """One robot at its task, as it was when this object was made.
+
+    Args:
+        world: The compiled world.
+        arena: Its arena.
+        decisions: Of the task.
+
+    Attributes:
+        arena: What the robot knows of its arena.
+        senses: What it senses.
+        tracker: The food tracker of its arena.
+        raw: Raw data of the last round.
+        vector: State vector of the last round.
+        state: What the teacher would classify it as.
+    """
+
+    def __init__(self, world: OneWorld, arena: Arena, decisions: Decisions) -> None:
+        worlds = world.worlds
+        robot, task = worlds.bodies.robots[0], worlds.tasks[0]
+        self.arena = arena_map_of(arena)
+        self.holes = decisions.recall_marker
+        self.decisions = decisions.values()
+        proximity = [int(reading) for reading in robot["proximity"][:, 0]]
+        self.senses = Senses(
+            tuple(proximity),  # type: ignore[arg-type]
+            *(round(_of(robot, name)) for name in ("pulses_left", "pulses_right")),
+            *(int(_of(robot, name)) for name in ("arm_reading", "jaw_reading", "object_presence")),
+        )
+        self.tracker = FoodTracker(
+            **TrackerRow._make(worlds.trackers[0, 0].item())._asdict(),
+            foods=[FoodObject(*food.item()) for food in worlds.foods[0, 0]],
+            links=[Link(*link.item()) for link in worlds.links[0, 0]],
+        )
+        self.raw = RawData(
+            tuple(proximity[:6]),  # type: ignore[arg-type]
+            self.senses.arm,
+            self.senses.jaw,
+            self.senses.object_presence,
+            _of(robot, "marker_x"),
+            _of(robot, "marker_y"),
+            int(_of(robot, "marker_heading")),
+            _of(robot, "marker_found") != 0,
+            _of(task, "food_seen") != 0,
+            _of(task, "food_x"),
+            _of(task, "food_y"),
+            int(_of(task, "food_type")),
+            self.arena.home_x,
+            self.arena.home_y,
+            self.arena.home_radius,
+            self.arena.home_opening,
+            *(_of(task, name) for name in ("wall_distance", "wall_bearing")),
+            *(_of(task, name) for name in ("home_distance", "home_bearing", "food_distance", "food_bearing")),
+        )
+        self.vector = StateVector(*(int(_of(task, name)) for name in VECTOR))
+        self.state = State(int(_of(task, "state")))
+
+    @property
+    def correct_behaviour(self) -> Behaviour:
+        """What the teacher would do now."""
+        return behaviour_for(self.state)
+
+    def motors_for(self, behaviour: int) -> Motors:
+        """What a behaviour commands now."""
+        return command(behaviour, self.raw, self.decisions)
+
+
+def _of(record: Any, name: str) -> float:
+    return float(record[name][0])

@@ -1,0 +1,101 @@
+"""Perception in every world of a block: the food tracker, raw data, state vector and state."""
+
+from typing import Any
+
+import numpy as np
+
+from khepera_forage.compilation.decorators import inline, kernel
+from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, decision_values
+from khepera_forage.envs.compiled.worlds import Worlds
+from khepera_forage.geometry.walls import to_wall
+from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.task.food_tracking import update_food
+from khepera_forage.task.identification import explored
+from khepera_forage.task.perception import raw_data, state_vector
+from khepera_forage.task.states import classify
+
+
+@inline
+def _senses(present: float, arm: float, jaw: float) -> Senses:
+    """The senses that rules of the task need, without infra-reds and encoders."""
+    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, int(arm), int(jaw), int(present))
+
+
+@kernel
+def remember_senses(robot: Any, task: Any) -> None:
+    """Keep what the robots sense, before a round."""
+    for i in range(robot.x.shape[0]):
+        task.presence_before[i] = robot.object_presence[i]
+        task.arm_before[i] = robot.arm_reading[i]
+        task.jaw_before[i] = robot.jaw_reading[i]
+
+
+@kernel
+def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
+    """Account for what one round has brought, by the rule of `task.food_tracking`."""
+    robot, task, arena = worlds.bodies.robots, worlds.tasks, arena_map(parameters)
+    for i in range(robot.x.shape[0]):
+        before = _senses(task.presence_before[i], task.arm_before[i], task.jaw_before[i])
+        after = _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i])
+        present = robot.object_presence[i] != 0.0
+        tracker = worlds.trackers[i]
+        update_food(
+            tracker,
+            worlds.foods[i],
+            worlds.links[i],
+            worlds.bodies.tracks[i],
+            arena,
+            robot.marker_x[i],
+            robot.marker_y[i],
+            robot.marker_heading[i],
+            present,
+            present and explored(before, after, Motors(robot.left[i], robot.right[i], 0, 0)),
+        )
+        task.food_seen[i] = 1.0 if tracker.food_seen else 0.0
+        task.food_x[i], task.food_y[i] = tracker.food_x, tracker.food_y
+        task.food_type[i] = tracker.type_in_gripper
+
+
+@kernel
+def perceive(robot: Any, task: Any, parameters: TaskParameters) -> None:
+    """Raw data, state vector and state, once food is tracked."""
+    arena, decisions = arena_map(parameters), decision_values(parameters)
+    lanes = robot.x.shape[0]
+    for i in range(lanes):
+        task.wall_squared[i] = np.inf
+    for k in range(arena.walls.shape[0]):
+        wall = arena.walls[k]
+        for i in range(lanes):
+            dx, dy = to_wall(robot.marker_x[i], robot.marker_y[i], wall)
+            squared = dx * dx + dy * dy
+            nearer = squared < task.wall_squared[i]
+            task.wall_squared[i] = squared if nearer else task.wall_squared[i]
+            task.wall_x[i] = dx if nearer else task.wall_x[i]
+            task.wall_y[i] = dy if nearer else task.wall_y[i]
+    for i in range(lanes):
+        raw = raw_data(
+            _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i]),
+            robot.marker_x[i],
+            robot.marker_y[i],
+            int(robot.marker_heading[i]),
+            robot.marker_found[i] != 0.0,
+            task.food_seen[i] != 0.0,
+            task.food_x[i],
+            task.food_y[i],
+            int(task.food_type[i]),
+            task.wall_x[i],
+            task.wall_y[i],
+            arena,
+        )
+        task.food_type[i] = raw.food_type
+        task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
+        task.home_distance[i], task.home_bearing[i] = raw.home_distance, raw.home_bearing
+        task.food_distance[i], task.food_bearing[i] = raw.food_distance, raw.food_bearing
+        vector = state_vector(raw, arena.diagonal)
+        task.object_presence[i] = vector.object_presence
+        task.robot_home_distance[i] = vector.robot_home_distance
+        task.vector_food_type[i] = vector.food_type
+        task.arms_height[i] = vector.arms_height
+        task.robot_food_distance[i] = vector.robot_food_distance
+        task.state[i] = classify(vector, arena.home_radius, decisions).value

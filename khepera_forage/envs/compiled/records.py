@@ -1,0 +1,94 @@
+"""The records that hold the task of compiled worlds, beside those of the bodies (`sim.compiled.records`).
+
+What is computed for many worlds at once has fields over lanes. What the rules of the task remember is one record for
+each world.
+"""
+
+from collections import namedtuple
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from khepera_forage.geometry.walls import Wall
+from khepera_forage.task.arena_map import ArenaMap, Floor
+from khepera_forage.task.decisions import Decisions
+
+_TASK = (
+    # What the robot sensed when the round began.
+    *("presence_before", "arm_before", "jaw_before"),
+    # Raw data beyond the senses and the robot's own region: pixels and degrees.
+    *("food_seen", "food_x", "food_y", "food_type"),
+    *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
+    *("home_distance", "home_bearing", "food_distance", "food_bearing"),
+    # The state vector, and the state that it stands for.
+    *("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance"),
+    "state",
+    "behaviour",  # what was decided on
+    "begins",  # whether the last frame was the first of its episode
+)
+VECTOR = ("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance")
+"""Fields of the state vector, in the thesis's order."""
+
+tracker_dtype = np.dtype(
+    [
+        *((name, "i8") for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable")),
+        ("food_seen", "?"),
+        *((name, "f8") for name in ("food_x", "food_y")),
+    ],
+    align=True,
+)
+"""The fields of `task.food_tracking.FoodTracker` without its lists."""
+
+food_object_dtype = np.dtype(
+    [("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8"), ("delivered", "?"), ("carried", "?")],
+    align=True,
+)
+"""`task.food_tracking.FoodObject`."""
+
+link_dtype = np.dtype([("label", "i8"), ("food", "i8")])
+"""`task.food_tracking.Link`."""
+
+episode_dtype = np.dtype(
+    [
+        *((name, "i8") for name in ("steps", "correct", "value")),
+        *((name, "f8") for name in ("reward", "score", "penalty")),
+        *((name, "?") for name in ("terminated", "truncated")),
+        ("number", "i8"),  # episodes of this world that began since it was seeded
+    ],
+    align=True,
+)
+"""`task.episode.Episode`, and which episode of its world it is."""
+
+start_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("heading", "f8")])
+"""`task.placement.Start`."""
+
+place_dtype = np.dtype([("x", "f8"), ("y", "f8")])
+"""`task.placement.Place`."""
+
+wall_dtype = np.dtype([(name, "i8" if name == "polygon" else "f8") for name in Wall._fields])
+"""`geometry.walls.Wall`."""
+
+decisions_dtype = np.dtype([(field.name, "f8") for field in fields(Decisions)])
+"""`task.decisions.DecisionValues`."""
+
+arena_dtype = np.dtype(
+    [(f"map_{name}", "f8") for name in ArenaMap._fields if name != "walls"]
+    + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
+    + [(name, "f8") for name in ("pickable", "pushable")]
+    + [("limit", "i8")]
+)
+"""`task.arena_map.ArenaMap` in pixels and `Floor` in mm without their walls, odds of food types, and the step limit."""
+
+
+TaskRow: Any = namedtuple("TaskRow", list(_TASK))  # type: ignore[misc]
+"""The task of one world in Python."""
+TrackerRow: Any = namedtuple("TrackerRow", tracker_dtype.names or ())  # type: ignore[misc]
+"""A food tracker in Python."""
+EpisodeRow: Any = namedtuple("EpisodeRow", episode_dtype.names or ())  # type: ignore[misc]
+"""An episode in Python."""
+
+
+def task_dtype(lanes: int) -> np.dtype[Any]:
+    """The task of one block of worlds."""
+    return np.dtype([(name, "f8", (lanes,)) for name in _TASK])
