@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
+from khepera_forage.vision.detection.segmentation import check_frame
 from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -45,10 +45,7 @@ def draw_scene(
     require_opencv("drawing a scene")
     import cv2
 
-    if frame.shape != FRAME_SHAPE or frame.dtype != np.uint8:
-        raise ValueError(
-            f"frame is {frame.shape} of {frame.dtype}; allowed: {FRAME_SHAPE} of uint8 grey levels"
-        )
+    check_frame(frame)
     picture: NDArray[np.uint8] = cv2.cvtColor(frame, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
     overlay = _Overlay(picture, calibration or Calibration.identity(), settings or TrackerSettings())
     for region in scene.regions:

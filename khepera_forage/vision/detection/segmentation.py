@@ -64,16 +64,25 @@ class Segmenter:
         """
         import cv2
 
-        if frame.shape != FRAME_SHAPE or frame.dtype != np.uint8:
-            raise ValueError(
-                f"frame is {frame.shape} of {frame.dtype}; allowed: {FRAME_SHAPE} of uint8 grey levels"
-            )
+        check_frame(frame)
         rows, columns = FRAME_SHAPE
         small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
         floor = cv2.medianBlur(small, _MEDIAN_SIZE)
         threshold = cv2.resize(self._thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
         mask = cv2.compare(frame, threshold, cv2.CMP_GT)
         return Segmentation(frame, floor, mask)  # type: ignore[arg-type] # all uint8
+
+
+def check_frame(frame: Frame) -> None:
+    """Check shape and type of a frame.
+
+    Raises:
+        ValueError: A frame that is not 480 x 640 grey levels.
+    """
+    if frame.shape != FRAME_SHAPE or frame.dtype != np.uint8:
+        raise ValueError(
+            f"frame is {frame.shape} of {frame.dtype}; allowed: {FRAME_SHAPE} of uint8 grey levels"
+        )
 
 
 def outer_contours(mask: Frame) -> list[Contour]:
