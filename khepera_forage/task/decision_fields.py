@@ -1,7 +1,6 @@
 """Fields of `Decisions`: their kinds, units, ranges and reasons, and the check of a value."""
 
 import dataclasses
-import math
 import numbers
 from typing import Any, NamedTuple
 
@@ -63,24 +62,25 @@ def choice(choices: tuple[str, ...], section: str, reason: str) -> Any:
     return _field(choices[0], Field("", str, "", 0.0, 0.0, choices, section, reason))
 
 
-def check(field: Field, value: Any) -> None:
-    """Complain about a value that a field does not allow.
+def checked(field: Field, value: Any) -> Any:
+    """A value that a field allows, as a plain `float`, `int` or `str`.
 
     Raises:
-        ValueError: It does not.
+        ValueError: The field does not allow it.
     """
     if field.choices:
-        fine = value in field.choices
-    elif field.kind is int:
-        fine = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+        fine = isinstance(value, str) and value in field.choices
     else:
-        fine = isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
-    if not fine or not (field.choices or field.least <= value <= field.most):
+        kind: Any = numbers.Integral if field.kind is int else numbers.Real
+        # NaN fails the comparison.
+        fine = isinstance(value, kind) and not isinstance(value, bool) and field.least <= value <= field.most
+    if not fine:
         raise ValueError(f"decision {field.name} is {value!r}; allowed: {field.allowed}")
+    return field.kind(value)
 
 
 def parse(field: Field, text: str) -> Any:
-    """A value that was given as text; what cannot be read is returned as text, for `check` to refuse."""
+    """A value that was given as text; what cannot be read is returned as text, for `checked` to refuse."""
     if field.choices:
         return text
     try:

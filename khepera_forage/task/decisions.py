@@ -8,7 +8,7 @@ from collections import namedtuple
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from khepera_forage.task.decision_fields import Field, check, choice, count, number, parse
+from khepera_forage.task.decision_fields import Field, checked, choice, count, number, parse
 
 _NEARER, _FARTHER = "nearer state", "farther state"
 
@@ -175,7 +175,7 @@ class Decisions:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            check(Field.of(field), getattr(self, field.name))
+            object.__setattr__(self, field.name, checked(Field.of(field), getattr(self, field.name)))
         if self.close_to_food < self.next_to_food:
             raise ValueError(
                 f"decision close_to_food is {self.close_to_food!r}; allowed: at least next_to_food, "
