@@ -12,7 +12,7 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.rollouts.recall import RecallCutShort, recall, recall_env
+from khepera_forage.rollouts.recall import RecallInterruptedError, recall, recall_env
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.world import World
@@ -120,7 +120,7 @@ class Replication:
                         number=number,
                         experience_size=len(behaviours) if taught else 0,
                     )
-                except (RecallCutShort, RobotLost):
+                except (RecallInterruptedError, RobotLost):
                     repeated += 1
                     if repeated > len(seeds):
                         raise
@@ -133,7 +133,7 @@ class Replication:
         return rows, repeated, unplaced
 
     def _world(self, arena: str, robots: int) -> World | None:
-        return VirtualLaboratory.of(arena, robots) if self.world == VIRTUAL else None
+        return VirtualLaboratory.from_arena(arena, robots) if self.world == VIRTUAL else None
 
 
 def replications(count: int, files: int, recalls: int, seed: int) -> list[Replication]:

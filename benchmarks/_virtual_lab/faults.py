@@ -114,7 +114,7 @@ class Disturbed:
         with (
             unheard(),
             TemporaryDirectory() as folder,
-            VirtualLaboratory.of("corridor", 2, fault_seed=self.seed) as lab,
+            VirtualLaboratory.from_arena("corridor", 2, fault_seed=self.seed) as lab,
             closing(WatchedTraining(lab, faults, count)) as env,
         ):
             number = 0

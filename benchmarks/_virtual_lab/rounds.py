@@ -12,8 +12,8 @@ import numpy as np
 from _throughput.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.lab.clock import WallBeat
-from khepera_forage.lab.virtual_laboratory import VirtualBeat, VirtualLaboratory
+from khepera_forage.lab.clock import SimulatedClock, WallClock
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.rollouts.training import train
@@ -24,8 +24,8 @@ LOCK_STEP, PACED = "lock-step", "wall clock"
 """As fast as the machine goes; bytes at 38400 baud and rounds of 100 ms."""
 _METHODS: tuple[tuple[str, type, str], ...] = (
     ("transmit", Fleet, "transmit"),
-    ("wait", WallBeat, "wait"),
-    ("physics", VirtualBeat, "wait"),
+    ("wait", WallClock, "wait"),
+    ("physics", SimulatedClock, "wait"),
     ("receive", Fleet, "receive"),
     ("render", RenderedFrameSource, "newest"),
     ("track", Tracker, "update"),
@@ -104,7 +104,9 @@ class Timing:
             for part, owner, name in _METHODS:
                 method = getattr(owner, name)
                 stack.enter_context(patch.object(owner, name, watch.timed(method, part)))
-            lab = stack.enter_context(VirtualLaboratory.of("corridor", 2, paced=paced, real_time=paced))
+            lab = stack.enter_context(
+                VirtualLaboratory.from_arena("corridor", 2, paced=paced, real_time=paced)
+            )
             env = stack.enter_context(closing(TrainingEnv(noise=Noise.none(), world=lab)))
             late = 0
 
@@ -116,10 +118,10 @@ class Timing:
                     decide = 1000 * sheet.seconds[OUTSIDE]
                     rows.append(
                         TimedRound(
-                            self.pace, len(rows), **times, decide=decide, late=lab.beat.overruns > late
+                            self.pace, len(rows), **times, decide=decide, late=lab.clock.overruns > late
                         )
                     )
-                late = lab.beat.overruns
+                late = lab.clock.overruns
                 if len(rows) >= self.rounds:
                     raise _Enough
 

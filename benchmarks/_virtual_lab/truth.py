@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.envs.arguments import food_odds
-from khepera_forage.envs.forager import Forager, site_of
+from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, Senses, applicable
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
@@ -66,8 +66,8 @@ class Truth:
         self._reported = foragers
         types = FoodTypes(len(lab.arenas[0].foods), food_odds(None), np.random.default_rng(0))
         self._foragers = []
-        for body, arena, reported in zip(lab.bodies.robots, lab.arenas, foragers, strict=True):
-            site = site_of(arena)
+        for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
+            site = arena_map_of(arena)
             places = [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in arena.foods]
             register = FoodRegister(site, places, types)
             self._foragers.append(Forager(_Body(body), site, reported.holes, register))

@@ -125,12 +125,12 @@ class WatchedTraining(TrainingEnv):
         self._end()
 
     def _disturb(self, faults: Faults) -> None:
-        for port in self._lab.ports:
+        for port in self._lab.virtual_kheperas:
             port.faults = faults
 
     def _faults(self) -> FaultCounts:
         """On all lines there have been: one that was lost is replaced by another."""
-        self._ports += [port for port in self._lab.ports if port not in self._ports]
+        self._ports += [port for port in self._lab.virtual_kheperas if port not in self._ports]
         total = FaultCounts()
         for port in self._ports:
             total = _sum(total, port.fault_counts, 1)
@@ -139,13 +139,13 @@ class WatchedTraining(TrainingEnv):
 
 def moving(lab: VirtualLaboratory) -> int:
     """How many bodies still move, or turn a wheel, when time goes on and nobody commands anything."""
-    before = [(body.pose, body.sense()) for body in lab.bodies.robots]
+    before = [(body.pose, body.sense()) for body in lab.simulation.robots]
     for _ in range(_AFTERWARDS):
-        lab.bodies.advance()
+        lab.simulation.advance()
     return sum(
         body.pose != pose
         or (body.sense().left_pulses, body.sense().right_pulses) != (senses.left_pulses, senses.right_pulses)
-        for body, (pose, senses) in zip(lab.bodies.robots, before, strict=True)
+        for body, (pose, senses) in zip(lab.simulation.robots, before, strict=True)
     )
 
 

@@ -1,1 +1,1 @@
-"""Real robots under a real camera, or virtual ones: settings, devices, clock and operator."""
+"""Laboratories: real robots under a real camera, or virtual ones. Settings, devices, clock and operator."""

@@ -1,4 +1,4 @@
-"""Taking hold of what a `lab.toml` names: the robots at their ports, the camera at its source."""
+"""Opening the devices of a laboratory: robots at their ports, and the camera."""
 
 from contextlib import ExitStack
 
@@ -12,10 +12,10 @@ from khepera_forage.vision.video import FrameSource, VideoSource
 
 
 def open_robots(settings: LabSettings) -> Fleet:
-    """All robots, or none of them.
+    """Open all robots; if one fails, close the others.
 
     Raises:
-        RobotLost: A robot does not answer.
+        RobotLost: A robot does not reply.
         ConnectionError: A port cannot be opened.
     """
     with ExitStack() as opened:
@@ -31,16 +31,16 @@ def open_robots(settings: LabSettings) -> Fleet:
 def open_camera(
     settings: LabSettings, source: FrameSource | None = None, calibration: Calibration | None = None
 ) -> TrackedCamera:
-    """The camera with its tracker.
+    """Open the camera with its tracker.
 
     Args:
-        settings: What they are.
-        source: Of frames, instead of the settings'.
-        calibration: Of these frames, instead of the settings'.
+        settings: The laboratory's settings.
+        source: Source of the frames; by default the one of the settings.
+        calibration: Calibration of the frames; by default the one of the settings.
 
     Raises:
-        OSError: The camera or the calibration's file cannot be opened.
-        ValueError: The calibration cannot be used.
+        OSError: The camera or the calibration file cannot be opened.
+        ValueError: The calibration is invalid.
     """
     file = settings.camera.calibration
     if calibration is None and file is not None:

@@ -1,4 +1,4 @@
-"""Real Kheperas under a real overhead camera: the `World` in which the thesis' experiments took place."""
+"""Real Kheperas under a real overhead camera: the `World` of the thesis's experiments."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
@@ -6,12 +6,13 @@ from typing import Self
 
 import numpy as np
 
-from khepera_forage.lab.clock import Beat, WallBeat
+from khepera_forage.lab.clock import Clock, WallClock
 from khepera_forage.lab.devices import open_camera, open_robots
-from khepera_forage.lab.food_places import FoodWatch
-from khepera_forage.lab.operator import Operator, Prompt, Request, RobotMark
+from khepera_forage.lab.food_locator import FoodLocator
+from khepera_forage.lab.localisation import find_marker, pose_of
+from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
+from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.lab.survey import closed_grippers, own_marker, pose_of, survey
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost, Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -20,35 +21,34 @@ from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.video import CameraLost, FrameSource
 
-ROUNDS = 30
-"""Rounds in which everything may come to be where it should, before the operator is asked again: the camera may lose
-a region for half a second, and a gripper takes two to come up and open."""
+CHECK_ROUNDS = 30
+"""Rounds before a failed check goes back to the operator: a gripper takes two seconds to rise and open."""
 
 
 class Laboratory:
-    """Robots on serial ports, each in its own copy of the arena, and one camera above them all.
+    """Robots on serial ports, each in its own copy of the arena, under one camera.
 
-    A round is: send every robot what it was commanded, wait for the beat, read every robot's sensors, take the newest
-    frame. Whatever goes wrong in it, also Ctrl-C, all robots are stopped before anybody hears of it. A robot that was
-    lost is looked for again at the next `reset`. Poses and places of food are those that the camera knows.
+    One round: send all commands, wait for the clock, read all sensors, take the newest frame. Any exception in a round,
+    including Ctrl-C, first stops all robots and is then raised. `reset` reconnects a robot that was lost. The poses and
+    the positions of food are those seen by the camera.
 
     Args:
-        settings: What a `lab.toml` says.
-        operator: Who puts robots and food in their places; by default whoever sits at the command line.
-        source: Where frames come from; by default the camera of the settings.
-        calibration: Of these frames; by default that of the settings.
-        beat: What rounds wait for; by default the wall clock.
+        settings: The contents of a `lab.toml`.
+        operator: Places robots and food; a person at the command line by default.
+        source: Source of the frames; the camera of the settings by default.
+        calibration: Calibration of the frames; the one of the settings by default.
+        clock: Ends the rounds; the wall clock by default.
 
     Attributes:
-        arenas: Every robot's own.
-        markers: Holes of every robot's marker.
-        camera: With its tracker.
-        beat: Counts the rounds that were over their time.
+        arenas: The arena of every robot.
+        markers: Number of holes of every robot's marker.
+        camera: The camera with its tracker.
+        clock: Also counts the rounds that overran.
 
     Raises:
-        RobotLost: A robot does not answer.
+        RobotLost: A robot does not reply.
         OSError: A port or the camera cannot be opened, or the calibration cannot be read.
-        ValueError: The calibration cannot be used.
+        ValueError: The calibration is invalid.
     """
 
     def __init__(
@@ -58,17 +58,17 @@ class Laboratory:
         *,
         source: FrameSource | None = None,
         calibration: Calibration | None = None,
-        beat: Beat | None = None,
+        clock: Clock | None = None,
     ) -> None:
         self.settings = settings
         self.arenas: tuple[Arena, ...] = settings.arenas
         check_seen(self.arenas)
         self.markers = tuple(entry.holes for entry in settings.robots)
-        self.beat: Beat = WallBeat(settings.period) if beat is None else beat
-        self._operator: Operator = Prompt() if operator is None else operator
+        self.clock: Clock = WallClock(settings.period) if clock is None else clock
+        self._operator: Operator = CommandLineOperator() if operator is None else operator
         self._ready = self._closed = False
         self._poses = [arena.start for arena in self.arenas]
-        self._foods = FoodWatch((), self.arenas)
+        self._foods = FoodLocator((), self.arenas)
         self._source, self._calibration = source, calibration
         self._lost = ""
         self.camera = open_camera(settings, source, calibration)
@@ -84,16 +84,16 @@ class Laboratory:
         return self._fleet.robots
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
-        """Have the operator put everything in its place, and check by camera that it stands there.
+        """Let the operator place everything, and check the result by camera.
 
         Args:
-            rng: Not used: nothing in a real laboratory comes from a seed.
-            layout: One start a robot, in its own arena.
+            rng: Not used: nothing in a real laboratory depends on a seed.
+            layout: One start per robot, in its own arena.
 
         Raises:
-            ValueError: A robot or food that cannot stand where it should; nobody is asked then.
-            OperatorGaveUp: The operator will not do it.
-            RobotLost, CameraLost: A robot does not answer, or the camera shows nothing new.
+            ValueError: The layout is not possible; raised before the operator is involved.
+            OperatorGaveUp: The operator declines.
+            RobotLost, CameraLost: A robot does not reply, or the camera sends no new frame.
             RuntimeError: The laboratory is closed.
         """
         check_layout(self.arenas, layout)
@@ -101,10 +101,10 @@ class Laboratory:
             raise RuntimeError("reset() of a closed laboratory; open another")
         self._ready = False
         while self._lost:
-            self._operator(Request(f"see to what is lost: {self._lost}", (), None))
+            self._operator(OperatorRequest(f"reconnect what was lost: {self._lost}", (), None))
             try:
-                self._find_again()
-            except OSError as error:  # RobotLost is one, and a port or device that is gone
+                self._reconnect()
+            except OSError as error:  # includes RobotLost, and a port or device that does not exist
                 self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
@@ -112,66 +112,66 @@ class Laboratory:
                 robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
             self._fleet.transmit()
             marks = tuple(self._mark(number, pose) for number, pose in enumerate(layout.starts))
-            self._arrange(Request("start of an episode", marks, layout.foods))
-            self._foods = FoodWatch(layout.foods, self.arenas)
-            self._take_in()
+            self._place(OperatorRequest("start of an episode", marks, layout.foods))
+            self._foods = FoodLocator(layout.foods, self.arenas)
+            self._update_positions()
         self._ready = True
-        self.beat.start()
+        self.clock.start()
 
     def advance(self) -> None:
-        """One round.
+        """Run one round.
 
         Raises:
-            RuntimeError: Before the first reset, or after something was lost.
-            RobotLost: A robot does not answer; all are stopped.
+            RuntimeError: Before the first reset, or after a loss.
+            RobotLost: A robot does not reply; all robots are stopped.
             CameraLost: The newest frame is too old; all robots are stopped.
         """
         if not self._ready:
-            raise RuntimeError("advance() before reset(), or after something was lost; call reset() first")
+            raise RuntimeError("advance() before reset(), or after a loss; call reset() first")
         with self._stopping():
             self._fleet.transmit()
-            self.beat.wait()
+            self.clock.wait()
             self._fleet.receive()
-            self._expose()
-            self._take_in()
+            self._take_frame()
+            self._update_positions()
 
     def poses(self) -> tuple[Pose, ...]:
-        """Where the camera saw each robot last."""
+        """The last pose of each robot that the camera has seen."""
         return tuple(self._poses)
 
     def food_places(self) -> tuple[FoodPlace, ...]:
-        """Where the food was seen last, or the gripper that has it."""
+        """The last position of each food object that the camera has seen, or of the gripper that holds it."""
         return self._foods.places()
 
     def place(self, robot: int, pose: Pose) -> None:
-        """Pause, have the operator put a robot down elsewhere, check it by camera, and resume (5.3.1).
+        """Pause, let the operator move a robot, check its pose by camera, and resume (5.3.1).
 
         Raises:
-            ValueError: It cannot stand there; nobody is asked then.
-            OperatorGaveUp: The operator will not do it.
-            RobotLost, CameraLost: A robot does not answer, or the camera shows nothing new.
+            ValueError: The pose is not possible; raised before the operator is involved.
+            OperatorGaveUp: The operator declines.
+            RobotLost, CameraLost: A robot does not reply, or the camera sends no new frame.
         """
         others = [other for i, other in enumerate(self._poses) if i != robot]
-        lying = [
+        foods_on_floor = [
             Point(food.x, food.y)
             for k, food in enumerate(self.food_places())
             if not food.lifted and k != self._foods.held_by(robot)
         ]
         check_robot(self.arenas[robot], pose)
-        check_apart(Layout((*others, pose), tuple(lying)))
+        check_apart(Layout((*others, pose), tuple(foods_on_floor)))
         with self._stopping():
             self._fleet.stop()
-            self._arrange(Request("pause and resume", (self._mark(robot, pose),), None))
-            self._take_in()
-        self.beat.start()
+            self._place(OperatorRequest("pause and resume", (self._mark(robot, pose),), None))
+            self._update_positions()
+        self.clock.start()
 
     def stop(self) -> None:
-        """Wheels of all robots to zero, as far as they answer."""
+        """Stop the wheels of all robots that reply."""
         with suppress(RobotLost):
             self._fleet.stop()
 
     def close(self) -> None:
-        """Stop the robots and let go of them and of the camera; a second call does nothing."""
+        """Stop the robots and close all ports and the camera; a second call does nothing."""
         if self._closed:
             return
         self._closed, self._ready = True, False
@@ -184,10 +184,10 @@ class Laboratory:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _find_again(self) -> None:
-        """Take hold of everything anew, once something was lost."""
+    def _reconnect(self) -> None:
+        """Open all devices again after a loss."""
         self._fleet.close()
-        if self._source is None:  # one that was given is its giver's to replace
+        if self._source is None:  # a source given by the caller stays open
             self.camera.close()
             self.camera = open_camera(self.settings, None, self._calibration)
         self._fleet = open_robots(self.settings)
@@ -199,7 +199,7 @@ class Laboratory:
 
     @contextmanager
     def _stopping(self) -> Iterator[None]:
-        """Whatever goes wrong inside, stop everybody first."""
+        """Stop all robots on any exception."""
         try:
             yield
         except BaseException as error:
@@ -209,28 +209,28 @@ class Laboratory:
             self.stop()
             raise
 
-    def _arrange(self, request: Request) -> None:
-        """Ask the operator until the camera sees everything in its place."""
-        anew = request.foods is not None
+    def _place(self, request: OperatorRequest) -> None:
+        """Repeat a request to the operator until the camera sees everything in its place."""
+        new_episode = request.foods is not None
         while True:
             self._operator(request)
-            self.beat.start()
-            for _ in range(ROUNDS):
-                self.beat.wait()
+            self.clock.start()
+            for _ in range(CHECK_ROUNDS):
+                self.clock.wait()
                 self._fleet.receive()
-                # What passed through the picture while the operator worked starts no track in a new episode.
-                self._expose(anew)
-                scene = self.camera.look()
-                wrong = survey(scene, self.arenas, request.robots, request.foods, self.settings.tolerance)
-                if anew:
-                    wrong += closed_grippers(request.robots, self._senses())
-                if not wrong:
+                # No track of a hand that passed through the picture may continue in a new episode.
+                self._take_frame(forget_tracks=new_episode)
+                errors = placement_errors(
+                    self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
+                )
+                if new_episode:
+                    errors += gripper_errors(request.robots, self._senses())
+                if not errors:
                     return
-            request = request._replace(wrong=wrong)
+            request = request._replace(errors=errors)
 
-    def _expose(self, anew: bool = False) -> None:
-        """Take the newest frame; `anew` forgets all tracks before."""
-        if anew:
+    def _take_frame(self, forget_tracks: bool = False) -> None:
+        if forget_tracks:
             self.camera.reset()
         else:
             self.camera.expose()
@@ -238,11 +238,10 @@ class Laboratory:
         if age > oldest:
             raise CameraLost(str(self.settings.camera.source), f"no frame for {oldest:g} s", age)
 
-    def _take_in(self) -> None:
-        """Where everything is now."""
+    def _update_positions(self) -> None:
         scene = self.camera.look()
         for number, (arena, holes) in enumerate(zip(self.arenas, self.markers, strict=True)):
-            region = own_marker(scene, arena, holes)
+            region = find_marker(scene, arena, holes)
             if region is not None:
                 self._poses[number] = pose_of(region)
         self._foods.update(scene, list(zip(self._poses, self._senses(), strict=True)))

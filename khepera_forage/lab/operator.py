@@ -1,4 +1,4 @@
-"""The operator: a person, or what stands for one, who puts robots and food where they should stand."""
+"""The operator: the person, or the program, that places robots and food."""
 
 import math
 import sys
@@ -9,13 +9,13 @@ from khepera_forage.sim.arena import Point, Pose
 
 
 class RobotMark(NamedTuple):
-    """Where a robot should stand.
+    """The place where a robot should stand.
 
     Attributes:
-        number: Of the robot in its world.
-        name: Of the robot, as the lab file has it.
-        holes: Of the marker on its back.
-        pose: In mm and radians of the world's frame.
+        number: Number of the robot in its world.
+        name: Name of the robot in the lab file.
+        holes: Number of holes of its marker.
+        pose: In mm and radians in the world's frame.
     """
 
     number: int
@@ -24,79 +24,79 @@ class RobotMark(NamedTuple):
     pose: Pose
 
 
-class Request(NamedTuple):
-    """What the operator is asked to do.
+class OperatorRequest(NamedTuple):
+    """A task for the operator.
 
     Attributes:
-        reason: Why, in a few words.
-        robots: Where robots should stand; those that are not named stay where they are.
-        foods: Where all food should lie; None leaves it as it is.
-        wrong: What the camera found wrong after the last asking; empty the first time.
+        reason: The occasion, in a few words.
+        robots: Robots to place; all others stay where they are.
+        foods: Positions of all food; None leaves the food where it is.
+        errors: Errors that the camera found after the last request; empty the first time.
     """
 
     reason: str
     robots: tuple[RobotMark, ...]
     foods: tuple[Point, ...] | None
-    wrong: tuple[str, ...] = ()
+    errors: tuple[str, ...] = ()
 
 
-class OperatorGaveUp(ConnectionAbortedError):  # noqa: N818 (what happened, in the words of whoever catches it)
-    """The operator would rather not go on."""
+class OperatorGaveUp(ConnectionAbortedError):  # noqa: N818 (an event, not a mistake)
+    """The operator declines to continue."""
 
 
 class Operator(Protocol):
-    """Whoever is asked."""
+    """A callable that carries out requests."""
 
-    def __call__(self, request: Request, /) -> None:
-        """Return once it is done as well as possible; the laboratory then checks it by camera.
+    def __call__(self, request: OperatorRequest, /) -> None:
+        """Place robots and food, then return; the laboratory checks the result by camera.
 
         Raises:
-            OperatorGaveUp: It will not be done.
+            OperatorGaveUp: The operator declines.
         """
         ...
 
 
-class Prompt:
-    """Asks a person on the command line.
+class CommandLineOperator:
+    """A person at the command line.
 
     Args:
-        ask: Shows a text and returns the answer; raises `EOFError` when there is nobody to answer.
-        out: Where the request is written.
+        ask: Shows a prompt and returns the answer; raises `EOFError` without a terminal.
+        out: Output for the request; standard error by default.
     """
 
     def __init__(self, ask: Callable[[str], str] = input, out: TextIO | None = None) -> None:
         self._ask = ask
         self._out = out
 
-    def __call__(self, request: Request) -> None:
-        """Show where everything should stand, and wait for Enter.
+    def __call__(self, request: OperatorRequest) -> None:
+        """Show the request and wait for Enter.
 
         Raises:
-            OperatorGaveUp: The answer is `q`, or there is nobody to answer.
+            OperatorGaveUp: The answer is `q`, or there is no terminal.
         """
-        print("\n".join(lines_of(request)), file=self._out or sys.stderr)
+        print("\n".join(describe(request)), file=self._out or sys.stderr)
         try:
             answer = self._ask("Press Enter when it is done, or q to give up: ")
         except EOFError:
-            raise OperatorGaveUp("nobody answers on the command line") from None
+            raise OperatorGaveUp("the command line has no input") from None
         if answer.strip().lower() in ("q", "quit"):
             raise OperatorGaveUp("the operator gave up")
 
 
-def holes(count: int) -> str:
+def holes_text(count: int) -> str:
     """A number of holes in words."""
     return "1 hole" if count == 1 else f"{count} holes"
 
 
-def lines_of(request: Request) -> list[str]:
-    """A request in words, a line each, in mm and degrees."""
+def describe(request: OperatorRequest) -> list[str]:
+    """The lines of text that describe a request, in mm and degrees."""
     lines = [f"{request.reason}:"]
-    if request.wrong:
-        lines += ["  not yet right:", *(f"    {fault}" for fault in request.wrong)]
+    if request.errors:
+        lines += ["  not yet right:", *(f"    {error}" for error in request.errors)]
     for mark in request.robots:
         degrees = round(math.degrees(mark.pose.heading)) % 360
         lines.append(
-            f"  robot {mark.name} ({holes(mark.holes)}) at x {mark.pose.x:.0f} mm, y {mark.pose.y:.0f} mm, "
+            f"  robot {mark.name} ({holes_text(mark.holes)}) at x {mark.pose.x:.0f} mm, y {mark.pose.y:.0f} mm, "
             f"heading {degrees} degrees"
         )
     if request.foods is not None:

@@ -1,4 +1,4 @@
-"""What makes up a laboratory: its robots, its camera, its arena, as a `lab.toml` says it."""
+"""The settings of a laboratory: robots, camera and arena, as in a `lab.toml`."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,11 +15,11 @@ class RobotSettings:
     """One robot of the laboratory.
 
     Attributes:
-        port: What `serial.serial_for_url` opens: a device, `socket://host:port`, `rfc2217://host:port`.
-        name: How the operator is told of it.
+        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
+        name: Name of the robot in requests to the operator.
         baud: One of `BAUD_RATES`.
-        holes: Of the marker on its back, 1 or 2.
-        offset: From the arena of the file to this robot's own copy of it, in mm.
+        holes: Number of holes of its marker, 1 or 2.
+        offset: From the arena in the file to this robot's copy of it, in mm.
     """
 
     port: str
@@ -34,9 +34,9 @@ class CameraSettings:
     """The camera above all arenas.
 
     Attributes:
-        source: What OpenCV opens: the number of a device, a file, a URL.
-        calibration: A file that `khepera-forage camera calibrate` has written; None for a picture that needs none.
-        oldest: Age in seconds of the newest frame beyond which the camera counts as lost.
+        source: Any source of OpenCV: the number of a device, a file, a URL.
+        calibration: A file written by `khepera-forage camera calibrate`; None for frames without distortion.
+        oldest: Largest allowed age of the newest frame in seconds; beyond it the camera counts as lost.
     """
 
     source: int | str
@@ -46,7 +46,7 @@ class CameraSettings:
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """How far from its mark something may stand after the operator has placed it.
+    """Allowed deviations of robots and food from their places.
 
     Attributes:
         position: In mm.
@@ -59,16 +59,16 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class LabSettings:
-    """What a `lab.toml` says.
+    """The contents of a `lab.toml`.
 
     Attributes:
-        arena: The arena of the first robot, before its offset.
+        arena: The arena, without the offsets of the robots.
         robots: The teacher first, then the learners; in a recall the last one forages.
-        camera: Above them.
-        tracker: What it takes for a marker and for food.
-        tolerance: Of what the operator places.
-        safe_speed: Speed units (8 mm/s) beyond which no wheel is commanded.
-        period: Of a round in seconds.
+        camera: Settings of the camera.
+        tracker: Settings of the camera's tracker.
+        tolerance: Allowed deviations of the operator's placement.
+        safe_speed: Limit of all wheel speeds in speed units (8 mm/s).
+        period: Duration of a round in seconds.
     """
 
     arena: Arena
@@ -81,9 +81,9 @@ class LabSettings:
 
     @property
     def arenas(self) -> tuple[Arena, ...]:
-        """Every robot's own copy of the arena."""
+        """The copy of the arena of every robot."""
         return tuple(self.arena.shifted(*robot.offset) for robot in self.robots)
 
-    def alone(self) -> "LabSettings":
-        """The laboratory of a recall: the last robot forages, the others are left alone."""
+    def for_recall(self) -> "LabSettings":
+        """The settings for a recall: only the last robot takes part."""
         return replace(self, robots=self.robots[-1:])

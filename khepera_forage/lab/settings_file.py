@@ -1,6 +1,6 @@
-"""Reading `lab.toml`: which robots, camera and arena make up a laboratory.
+"""Reading `lab.toml`, the settings of a laboratory.
 
-`sample.toml` beside this module explains every key; `python -m khepera_forage.lab.settings_file` prints it.
+`sample.toml` explains every key; `python -m khepera_forage.lab.settings_file` prints it.
 """
 
 import math
@@ -29,15 +29,15 @@ from khepera_forage.vision.tracker_settings import TrackerSettings
 
 
 class LabFileError(ValueError):
-    """A `lab.toml` that cannot be used; the message names the file and the key."""
+    """An invalid `lab.toml`; the message names the file and the key."""
 
 
 def load(path: Path | str) -> LabSettings:
     """Read a file.
 
     Raises:
-        LabFileError: It is not TOML, or a key is missing, unknown, or has a value that is not allowed.
-        OSError: It cannot be read.
+        LabFileError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
+        OSError: The file cannot be read.
     """
     path = Path(path)
     try:
@@ -49,17 +49,17 @@ def load(path: Path | str) -> LabSettings:
 
 
 def parse(toml: str, folder: Path = Path()) -> LabSettings:
-    """Read the text of a file.
+    """Parse the text of a file.
 
     Args:
         toml: The text.
-        folder: Where a relative calibration file is looked for.
+        folder: Folder of a calibration file with a relative path.
 
     Raises:
         LabFileError: As `load`.
     """
     try:
-        return _laboratory(Table(tomllib.loads(toml)), folder)
+        return _lab_settings(Table(tomllib.loads(toml)), folder)
     except tomllib.TOMLDecodeError as error:
         raise LabFileError(f"not TOML: {error}") from None
     except TableError as error:
@@ -67,24 +67,24 @@ def parse(toml: str, folder: Path = Path()) -> LabSettings:
 
 
 def sample() -> str:
-    """The commented sample that ships with the package."""
+    """The commented sample file of the package."""
     return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
-def _laboratory(table: Table, folder: Path) -> LabSettings:
+def _lab_settings(table: Table, folder: Path) -> LabSettings:
     arena = _arena(table.table("arena"))
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
     camera = _camera(table.table("camera"), folder)
     tracker = _tracker(table.table("tracker"))
-    check = table.table("tolerance")
+    tolerance_table = table.table("tolerance")
     defaults = Tolerance()
     tolerance = Tolerance(
-        check.take("position", number(1.0, 100.0, "mm"), defaults.position),
-        check.take("heading", number(1.0, 90.0, "degrees"), defaults.heading),
+        tolerance_table.take("position", number(1.0, 100.0, "mm"), defaults.position),
+        tolerance_table.take("heading", number(1.0, 90.0, "degrees"), defaults.heading),
     )
-    check.finish()
+    tolerance_table.finish()
     safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
     period = table.take("period", number(0.05, 1.0, "seconds"), CONTROL_PERIOD)
     table.finish()
@@ -93,13 +93,13 @@ def _laboratory(table: Table, folder: Path) -> LabSettings:
     return settings
 
 
-def _robot(table: Table, number_of_it: int) -> RobotSettings:
-    name = "teacher" if number_of_it == 0 else f"learner_{number_of_it - 1}"
+def _robot(table: Table, index: int) -> RobotSettings:
+    name = "teacher" if index == 0 else f"learner_{index - 1}"
     entry = RobotSettings(
         port=table.take("port", text),
         name=table.take("name", text, name),
         baud=table.take("baud", one_of(BAUD_RATES), 38400),
-        holes=table.take("holes", one_of((1, 2)), 1 if number_of_it == 0 else 2),
+        holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )
     table.finish()
@@ -127,7 +127,7 @@ def _camera(table: Table, folder: Path) -> CameraSettings:
 
 
 def _tracker(table: Table) -> TrackerSettings:
-    """Any of the settings, under their own names."""
+    """Any field of `TrackerSettings`, as a key of the same name."""
 
     def value(key: str, found: Any) -> Any:
         if isinstance(found, bool) != isinstance(getattr(defaults, key.rpartition(".")[2]), bool):
@@ -178,7 +178,7 @@ def _arena(table: Table) -> Arena:
 
 
 def _check_robots(settings: LabSettings) -> None:
-    """No port twice, arenas that the camera sees, and no two that a marker belongs to alike."""
+    """Check that ports and names are unique, and that the arenas do not overlap and are in the camera's view."""
     for i, robot in enumerate(settings.robots):
         for j, other in enumerate(settings.robots[:i]):
             if robot.port == other.port:
@@ -192,7 +192,7 @@ def _check_robots(settings: LabSettings) -> None:
             if _overlap(settings.arenas[i], settings.arenas[j]):
                 raise TableError(
                     f"robots[{i}].offset is {list(robot.offset)}: its arena overlaps that of robots[{j}]; "
-                    "allowed: arenas that stand beside each other"
+                    "allowed: arenas side by side"
                 )
         try:
             check_seen((settings.arenas[i],))

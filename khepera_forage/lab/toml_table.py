@@ -1,4 +1,4 @@
-"""Strict reading of TOML: every mistake is named by its key, and a key that nobody asks for is one."""
+"""Strict reading of TOML: errors name the key, and unknown keys are errors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
@@ -8,15 +8,15 @@ _MISSING: Any = object()
 
 
 class TableError(ValueError):
-    """A key that is missing, unknown, or has a value that is not allowed; the message says which and what is."""
+    """A key that is missing, unknown, or has an invalid value; the message names the key and the allowed values."""
 
 
 class Table:
-    """One table of a TOML file, from which every key is taken once.
+    """One table of a TOML file; every key is taken once.
 
     Args:
-        content: The table as `tomllib` gives it.
-        name: Where it stands, such as `robots[1]`; empty for the file itself.
+        content: The table as returned by `tomllib`.
+        name: Name of the table, such as `robots[1]`; empty for the file itself.
 
     Raises:
         TableError: `content` is not a table.
@@ -27,24 +27,24 @@ class Table:
             raise TableError(f"{name} is {quoted(content)}; allowed: a table of keys and values")
         self._content = dict(content)
         self._name = name
-        self._asked: list[str] = []
+        self._known_keys: list[str] = []
 
     def key(self, key: str) -> str:
-        """A key with the names of the tables around it."""
+        """The full name of a key, with the table's name."""
         return f"{self._name}.{key}" if self._name else key
 
     def take(self, key: str, read: Callable[[str, Any], T], default: T = _MISSING) -> T:
         """The value of a key.
 
         Args:
-            key: Within this table.
-            read: Checks the value; gets the whole key, for its message, and what the file says.
-            default: For a key that is not there.
+            key: Name of the key within this table.
+            read: Called with the full name of the key and its value; checks and converts the value.
+            default: Value of a missing key.
 
         Raises:
-            TableError: There is no such key and no default, or `read` does not allow the value.
+            TableError: The key is missing and has no default, or `read` rejects the value.
         """
-        self._asked.append(key)
+        self._known_keys.append(key)
         if key not in self._content:
             if default is _MISSING:
                 raise TableError(f"{self.key(key)} is missing")
@@ -52,18 +52,18 @@ class Table:
         return read(self.key(key), self._content.pop(key))
 
     def table(self, key: str) -> "Table":
-        """The table under a key; an empty one if it is not there.
+        """The table under a key; an empty one if the key is missing.
 
         Raises:
-            TableError: It is not a table.
+            TableError: The value is not a table.
         """
         return self.take(key, lambda name, value: Table(value, name), Table({}, self.key(key)))
 
     def tables(self, key: str) -> list["Table"]:
-        """The tables of an array such as `[[robots]]`; none if it is not there.
+        """The tables of an array such as `[[robots]]`; none if the key is missing.
 
         Raises:
-            TableError: It is not an array of tables.
+            TableError: The value is not an array of tables.
         """
 
         def read(name: str, value: Any) -> list[Table]:
@@ -74,30 +74,30 @@ class Table:
         return self.take(key, read, [])
 
     def finish(self) -> None:
-        """Complain about what nobody asked for.
+        """Reject the keys that have not been taken.
 
         Raises:
             TableError: An unknown key.
         """
         for key in self._content:
-            raise TableError(f"{self.key(key)} is unknown; allowed: {', '.join(sorted(self._asked))}")
+            raise TableError(f"{self.key(key)} is unknown; allowed: {', '.join(sorted(self._known_keys))}")
 
 
 def quoted(value: object) -> str:
-    """How a message shows what it found, not too long."""
+    """A value as shown in an error message, at most 60 characters."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def text(key: str, value: Any) -> str:
-    """A string that is not empty."""
+    """Read a string that is not empty."""
     if not isinstance(value, str) or not value.strip():
         raise TableError(f"{key} is {quoted(value)}; allowed: a text that is not empty")
     return value
 
 
 def number(low: float, high: float, unit: str) -> Callable[[str, Any], float]:
-    """A number of `low` to `high`."""
+    """A reader of numbers from `low` to `high`."""
 
     def read(key: str, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
@@ -108,7 +108,7 @@ def number(low: float, high: float, unit: str) -> Callable[[str, Any], float]:
 
 
 def one_of(allowed: Sequence[int]) -> Callable[[str, Any], int]:
-    """One of a few whole numbers."""
+    """A reader of one of the allowed whole numbers."""
 
     def read(key: str, value: Any) -> int:
         if type(value) is not int or value not in allowed:
@@ -119,7 +119,7 @@ def one_of(allowed: Sequence[int]) -> Callable[[str, Any], int]:
 
 
 def numbers(form: str) -> Callable[[str, Any], tuple[float, ...]]:
-    """As many finite numbers as `form` names, such as `[x mm, y mm]`."""
+    """A reader of lists of finite numbers, as many as `form` names, such as `[x mm, y mm]`."""
     count = form.count(",") + 1
 
     def read(key: str, value: Any) -> tuple[float, ...]:
@@ -135,7 +135,7 @@ def numbers(form: str) -> Callable[[str, Any], tuple[float, ...]]:
 
 
 def list_of(read_one: Callable[[str, Any], T]) -> Callable[[str, Any], tuple[T, ...]]:
-    """A list whose every item is read the same way."""
+    """A reader of lists that are not empty; `read_one` reads each item."""
 
     def read(key: str, value: Any) -> tuple[T, ...]:
         if not isinstance(value, list) or not value:

@@ -1,15 +1,15 @@
-"""A laboratory without hardware: real drivers and a real tracker, on bytes and pixels of a simulated world."""
+"""A laboratory without hardware: the real driver and tracker, connected to a simulated world."""
 
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Self
 
 import numpy as np
 
-from khepera_forage.lab.clock import WallBeat
+from khepera_forage.lab.clock import SimulatedClock, WallClock
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
@@ -31,35 +31,34 @@ from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
 class VirtualLaboratory(Laboratory):
-    """A `Laboratory` whose devices are virtual.
+    """A `Laboratory` with virtual devices.
 
-    Every robot is a simulated body with the Khepera's ROM in front of it (`Firmware`), on a pty of its own; the
-    camera's frames are rendered from where the bodies are; the operator is simulated. All else is the laboratory's
-    own: driver, protocol, fleet, tracker, checks.
+    Every robot is a simulated body with a Khepera's `Firmware` in front of it, on its own pseudo-terminal. The camera's
+    frames are rendered from the simulated world, and the operator is simulated. Driver, protocol, fleet, tracker and
+    placement checks are those of the real laboratory.
 
-    By default time is lock-step: the beat moves the bodies on by one period instead of waiting for the wall clock, as
-    fast as the machine goes. The same seed and layout then give the same observations, bit for bit, as long as no
-    fault is switched on and the machine answers within the driver's time limits. Encoder counters go on from one
-    episode to the next, as a real robot's do.
+    By default the clock advances the simulation instead of waiting, as fast as the machine allows. The same seed and
+    layout then give the same observations, bit for bit, as long as no fault is enabled and the machine replies within
+    the driver's time limits. Encoder counters continue from one episode to the next, as those of a real robot do.
 
     Args:
         settings: Arena, robots, tolerance and tracker; ports, camera source and calibration are replaced.
-        noise: Of bodies and operator; the camera's troubles are those of `look`. By default the laboratory's.
-        look: Of the frames; by default the laboratory's.
-        paced: Whether bytes take the time on the wire that each robot's baud rate says.
-        faults: Of the lines, for all robots or one each.
-        fault_seed: Draws when faults happen.
-        real_time: Keep the wall clock too.
-        operator: Who is asked instead of `hand`, for example a person who has `hand` do it.
+        noise: Noise of robots and operator (not of the camera); the laboratory's by default.
+        appearance: Appearance and disturbances of the frames; the laboratory's by default.
+        paced: Whether bytes take the transmission time of each robot's baud rate.
+        faults: Faults of the lines: for all robots, or one per robot.
+        fault_seed: Seed of the faults.
+        real_time: Whether to keep real time, with the wall clock.
+        operator: Replaces `virtual_operator`; for example, a person who directs it.
 
     Raises:
-        ValueError: A period that is no multiple of the simulation's 0.1 s, or not as many faults as robots.
+        ValueError: A period that is not a multiple of the simulation's 0.1 s, or a wrong number of faults.
 
     Attributes:
-        bodies: The simulated world, in which the truth is known.
-        ports: The robots' ends of the lines.
-        frames: Where the camera's frames come from.
-        hand: Puts the bodies where it is told.
+        simulation: The simulated world, with the true poses.
+        virtual_kheperas: The robots' ends of the serial lines.
+        frame_source: Source of the rendered frames.
+        virtual_operator: Places the simulated bodies.
     """
 
     def __init__(
@@ -67,7 +66,7 @@ class VirtualLaboratory(Laboratory):
         settings: LabSettings,
         *,
         noise: Noise | None = None,
-        look: CameraAppearance | None = None,
+        appearance: CameraAppearance | None = None,
         paced: bool = False,
         faults: Faults | Sequence[Faults | None] | None = None,
         fault_seed: int = 0,
@@ -75,61 +74,65 @@ class VirtualLaboratory(Laboratory):
         operator: Operator | None = None,
     ) -> None:
         noise = Noise.laboratory() if noise is None else noise
-        look = CameraAppearance.laboratory() if look is None else look
+        appearance = CameraAppearance.laboratory() if appearance is None else appearance
         arenas = settings.arenas
-        self._steps = round(settings.period / CONTROL_PERIOD)
-        if not math.isclose(self._steps * CONTROL_PERIOD, settings.period):
+        self._rounds_per_period = round(settings.period / CONTROL_PERIOD)
+        if not math.isclose(self._rounds_per_period * CONTROL_PERIOD, settings.period):
             raise ValueError(
                 f"period is {settings.period:g} s; allowed in a virtual laboratory: multiples of {CONTROL_PERIOD:g} s"
             )
-        self.bodies = PymunkWorld(arenas, [robot.holes for robot in settings.robots], noise)
-        self.bodies.reset(np.random.default_rng(fault_seed), _on_the_marks(arenas))
-        # The same lock for all: they stand in front of one simulated world.
+        self.simulation = PymunkWorld(arenas, [robot.holes for robot in settings.robots], noise)
+        self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
+        # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
-        self._firmwares = [Firmware(body, self._lock) for body in self.bodies.robots]
+        self._firmwares = [Firmware(body, self._lock) for body in self.simulation.robots]
         self._renderer = FrameRenderer(
-            self.bodies.truth,
-            look,
+            self.simulation.truth,
+            appearance,
             cable_anchor(arenas),
             walls=[wall for arena in arenas for wall in arena.segments],
             period=settings.period,
         )
-        self.frames = RenderedFrameSource(self._renderer)
-        self.hand = VirtualOperator(self.bodies, noise, self._attach, self._plug_in)
-        each = list(faults) if isinstance(faults, Sequence) else [faults] * len(settings.robots)
-        if len(each) != len(settings.robots):
-            raise ValueError(f"{len(each)} faults for {len(settings.robots)} robots; allowed: one each")
-        draws = np.random.default_rng(fault_seed).spawn(len(settings.robots))
-        self._lines = [
+        self.frame_source = RenderedFrameSource(self._renderer)
+        self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
+        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * len(settings.robots)
+        if len(faults_of_each) != len(settings.robots):
+            raise ValueError(
+                f"{len(faults_of_each)} faults for {len(settings.robots)} robots; allowed: one each"
+            )
+        rngs = np.random.default_rng(fault_seed).spawn(len(settings.robots))
+        self._line_settings = [
             (robot.baud if paced else None, fault, rng)
-            for robot, fault, rng in zip(settings.robots, each, draws, strict=True)
+            for robot, fault, rng in zip(settings.robots, faults_of_each, rngs, strict=True)
         ]
-        self.ports: list[VirtualKhepera] = []
+        self.virtual_kheperas: list[VirtualKhepera] = []
         calibration = None
-        if look.height is not None:
+        if appearance.height is not None:
             middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
-            calibration = Calibration.identity((*middle, look.height))
+            calibration = Calibration.identity((*middle, appearance.height))
         with ExitStack() as opened:
-            opened.callback(self._unplug)
-            settings = self._plugged_in(settings)
+            opened.callback(self._close_lines)
+            settings = self._open_lines(settings)
             super().__init__(
                 settings,
-                self.hand if operator is None else operator,
-                source=self.frames,
+                self.virtual_operator if operator is None else operator,
+                source=self.frame_source,
                 calibration=calibration,
-                beat=VirtualBeat(self._step, WallBeat(settings.period) if real_time else None),
+                clock=SimulatedClock(
+                    self._advance_simulation, WallClock(settings.period) if real_time else None
+                ),
             )
             opened.pop_all()
 
     @classmethod
-    def of(cls, arena: Arena | str = "corridor", robots: int = 2, **options: object) -> Self:
-        """A laboratory of copies of one arena side by side.
+    def from_arena(cls, arena: Arena | str = "corridor", robots: int = 2, **options: object) -> Self:
+        """A laboratory with copies of one arena side by side.
 
         Args:
-            arena: One of one's own, whose first copy stands where it stands; or the name of one of the thesis', whose
-                copies stand in the middle of the picture, for at its border markers that reach over a wall are cut.
-            robots: The teacher and its learners; one alone is a learner.
-            **options: Those of the class.
+            arena: An arena, which is the first copy; or the name of one of the thesis's arenas. The copies of a named
+                arena are centred in the picture, whose border would cut off markers that extend over a wall.
+            robots: Number of robots, the teacher first; a single robot is a learner.
+            **options: Arguments of the class.
         """
         original = ARENAS[arena] if isinstance(arena, str) else arena
         arenas = copies(original, robots)
@@ -147,92 +150,63 @@ class VirtualLaboratory(Laboratory):
             for i, copy in enumerate(arenas)
         )
         settings = LabSettings(original, entries, CameraSettings("rendered frames"))
-        return cls(settings, **options)  # type: ignore[arg-type] # as the class takes them
+        return cls(settings, **options)  # type: ignore[arg-type] # the arguments of the class
 
     @property
-    def urls(self) -> tuple[str, ...]:
-        """Where the robots' drivers find them."""
-        return tuple(port.url for port in self.ports)
+    def port_urls(self) -> tuple[str, ...]:
+        """The ports of the robots, as opened by the drivers."""
+        return tuple(khepera.url for khepera in self.virtual_kheperas)
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
-        """As in any laboratory; bodies, light, cables and the operator's hand draw from `rng`."""
+        """As `Laboratory.reset`; the simulation, the frames and the operator draw from `rng`."""
         check_layout(self.arenas, layout)
-        bodies, light, hand = rng.spawn(3)
-        self._renderer.reset(light)
-        self.hand.begin(hand, bodies)
+        world_rng, frame_rng, operator_rng = rng.spawn(3)
+        self._renderer.reset(frame_rng)
+        self.virtual_operator.begin_episode(operator_rng, world_rng)
         super().reset(rng, layout)
 
     def close(self) -> None:
-        """Stop the robots and switch everything off; a second call does nothing."""
-        with ExitStack() as rest:
-            rest.callback(self._unplug)
+        """Stop the robots and close all devices; a second call does nothing."""
+        with ExitStack() as stack:
+            stack.callback(self._close_lines)
             super().close()
 
-    def _step(self) -> None:
+    def _advance_simulation(self) -> None:
         with self._lock:
-            for _ in range(self._steps):
-                self.bodies.advance()
+            for _ in range(self._rounds_per_period):
+                self.simulation.advance()
                 for firmware in self._firmwares:
                     firmware.tick()
 
     def _attach(self) -> None:
-        for firmware, body in zip(self._firmwares, self.bodies.robots, strict=True):
+        for firmware, body in zip(self._firmwares, self.simulation.robots, strict=True):
             firmware.attach(body)
 
-    def _plugged_in(self, settings: LabSettings) -> LabSettings:
-        """The settings with the present ports, once every robot that is unplugged has been plugged in."""
-        for i, (firmware, (baud, faults, rng)) in enumerate(zip(self._firmwares, self._lines, strict=True)):
-            if i == len(self.ports) or not self.ports[i].connected:
-                for unplugged in self.ports[i : i + 1]:
-                    unplugged.close()
-                self.ports[i : i + 1] = [VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)]
-        robots = [replace(robot, port=url) for robot, url in zip(settings.robots, self.urls, strict=True)]
+    def _open_lines(self, settings: LabSettings) -> LabSettings:
+        """Open the lines that are not connected; returns the settings with the ports of all lines."""
+        for i, (firmware, (baud, faults, rng)) in enumerate(
+            zip(self._firmwares, self._line_settings, strict=True)
+        ):
+            if i == len(self.virtual_kheperas) or not self.virtual_kheperas[i].connected:
+                for disconnected in self.virtual_kheperas[i : i + 1]:
+                    disconnected.close()
+                self.virtual_kheperas[i : i + 1] = [
+                    VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
+                ]
+        robots = [
+            replace(robot, port=url) for robot, url in zip(settings.robots, self.port_urls, strict=True)
+        ]
         return replace(settings, robots=tuple(robots))
 
-    def _plug_in(self) -> None:
-        self.settings = self._plugged_in(self.settings)
+    def _reconnect_lines(self) -> None:
+        self.settings = self._open_lines(self.settings)
 
-    def _unplug(self) -> None:
-        while self.ports:
-            self.ports.pop().close()
-
-
-class VirtualBeat:
-    """The beat of a virtual laboratory: what waits for the end of a round makes it happen.
-
-    Args:
-        step: Moves the simulated world on by one period.
-        wall: Waited for first, to keep the wall clock; None goes as fast as the machine does.
-    """
-
-    def __init__(self, step: Callable[[], None], wall: WallBeat | None = None) -> None:
-        self.rounds = 0
-        self._step, self._wall = step, wall
-
-    @property
-    def overruns(self) -> int:
-        """Rounds that were over their time on the wall clock; none without one."""
-        return 0 if self._wall is None else self._wall.overruns
-
-    @property
-    def worst(self) -> float:
-        """The longest of these overruns in seconds."""
-        return 0.0 if self._wall is None else self._wall.worst
-
-    def start(self) -> None:
-        """The first round begins now."""
-        if self._wall is not None:
-            self._wall.start()
-
-    def wait(self) -> None:
-        """Wait for the wall clock, if asked for; then a round has passed for the simulated world."""
-        self.rounds += 1
-        if self._wall is not None:
-            self._wall.wait()
-        self._step()
+    def _close_lines(self) -> None:
+        while self.virtual_kheperas:
+            self.virtual_kheperas.pop().close()
 
 
-def _on_the_marks(arenas: Sequence[Arena]) -> Layout:
+def _training_layout(arenas: Sequence[Arena]) -> Layout:
     return Layout(
         tuple(arena.start for arena in arenas), tuple(food for arena in arenas for food in arena.foods)
     )

@@ -1,93 +1,92 @@
-"""The operator of the virtual laboratory: puts simulated bodies where it is told, as well as a hand can."""
+"""The operator of the virtual laboratory: places simulated robots and food with a person's accuracy."""
 
 import math
 from collections.abc import Callable
 
 import numpy as np
 
-from khepera_forage.lab.operator import OperatorGaveUp, Request
+from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 
-_TRIES = 200
+_MAX_TRIES = 200
+"""Draws of placement errors before a request counts as impossible."""
 
 
 class VirtualOperator:
-    """Does at once what it is asked, off by `Noise.placement_error` and `placement_heading_error`.
-
-    What was asked is kept in `requests`.
+    """Carries out requests at once, with the errors `Noise.placement_error` and `placement_heading_error`.
 
     Args:
-        world: The bodies.
-        noise: How well it places them.
-        replaced: Called after a reset of the world, which makes new bodies.
-        plug_in: Called when something was lost.
+        world: The simulated world.
+        noise: The accuracy of placement.
+        on_reset: Called after a reset of the world, which creates new bodies.
+        reconnect: Called when the laboratory has lost a device.
 
     Attributes:
-        requests: Everything asked for since the last `begin`.
-        patience: How often in a row it does the same again before it gives up.
+        requests: All requests since the last `begin_episode`.
+        max_repeats: Number of failed repetitions of a request before the operator gives up.
     """
 
     def __init__(
         self,
         world: PymunkWorld,
         noise: Noise,
-        replaced: Callable[[], None],
-        plug_in: Callable[[], None],
+        on_reset: Callable[[], None],
+        reconnect: Callable[[], None],
     ) -> None:
-        self.requests: list[Request] = []
-        self.patience = 10
+        self.requests: list[OperatorRequest] = []
+        self.max_repeats = 10
         self._world, self._noise = world, noise
-        self._replaced, self._plug_in = replaced, plug_in
-        self._hand = self._bodies = np.random.default_rng(0)
+        self._on_reset, self._reconnect = on_reset, reconnect
+        self._rng = self._world_rng = np.random.default_rng(0)
 
-    def begin(self, hand: np.random.Generator, bodies: np.random.Generator) -> None:
-        """A new episode.
+    def begin_episode(self, rng: np.random.Generator, world_rng: np.random.Generator) -> None:
+        """Set the random generators of a new episode.
 
         Args:
-            hand: Draws the errors of placement.
-            bodies: Handed to the world at its reset.
+            rng: Draws the placement errors.
+            world_rng: For the reset of the world.
         """
         self.requests = []
-        self._hand, self._bodies = hand, bodies
+        self._rng, self._world_rng = rng, world_rng
 
-    def __call__(self, request: Request) -> None:
-        """Do it.
+    def __call__(self, request: OperatorRequest) -> None:
+        """Carry out a request.
 
         Raises:
-            OperatorGaveUp: The same again and again, or there is no room.
+            OperatorGaveUp: The same request was repeated too often, or there is no room.
         """
         self.requests.append(request)
-        again = self.requests[-self.patience :]
-        if len(again) == self.patience and all(r.wrong and r[:3] == request[:3] for r in again):
+        recent = self.requests[-self.max_repeats :]
+        if len(recent) == self.max_repeats and all(r.errors and r[:3] == request[:3] for r in recent):
             raise OperatorGaveUp(
-                f"the virtual operator has placed everything {self.patience} times: {'; '.join(request.wrong)}"
+                f"the virtual operator has placed everything {self.max_repeats} times: {'; '.join(request.errors)}"
             )
         if not request.robots and request.foods is None:
-            self._plug_in()
+            self._reconnect()
             return
-        for _ in range(_TRIES):
+        for _ in range(_MAX_TRIES):
             try:
-                self._put(request)
-            except ValueError as error:  # off the floor, or on top of something: the hand tries again
-                trouble = error
+                self._place(request)
+            except ValueError as error:  # in a wall, or on top of something: draw other errors
+                reason = error
             else:
                 return
-        raise OperatorGaveUp(f"the virtual operator finds no room: {trouble}")
+        raise OperatorGaveUp(f"the virtual operator finds no room: {reason}")
 
-    def _put(self, request: Request) -> None:
-        poses = [self._near(mark.pose) for mark in request.robots]
+    def _place(self, request: OperatorRequest) -> None:
+        poses = [self._with_error(mark.pose) for mark in request.robots]
         if request.foods is None:
             for mark, pose in zip(request.robots, poses, strict=True):
                 self._world.place(mark.number, pose)
             return
-        foods = tuple(Point(*self._near(Pose(x, y, 0.0))[:2]) for x, y in request.foods)
-        self._world.reset(self._bodies, Layout(tuple(poses), foods))
-        self._replaced()
+        foods = tuple(Point(*self._with_error(Pose(x, y, 0.0))[:2]) for x, y in request.foods)
+        self._world.reset(self._world_rng, Layout(tuple(poses), foods))
+        self._on_reset()
 
-    def _near(self, pose: Pose) -> Pose:
-        x, y, turn = self._hand.standard_normal(3).tolist()
+    def _with_error(self, pose: Pose) -> Pose:
+        x, y, turn = self._rng.standard_normal(3).tolist()
         error, heading_error = self._noise.placement_error, self._noise.placement_heading_error
         return Pose(pose.x + error * x, pose.y + error * y, pose.heading + math.radians(heading_error * turn))

@@ -180,7 +180,7 @@ def test_a_robot_that_is_left_moving_is_noticed(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     from _virtual_lab.watched import moving
 
-    with VirtualLaboratory.of("corridor", 2) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
         arenas = lab.arenas
         lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in arenas), ()))
         assert moving(lab) == 0
@@ -195,7 +195,7 @@ def test_what_is_not_true_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     from _virtual_lab.watched import LEARNER, WatchedTraining
 
-    with VirtualLaboratory.of("corridor", 2) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
         env = WatchedTraining(lab, Faults())
         env.reset(seed=1)
         note = env.notes[-1]
@@ -220,7 +220,7 @@ def test_a_reading_that_is_not_the_body_s_is_noticed(monkeypatch: pytest.MonkeyP
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     from _virtual_lab.truth import Round, Truth
 
-    with VirtualLaboratory.of("corridor", 2) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         env.reset(seed=1)
         truth, learner = Truth(lab, env.foragers), env.foragers[1]

@@ -29,7 +29,7 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
         Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     )
     look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
-    with VirtualLaboratory.of(RECTANGLE, 1, noise=noise, look=look) as world:
+    with VirtualLaboratory.from_arena(RECTANGLE, 1, noise=noise, appearance=look) as world:
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
         world.reset(np.random.default_rng(3), layout)
         yield Stage(world, layout)
@@ -49,7 +49,7 @@ class TestTrackedCamera(CameraContract):
         assert isinstance(stage.world, VirtualLaboratory)
         stage.rounds(20, Motors(6, 4, 215, 200))
         stage.rounds(2, Motors(0, 0, 215, 200))
-        (x, y, heading), (food,) = stage.world.bodies.poses()[0], stage.world.bodies.food_places()
+        (x, y, heading), (food,) = stage.world.simulation.poses()[0], stage.world.simulation.food_places()
         for region in stage.camera.look().regions:
             there = (x, y) if region.holes else food[:2]
             assert math.dist((region.x * 5, region.y * 5), there) < 5

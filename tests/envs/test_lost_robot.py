@@ -13,7 +13,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
-from khepera_forage.lab.operator import OperatorGaveUp, Request
+from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
@@ -28,25 +28,25 @@ pytest.importorskip("cv2")
 
 @pytest.fixture
 def pair() -> Iterator[VirtualLaboratory]:
-    with VirtualLaboratory.of("corridor", 2) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
         yield lab
 
 
 @pytest.fixture
 def alone() -> Iterator[VirtualLaboratory]:
-    with VirtualLaboratory.of("corridor", 1) as lab:
+    with VirtualLaboratory.from_arena("corridor", 1) as lab:
         yield lab
 
 
 def unplug(lab: VirtualLaboratory, robot: int) -> None:
-    lab.ports[robot].faults = Faults(unplug=1.0)
+    lab.virtual_kheperas[robot].faults = Faults(unplug=1.0)
 
 
 def standing(lab: VirtualLaboratory) -> bool:
-    lab.bodies.advance()
-    before = [robot.sense()[1:3] for robot in lab.bodies.robots]
-    lab.bodies.advance()
-    return before == [robot.sense()[1:3] for robot in lab.bodies.robots]
+    lab.simulation.advance()
+    before = [robot.sense()[1:3] for robot in lab.simulation.robots]
+    lab.simulation.advance()
+    return before == [robot.sense()[1:3] for robot in lab.simulation.robots]
 
 
 def rounds(env: TrainingEnv, count: int) -> None:
@@ -133,8 +133,8 @@ def test_recall_is_truncated_with_the_reason(
 def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
     env = BehavioursEnv(world=alone)
     env.reset(seed=1)
-    frame, _ = alone.frames.newest()
-    monkeypatch.setattr(alone.frames, "newest", lambda: (frame, 2.0))
+    frame, _ = alone.frame_source.newest()
+    monkeypatch.setattr(alone.frame_source, "newest", lambda: (frame, 2.0))
     _, _, _, truncated, info = env.step(0)
     assert truncated
     assert info["robot_lost"].startswith("camera rendered frames: ")
@@ -143,26 +143,26 @@ def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: py
 
 def test_a_robot_lost_while_it_is_placed_costs_an_attempt() -> None:
     """And its port is let go of when another takes its place."""
-    placed: list[Request] = []
+    placed: list[OperatorRequest] = []
 
-    def operator(request: Request) -> None:
+    def operator(request: OperatorRequest) -> None:
         placed.append(request)
         if len(placed) in (1, 3):
             unplug(lab, 1)
-        lab.hand(request)
+        lab.virtual_operator(request)
 
-    with VirtualLaboratory.of("corridor", 2, operator=operator) as lab:
-        first = lab.ports[1]
+    with VirtualLaboratory.from_arena("corridor", 2, operator=operator) as lab:
+        first = lab.virtual_kheperas[1]
         _, rows = training.train(TrainingEnv(world=lab, noise=Noise.none()), np.random.SeedSequence(1))
         assert [row.reason for row in rows[:2]] == [training.ROBOT_LOST] * 2
         assert rows[-1].complete
         assert (rows[0].rounds, rows[0].vectors) == (0, 0)
         assert [request.reason[:18] for request in placed[:3]] == [
             "start of an episod",
-            "see to what is los",
+            "reconnect what was",
             "start of an episod",
         ]
-        assert first not in lab.ports
+        assert first not in lab.virtual_kheperas
         assert not first.connected
 
 
@@ -218,7 +218,7 @@ def test_a_world_must_have_a_robot_in_each_arena(pair: VirtualLaboratory) -> Non
 
 
 def test_an_environment_takes_arena_and_markers_of_its_world() -> None:
-    with VirtualLaboratory.of(RECTANGLE.shifted(100, 50), 1) as lab:
+    with VirtualLaboratory.from_arena(RECTANGLE.shifted(100, 50), 1) as lab:
         env = BehavioursEnv(foods=2, world=lab)
         assert env.arena == RECTANGLE.shifted(100, 50)
         env.reset(seed=1)
@@ -226,11 +226,11 @@ def test_an_environment_takes_arena_and_markers_of_its_world() -> None:
 
 
 def test_an_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
-    def nobody(request: Request) -> None:
+    def nobody(request: OperatorRequest) -> None:
         raise OperatorGaveUp("no time")
 
     path = tmp_path / "g1.csv"
-    with VirtualLaboratory.of("corridor", 2, operator=nobody) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2, operator=nobody) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         with pytest.raises(OperatorGaveUp):
             training.train(env, np.random.SeedSequence(1), path=path)

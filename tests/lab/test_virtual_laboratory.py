@@ -1,4 +1,4 @@
-"""The whole chain without hardware: repeatable, and like the bodies alone."""
+"""The virtual laboratory: repeatable, close to the simulation alone, and driven by the command line."""
 
 import math
 import os
@@ -25,7 +25,7 @@ from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arena import CORRIDOR, Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
@@ -34,12 +34,12 @@ pytest.importorskip("serial")
 pytest.importorskip("cv2")
 
 
-def trained(env: TrainingEnv, seed: int) -> list[Any]:
-    """Everything that an attempt showed anybody."""
-    shown: list[Any] = []
+def run_attempt(env: TrainingEnv, seed: int) -> list[Any]:
+    """Everything observable in one training attempt."""
+    history: list[Any] = []
 
     def watch() -> None:
-        shown.append(
+        history.append(
             (
                 [env.observe(agent).tolist() for agent in env.possible_agents],
                 {agent: dict(info) for agent, info in env.infos.items()},
@@ -50,43 +50,51 @@ def trained(env: TrainingEnv, seed: int) -> list[Any]:
             )
         )
 
-    shown.append(training.attempt(env, seed, lambda v, b: shown.append((v, b)), callback=watch))
-    return shown
+    history.append(training.attempt(env, seed, lambda v, b: history.append((v, b)), callback=watch))
+    return history
 
 
-def test_the_same_seed_the_same_rollout_bit_for_bit() -> None:
-    """Again in the same laboratory, whatever happened in between, and in another one."""
+def test_same_seed_gives_the_same_rollout_bit_for_bit() -> None:
+    """In the same laboratory after another episode, and in a new laboratory."""
     runs = []
-    with VirtualLaboratory.of("corridor", 2) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
-        runs.append(trained(env, 5))
+        runs.append(run_attempt(env, 5))
         env.reset(seed=9)
         for _ in range(33):
             env.step(2)
-        runs.append(trained(env, 5))
-    with VirtualLaboratory.of("corridor", 2) as lab:
-        runs.append(trained(TrainingEnv(world=lab, noise=Noise.none()), 5))
-        other = trained(TrainingEnv(world=lab, noise=Noise.none()), 6)
+        runs.append(run_attempt(env, 5))
+    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+        runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 5))
+        other = run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 6)
     assert runs[0] == runs[1] == runs[2]
     assert runs[0] != other
     assert len(runs[0]) > 60
 
 
-@pytest.mark.parametrize("seed", [60, 63, 83, 101])
-def test_a_robot_whose_marker_reaches_over_a_wall_is_seen_where_it_is(seed: int) -> None:
-    with VirtualLaboratory.of("corridor", 1) as lab:
-        BehavioursEnv(world=lab).reset(seed=seed)
-        (body,), (seen,) = lab.bodies.poses(), lab.poses()
-        assert lab.arenas[0].clearance(body) < 45
+@pytest.mark.parametrize(
+    ("x", "y", "heading"),
+    [(36, 115, 0), (200, 36, math.pi / 2), (614, 60, math.pi), (300, 194, -math.pi / 2)],
+    ids=["left wall", "lower wall", "right wall", "upper wall"],
+)
+def test_marker_that_extends_over_a_wall_is_located_correctly(x: float, y: float, heading: float) -> None:
+    with VirtualLaboratory.from_arena("corridor", 1) as lab:
+        (arena,) = lab.arenas
+        dx, dy = arena.bounds[:2]
+        lab.reset(np.random.default_rng(60), Layout((Pose(x + dx, y + dy, heading),), arena.foods))
+        (body,), (seen,) = lab.simulation.poses(), lab.poses()
+        assert arena.clearance(body) < 45
         assert math.dist(body[:2], seen[:2]) < 5
         assert abs(math.remainder(body.heading - seen.heading, math.tau)) < math.radians(3)
 
 
-def test_without_trouble_it_goes_as_with_the_bodies_alone() -> None:
-    """Bytes and pixels change little: the same forage takes about as many rounds."""
+def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
+    """Serial lines and camera frames change the number of rounds only a little."""
     options = {"start": (90, 115, 0), "foods": [(370, 115)]}
     counts = []
-    with VirtualLaboratory.of(CORRIDOR, 1, noise=Noise.none(), look=CameraAppearance.none()) as lab:
+    with VirtualLaboratory.from_arena(
+        CORRIDOR, 1, noise=Noise.none(), appearance=CameraAppearance.none()
+    ) as lab:
         for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
             teacher = Teacher(env.home_radius)
             observation, info = env.reset(seed=1, options=options)
@@ -99,28 +107,28 @@ def test_without_trouble_it_goes_as_with_the_bodies_alone() -> None:
     assert abs(counts[0] - counts[1]) <= 10
 
 
-def test_disturbed_lines_lose_no_experience() -> None:
-    """What the learner records is what its robot senses in that round, however its line is."""
+def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
+    """The learner records what its robot senses in that round."""
     faults = Faults(drop=0.002, garble=0.005, duplicate=0.01)
-    with VirtualLaboratory.of("corridor", 2, faults=faults, fault_seed=4) as lab:
+    with VirtualLaboratory.from_arena("corridor", 2, faults=faults, fault_seed=4) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         recorded: list[tuple[int, int]] = []
         true: list[tuple[int, int]] = []
 
         def record(vector: StateVector, behaviour: Behaviour) -> None:
-            senses = lab.bodies.robots[1].sense()
+            senses = lab.simulation.robots[1].sense()
             recorded.append((vector.object_presence, vector.arms_height))
             true.append((int(senses.object_presence > 0), senses.arm))
 
         result = training.attempt(env, 1, record)
         assert recorded == true
         assert result.reason != training.ROBOT_LOST
-        assert sum(port.fault_counts.disturbed for port in lab.ports) > 5
+        assert sum(port.fault_counts.disturbed for port in lab.virtual_kheperas) > 5
         assert len(recorded) >= result.rounds - 5
 
 
-def test_several_learners() -> None:
-    with VirtualLaboratory.of("corridor", 4) as lab:
+def test_training_with_several_learners() -> None:
+    with VirtualLaboratory.from_arena("corridor", 4) as lab:
         assert lab.markers == (1, 2, 2, 2)
         assert [robot.name for robot in lab.settings.robots] == [
             "teacher",
@@ -133,9 +141,9 @@ def test_several_learners() -> None:
         assert result.rounds > 50
 
 
-def test_nothing_is_left_open() -> None:
-    lab = VirtualLaboratory.of("corridor", 2)
-    ports = list(lab.ports)
+def test_close_closes_all_ports() -> None:
+    lab = VirtualLaboratory.from_arena("corridor", 2)
+    ports = list(lab.virtual_kheperas)
     lab.close()
     assert not any(port.connected for port in ports)
     for robot in lab.robots:
@@ -143,7 +151,7 @@ def test_nothing_is_left_open() -> None:
             robot.transmit()
 
 
-def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "experience"
     assert main(["train", "--lab", "virtual", "--episodes", "1", "--out", str(folder), "--seed", "1"]) == 0
     said = capsys.readouterr().out
@@ -174,7 +182,9 @@ def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert film.read_bytes().startswith(b"GIF")
 
 
-def test_an_interrupt_stops_everything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_interrupt_ends_the_command_and_its_threads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     def interrupt() -> None:
         while not (tmp_path / "e" / "g1.csv").exists():
             time.sleep(0.01)
@@ -190,7 +200,7 @@ def test_an_interrupt_stops_everything(tmp_path: Path, capsys: pytest.CaptureFix
     assert left == []
 
 
-def test_mistakes_in_the_file_are_told_in_one_line(
+def test_errors_in_the_file_are_reported_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "lab.toml"
@@ -204,15 +214,15 @@ def test_mistakes_in_the_file_are_told_in_one_line(
     assert "robots has one entry; allowed: a teacher and at least one learner" in capsys.readouterr().err
 
 
-def test_a_longer_period_moves_the_bodies_on_by_as_much() -> None:
+def test_longer_period_advances_the_simulation_further() -> None:
     file = parse('period = 0.2\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n')
-    with VirtualLaboratory(file, noise=Noise.none(), look=CameraAppearance.none()) as lab:
+    with VirtualLaboratory(file, noise=Noise.none(), appearance=CameraAppearance.none()) as lab:
         start = lab.arenas[0].start
         lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
         lab.robots[0].drive(Motors(5, 5, 215, 200))
         for _ in range(5):
             lab.advance()
-        assert lab.bodies.poses()[0].x == pytest.approx(start.x + 40)
+        assert lab.simulation.poses()[0].x == pytest.approx(start.x + 40)
     with pytest.raises(ValueError, match="multiples of"):
         VirtualLaboratory(replace(file, period=0.15))
     with pytest.raises(ValueError, match="2 faults for 1 robots"):

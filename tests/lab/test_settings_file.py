@@ -1,4 +1,4 @@
-"""Reading `lab.toml`: every mistake is named by its key."""
+"""Reading `lab.toml`: defaults, all keys, and errors that name the key."""
 
 import math
 import re
@@ -13,7 +13,7 @@ from khepera_forage.lab.settings_file import LabFileError, load, parse, sample
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Point
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
-LEAST = """
+MINIMAL = """
 [camera]
 source = 0
 [[robots]]
@@ -23,7 +23,7 @@ port = "/dev/ttyUSB1"
 offset = [0, 300]
 """
 
-OWN = """
+CUSTOM_ARENA = """
 [arena]
 name = "den"
 walls = [[0, 0], [700, 0], [700, 500], [0, 500]]
@@ -35,21 +35,21 @@ obstacles = [[[200, 20], [240, 20], [240, 60], [200, 60]]]
 """
 
 
-def test_the_least_file_fills_in_the_rest() -> None:
-    settings = parse(LEAST)
+def test_minimal_file_uses_the_defaults() -> None:
+    settings = parse(MINIMAL)
     assert settings.robots == (
         RobotSettings("/dev/ttyUSB0", "teacher", 38400, 1),
         RobotSettings("/dev/ttyUSB1", "learner_0", 38400, 2, Point(0, 300)),
     )
     assert settings.arenas == (CORRIDOR, CORRIDOR.shifted(0, 300))
     assert settings == LabSettings(settings.arena, settings.robots, settings.camera), (
-        "defaults are the dataclass' own"
+        "the defaults are those of the dataclass"
     )
     assert settings.period == 0.1
     assert settings.camera.calibration is None
 
 
-def test_every_key() -> None:
+def test_every_key_is_read() -> None:
     settings = parse(
         'safe_speed = 12\nperiod = 0.2\n[arena]\nname = "rectangle"\n'
         '[[robots]]\nname = "Ada"\nport = "socket://127.0.0.1:5000"\nbaud = 9600\nholes = 2\noffset = [10.5, 20]\n'
@@ -69,33 +69,33 @@ def test_every_key() -> None:
     assert (settings.tolerance.position, settings.tolerance.heading) == (20.0, 5.0)
 
 
-def test_one_robot_alone_is_a_laboratory_too() -> None:
+def test_one_robot_is_enough() -> None:
     assert len(parse('[camera]\nsource = "film.avi"\n[[robots]]\nport = "COM3"').robots) == 1
 
 
-def test_an_arena_of_ones_own() -> None:
-    arena = parse(OWN + LEAST.replace("300", "600")).arena
+def test_custom_arena_is_read() -> None:
+    arena = parse(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
     assert arena.name == "den"
     assert arena.start == (100, 250, math.pi / 2)
     assert arena.foods == ((350, 200), (350, 300))
     assert len(arena.obstacles[0]) == 4
 
 
-def test_the_sample_is_a_laboratory_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
+def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
     settings = parse(sample())
     assert len(settings.robots) == 2
-    # Every commented key, taken in, changes nothing but where calibration is looked for and the arena's obstacle.
+    # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
     text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
     assert parse(text) == settings
-    told = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
-    assert told["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
+    keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
+    assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
     assert load(tmp_path / "lab.toml") == settings
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("offset =", "baud = 38401\noffset =", "robots[1].baud is 38401; allowed: 9600, 19200, 38400, 57600, 115200"),
         ("offset =", 'baud = "9600"\noffset =', "robots[1].baud is '9600'; allowed: 9600,"),
@@ -127,14 +127,14 @@ def test_the_sample_is_a_laboratory_and_its_comments_show_the_defaults(tmp_path:
         ("[camera]", 'tracker = 3\n[camera]', "tracker is 3; allowed: a table of keys and values"),
     ],
 )  # fmt: skip
-def test_mistakes_are_named_by_key(old: str, new: str, told: str) -> None:
-    assert old in LEAST
-    with pytest.raises(LabFileError, match=re.escape(told)):
-        parse(LEAST.replace(old, new))
+def test_errors_name_the_key(old: str, new: str, message: str) -> None:
+    assert old in MINIMAL
+    with pytest.raises(LabFileError, match=re.escape(message)):
+        parse(MINIMAL.replace(old, new))
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("[[0, 0], [700, 0], [700, 500], [0, 500]]", "[]", "arena.walls is []; allowed: a list that is not empty"),
         ("[700, 0]", "[700]", "arena.walls[1] is [700]; allowed: [x mm, y mm]"),
@@ -144,13 +144,13 @@ def test_mistakes_are_named_by_key(old: str, new: str, told: str) -> None:
         ("home_radius = 100", "", "arena.home_radius is missing"),
     ],
 )  # fmt: skip
-def test_mistakes_in_an_arena(old: str, new: str, told: str) -> None:
-    with pytest.raises(LabFileError, match=re.escape(told)):
-        parse(OWN.replace(old, new) + LEAST.replace("300", "600"))
+def test_errors_in_an_arena_name_the_key(old: str, new: str, message: str) -> None:
+    with pytest.raises(LabFileError, match=re.escape(message)):
+        parse(CUSTOM_ARENA.replace(old, new) + MINIMAL.replace("300", "600"))
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (b"robots = [\n", "not TOML: "),
         (b"[camera]\nsource = 0\nsource = 1\n", "line 3"),
@@ -160,23 +160,23 @@ def test_mistakes_in_an_arena(old: str, new: str, told: str) -> None:
         (b"robots = [3]\n", "robots[0] is 3; allowed: a table"),
     ],
 )
-def test_a_broken_file_is_named(content: bytes, told: str, tmp_path: Path) -> None:
+def test_errors_name_the_file(content: bytes, message: str, tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
     path.write_bytes(content)
-    with pytest.raises(LabFileError, match=re.escape(told)) as failure:
+    with pytest.raises(LabFileError, match=re.escape(message)) as failure:
         load(path)
     assert str(failure.value).startswith(f"{path}: ")
 
 
-def test_calibration_is_looked_for_beside_the_file(tmp_path: Path) -> None:
+def test_calibration_path_is_relative_to_the_file(tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
-    path.write_text(LEAST.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
+    path.write_text(MINIMAL.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
     assert load(path).camera.calibration == tmp_path / "c.toml"
     with pytest.raises(OSError, match=r"none\.toml"):
         load(tmp_path / "none.toml")
 
 
-def test_the_documentation_shows_a_laboratory() -> None:
+def test_example_in_the_documentation_is_valid() -> None:
     documentation = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```toml\n(.*?)```", documentation, flags=re.DOTALL)
     assert len(parse(shown).robots) == 2

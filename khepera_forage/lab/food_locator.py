@@ -1,0 +1,85 @@
+"""Last known positions of the food: as seen by the camera, or in the gripper that holds it."""
+
+import math
+from collections.abc import Sequence
+
+from khepera_forage.lab.localisation import is_in, position_of
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_LENGTH, JAW_ROOT, Senses
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.world import FoodPlace
+from khepera_forage.vision.scene import Scene
+
+_GRIP_CENTRE = JAW_ROOT + FINGER_LENGTH / 2
+"""mm from the robot's centre forward to the middle of the fingers."""
+
+
+class FoodLocator:
+    """The food objects of a laboratory, in the order of its layout.
+
+    A region without holes stays assigned to one object; a new region is assigned to the nearest object without a
+    region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its gripper.
+
+    Args:
+        places: Initial position of each object.
+        arenas: Regions outside them are not food.
+    """
+
+    def __init__(self, places: Sequence[Point], arenas: Sequence[Arena]) -> None:
+        self._foods = [FoodPlace(x, y, False) for x, y in places]
+        self._arenas = arenas
+        self._object_of_region: dict[int, int] = {}
+        self._held: dict[int, int] = {}
+
+    def places(self) -> tuple[FoodPlace, ...]:
+        """Position of each object."""
+        return tuple(self._foods)
+
+    def held_by(self, robot: int) -> int | None:
+        """Number of the object in a robot's gripper."""
+        return self._held.get(robot)
+
+    def update(self, scene: Scene, robots: Sequence[tuple[Pose, Senses]]) -> None:
+        """Update the positions after a round.
+
+        Args:
+            scene: Regions reported by the camera.
+            robots: Pose and senses of each robot.
+        """
+        for number, (pose, senses) in enumerate(robots):
+            self._update_held(number, pose, senses)
+        food = [r for r in scene.regions if not r.holes and any(is_in(a, r) for a in self._arenas)]
+        labels = {region.label for region in food}
+        self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}
+        for region in food:
+            if not region.found:
+                continue
+            place = position_of(region)
+            if region.label not in self._object_of_region:
+                nearest = self._nearest_free(place, set(self._object_of_region.values()))
+                if nearest is None:
+                    continue
+                self._object_of_region[region.label] = nearest
+            k = self._object_of_region[region.label]
+            if k not in self._held.values():
+                self._foods[k] = FoodPlace(*place, False)
+
+    def _update_held(self, number: int, pose: Pose, senses: Senses) -> None:
+        """Move held food with its robot; released food stays at its last position."""
+        if not senses.object_presence or not self._foods:
+            released = self._held.pop(number, None)
+            if released is not None:
+                self._foods[released] = self._foods[released]._replace(lifted=False)
+            return
+        x = pose.x + _GRIP_CENTRE * math.cos(pose.heading)
+        y = pose.y + _GRIP_CENTRE * math.sin(pose.heading)
+        if number not in self._held:
+            nearest = self._nearest_free(Point(x, y), set(self._held.values()))
+            if nearest is None:
+                return
+            self._held[number] = nearest
+        self._foods[self._held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
+
+    def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
+        """Number of the object nearest to a place, without those taken."""
+        free = [k for k in range(len(self._foods)) if k not in taken]
+        return min(free, key=lambda k: math.dist(place, self._foods[k][:2]), default=None)

@@ -1,0 +1,74 @@
+"""A virtual laboratory without noise, and an operator that makes mistakes."""
+
+import math
+from collections.abc import Callable
+
+from khepera_forage.lab.operator import OperatorRequest
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.sim.arena import CORRIDOR, Pose, copies
+from khepera_forage.sim.world import Layout
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+
+ARENAS = copies(CORRIDOR, 2)
+LAYOUT = Layout(
+    tuple(arena.start for arena in ARENAS), tuple(food for arena in ARENAS for food in arena.foods)
+)
+
+
+class ClumsyOperator:
+    """An operator that makes mistakes in the first requests.
+
+    Args:
+        *errors: Functions that change the first requests, one each; later requests are carried out unchanged.
+    """
+
+    def __init__(self, *errors: Callable[[OperatorRequest], OperatorRequest]) -> None:
+        self.errors = list(errors)
+        self.requests: list[OperatorRequest] = []
+        self.lab: VirtualLaboratory
+
+    def __call__(self, request: OperatorRequest) -> None:
+        self.requests.append(request)
+        self.lab.virtual_operator(self.errors.pop(0)(request) if self.errors else request)
+
+
+def quiet_laboratory(operator: ClumsyOperator | None = None, real_time: bool = False) -> VirtualLaboratory:
+    lab = VirtualLaboratory.from_arena(
+        CORRIDOR,
+        2,
+        noise=Noise.none(),
+        appearance=CameraAppearance.none(),
+        operator=operator,
+        real_time=real_time,
+    )
+    if operator is not None:
+        operator.lab = lab
+    return lab
+
+
+def moved(
+    request: OperatorRequest, robot: int, dx: float = 0, dy: float = 0, degrees: float = 0
+) -> OperatorRequest:
+    marks = list(request.robots)
+    x, y, heading = marks[robot].pose
+    marks[robot] = marks[robot]._replace(pose=Pose(x + dx, y + dy, heading + math.radians(degrees)))
+    return request._replace(robots=tuple(marks))
+
+
+def is_stopped(lab: VirtualLaboratory) -> bool:
+    """Whether the wheels of all simulated robots are stopped."""
+    lab.simulation.advance()
+    before = [(robot.sense().left_pulses, robot.sense().right_pulses) for robot in lab.simulation.robots]
+    lab.simulation.advance()
+    return before == [
+        (robot.sense().left_pulses, robot.sense().right_pulses) for robot in lab.simulation.robots
+    ]
+
+
+def drive_all(lab: VirtualLaboratory) -> None:
+    for robot in lab.robots:
+        robot.drive(Motors(5, 5, 215, 200))
+    lab.advance()
+    assert not is_stopped(lab)

@@ -1,0 +1,72 @@
+"""The wall clock of a laboratory, with fake time."""
+
+import logging
+
+import pytest
+
+from khepera_forage.lab.clock import MANY_OVERRUNS, WallClock
+
+
+class FakeTime:
+    """Time that advances only when a test changes `now`, or in `sleep`."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        assert seconds > 0
+        self.now += seconds
+
+
+def test_rounds_do_not_drift() -> None:
+    fake = FakeTime()
+    clock = WallClock(0.1, fake, fake.sleep)
+    clock.start()
+    for i in range(1, 201):
+        fake.now += 0.03 + 0.01 * (i % 5)
+        clock.wait()
+        assert fake.now == pytest.approx(100 + 0.1 * i)
+    assert (clock.rounds, clock.overruns, clock.worst_overrun) == (200, 0, 0.0)
+
+
+def test_overruns_are_counted_without_a_burst_of_short_rounds() -> None:
+    fake = FakeTime()
+    clock = WallClock(0.1, fake, fake.sleep)
+    clock.start()
+    fake.now += 0.13
+    clock.wait()
+    assert fake.now == pytest.approx(100.13)
+    clock.wait()
+    assert fake.now == pytest.approx(100.2), "back at a multiple of the period"
+    fake.now += 0.57
+    clock.wait()
+    clock.wait()
+    assert fake.now == pytest.approx(100.9), "not 100.8, which is less than half a period away"
+    assert clock.overruns == 2
+    assert clock.worst_overrun == pytest.approx(0.47)
+    fake.now += 60.0
+    clock.start()
+    clock.wait()
+    assert clock.overruns == 2, "a pause is not an overrun"
+    with pytest.raises(ValueError, match="period is 0"):
+        WallClock(0)
+
+
+@pytest.mark.parametrize("late", [MANY_OVERRUNS - 1, MANY_OVERRUNS])
+def test_many_overruns_cause_one_warning(late: int, caplog: pytest.LogCaptureFixture) -> None:
+    fake = FakeTime()
+    clock = WallClock(0.1, fake, fake.sleep)
+    clock.start()
+    with caplog.at_level(logging.WARNING):
+        for i in range(100):
+            fake.now += 0.12 if i < 2 * late and i % 2 else 0.05
+            clock.wait()
+    warnings = [record.getMessage() for record in caplog.records]
+    assert warnings == (
+        []
+        if late < MANY_OVERRUNS
+        else ["10 of the last 100 rounds took longer than 100 ms; the worst so far was 20 ms over"]
+    )

@@ -1,0 +1,124 @@
+"""A laboratory that loses a robot or the camera: all robots are stopped, and `reset` reconnects."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from khepera_forage.lab.laboratory import Laboratory
+from khepera_forage.lab.operator import OperatorRequest
+from khepera_forage.lab.settings_file import load
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.vision.video import CameraLost
+from tests.lab.laboratories import (
+    ARENAS,
+    LAYOUT,
+    drive_all,
+    is_stopped,
+    quiet_laboratory,
+)
+
+cv2 = pytest.importorskip("cv2")
+
+
+def test_lost_robot_stops_all_and_is_reconnected_by_reset(lab: VirtualLaboratory) -> None:
+    drive_all(lab)
+    lab.virtual_kheperas[1].faults = Faults(unplug=1.0)
+    with pytest.raises(RobotLost) as lost:
+        lab.advance()
+    assert lost.value.port == lab.settings.robots[1].port
+    assert is_stopped(lab)
+    with pytest.raises(RuntimeError, match="reset"):
+        lab.advance()
+    lab.reset(np.random.default_rng(1), LAYOUT)
+    assert [request.reason.split(":")[0] for request in lab.virtual_operator.requests] == [
+        "reconnect what was lost",
+        "start of an episode",
+    ]
+    drive_all(lab)
+
+
+def test_old_frame_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive_all(lab)
+    frame, _ = lab.frame_source.newest()
+    monkeypatch.setattr(lab.frame_source, "newest", lambda: (frame, 0.6))
+    with pytest.raises(CameraLost, match=r"no frame for 0\.5 s"):
+        lab.advance()
+    assert is_stopped(lab)
+    monkeypatch.undo()
+    lab.reset(np.random.default_rng(1), LAYOUT)
+    drive_all(lab)
+
+
+def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive_all(lab)
+
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(lab.clock, "wait", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        lab.advance()
+    assert is_stopped(lab)
+
+
+def test_close_stops_all(lab: VirtualLaboratory) -> None:
+    drive_all(lab)
+    lab.close()
+    assert is_stopped(lab)
+
+
+def test_advance_before_reset_is_rejected() -> None:
+    with quiet_laboratory() as lab, pytest.raises(RuntimeError, match="before reset"):
+        lab.advance()
+
+
+def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> None:
+    """The real driver on the ports in the file, a real video source, and the wall clock."""
+    with quiet_laboratory() as virtual:
+        virtual.reset(np.random.default_rng(0), LAYOUT)
+        film = cv2.VideoWriter(
+            str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False
+        )
+        for _ in range(24):
+            film.write(virtual.frame_source.newest()[0])
+        film.release()
+        ports = virtual.port_urls
+        for robot in virtual.robots:
+            robot.close()  # only one driver can open a port
+        path = tmp_path / "lab.toml"
+        path.write_text(
+            f'safe_speed = 3\n[camera]\nsource = "{tmp_path / "film.avi"}"\n'
+            + "".join(f'[[robots]]\nport = "{url}"\noffset = [0, {300 * i}]\n' for i, url in enumerate(ports))
+        )
+        requests: list[OperatorRequest] = []
+        with Laboratory(load(path), requests.append) as lab:
+            assert lab.arenas == ARENAS
+            lab.reset(np.random.default_rng(0), LAYOUT)
+            assert len(requests) == 1
+            assert lab.robots[0].drive(Motors(10, 10, 215, 200)) == Motors(3, 3, 215, 200)
+            lab.advance()
+            with pytest.raises(CameraLost, match="the video has ended"):  # noqa: PT012 (in one of the rounds)
+                for _ in range(100):
+                    lab.advance()
+            assert lab.clock.rounds > 2
+            assert is_stopped(virtual)
+
+
+def test_missing_port_closes_the_other_devices(tmp_path: Path) -> None:
+    with quiet_laboratory() as virtual:
+        for robot in virtual.robots:
+            robot.close()
+        settings = replace(
+            virtual.settings,
+            robots=(
+                virtual.settings.robots[0],
+                replace(virtual.settings.robots[1], port=str(tmp_path / "none")),
+            ),
+        )
+        for _ in range(2):
+            with pytest.raises(ConnectionError, match="none"):
+                Laboratory(settings, source=virtual.frame_source)

@@ -1,0 +1,87 @@
+"""The check by camera that robots and food are in their places."""
+
+import math
+
+import numpy as np
+import pytest
+
+from khepera_forage.lab.operator import RobotMark
+from khepera_forage.lab.placement_check import gripper_errors, placement_errors
+from khepera_forage.lab.settings import Tolerance
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Senses
+from khepera_forage.sim.arena import CORRIDOR, Point, copies
+from khepera_forage.vision.scene import Scene
+from khepera_forage.vision.simulated_camera import OverheadCamera, Truth
+
+ARENAS = copies(CORRIDOR, 2)
+FOODS = tuple(food for arena in ARENAS for food in arena.foods)
+
+
+def scene_of(
+    markers: tuple[tuple[float, float, float, int], ...], foods: tuple[tuple[float, float], ...]
+) -> Scene:
+    camera = OverheadCamera(lambda: Truth(markers, foods), Noise.none())
+    camera.reset(np.random.default_rng(0))
+    return camera.look()
+
+
+MARKS = tuple(
+    RobotMark(i, name, i + 1, arena.start)
+    for i, (name, arena) in enumerate(zip(("Ann", "Bob"), ARENAS, strict=True))
+)
+ANN, BOB = (*ARENAS[0].start, 1), (*ARENAS[1].start, 2)
+FOOD = tuple(tuple(food) for food in FOODS)
+
+
+@pytest.mark.parametrize(
+    ("markers", "foods", "errors"),
+    [
+        ((ANN, BOB), FOOD, []),
+        (((100, 110, 0.1, 1), BOB), FOOD, []),
+        (((110, 115, 0, 1), BOB), FOOD, ["robot Ann stands at (110, 115) mm, 20 mm off its mark"]),
+        (((90, 115, 0.3, 1), BOB), FOOD, ["robot Ann is turned 17 degrees too far to the left"]),
+        (((90, 115, -0.3, 1), BOB), FOOD, ["robot Ann is turned 17 degrees too far to the right"]),
+        (((90, 115, math.pi, 1), BOB), FOOD, ["robot Ann is turned 180 degrees too far to the right"]),
+        ((ANN,), FOOD, ["robot Bob: no marker with 2 holes is seen in its arena"]),
+        (
+            ((90, 415, 0, 1), (90, 115, 0, 2)),
+            FOOD,
+            [
+                "a marker with 2 holes is in the arena of robot Ann, whose marker has 1",
+                "robot Ann: no marker with 1 hole is seen in its arena",
+                "a marker with 1 hole is in the arena of robot Bob, whose marker has 2",
+                "robot Bob: no marker with 2 holes is seen in its arena",
+            ],
+        ),
+        ((ANN, (250, 115, 0, 1), BOB), FOOD, ["robot Ann: 2 markers with 1 hole are seen in its arena"]),
+        ((ANN, BOB), FOOD[:1], ["no food is seen at (370, 415) mm"]),
+        ((ANN, BOB), (*FOOD, (300, 60)), ["food at (300, 60) mm is misplaced, or must be removed"]),
+        ((ANN, BOB), (*FOOD, (1500, 1500)), []),
+        (
+            (ANN, BOB),
+            (FOOD[0], (340, 415)),
+            ["no food is seen at (370, 415) mm", "food at (340, 415) mm is misplaced, or must be removed"],
+        ),
+    ],
+)  # fmt: skip
+def test_placement_errors_describe_all_deviations(
+    markers: tuple[tuple[float, float, float, int], ...],
+    foods: tuple[tuple[float, float], ...],
+    errors: list[str],
+) -> None:
+    assert list(placement_errors(scene_of(markers, foods), ARENAS, MARKS, FOODS, Tolerance())) == errors
+
+
+def test_food_under_a_marker_counts_as_placed() -> None:
+    under = Point(ANN[0] + 40, ANN[1])
+    assert placement_errors(scene_of((ANN, BOB), ()), ARENAS, MARKS, (under,), Tolerance()) == ()
+
+
+def test_gripper_errors_name_lowered_or_closed_grippers() -> None:
+    still = Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, 215, 200, 0)
+    assert gripper_errors(MARKS, (still, still._replace(arm=222, jaw=192))) == ()
+    assert gripper_errors(MARKS, (still, still._replace(arm=255))) == (
+        "robot Bob: arm at 255 and jaw at 200 instead of 215 and 200",
+    )
+    assert len(gripper_errors(MARKS, (still._replace(jaw=0), still._replace(jaw=126)))) == 2
