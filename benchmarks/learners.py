@@ -1,10 +1,9 @@
-"""Every learner side by side: how well it forages, and how much experience that took.
+"""All learners side by side: how well each forages, and how much experience that took.
 
     python benchmarks/learners.py --help
 
-Imitators, learners that ask the teacher, and reinforcement learning, each looked at after growing amounts of learning.
-A run that is killed goes on where it was: the same command again. Page, tables, picture and rows are written to
-`--out`. `--tune` compares settings instead, over other seeds.
+Imitators, learners that query the teacher, and reinforcement learning, each tested after growing amounts of learning.
+A run that was killed is continued by the same command. `--tune` compares settings instead, with other seeds.
 """
 
 import argparse
@@ -12,38 +11,29 @@ import sys
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from _learners.backends import BACKENDS, unavailable
-from _learners.curves import curves
-from _learners.folder import ROWS, claim, in_order, kept, rewrite
-from _learners.lessons import Compared
-from _learners.page import amounts_table, main_table, page
-from _learners.pictures import figure
-from _learners.rows import Batch, Size, steps_up_to
-from _learners.tuning import FIRST_SEED, candidates, differences, reading, tuning_page, tuning_table
-from _learners.units import Unit, everyone, left_out, plan, told
-from arguments import add_count, count_of, parser_for
-from tqdm import tqdm
+from harness.arguments import Arguments, Count, parse
+from harness.page import Page, write
+from harness.processes import collect
+from harness.rows import UNITS, finished_units
+from learner_comparison import tuning
+from learner_comparison.clusters import BACKENDS, unavailable
+from learner_comparison.curves import curves
+from learner_comparison.learning import Compared
+from learner_comparison.page import page
+from learner_comparison.rows import RecallBatch, Size, in_order, steps_up_to
+from learner_comparison.units import all_learners, missing_extra, plan, planned_or_finished, settings_of
 
-from khepera_forage.rollouts.row_files import RowWriter, read_rows
-from khepera_forage.thesis.figures import save
+from khepera_forage.rollouts.row_files import read_rows
 
 TUNING = "tuning"
 """The folder in `--out` that `--tune` writes to."""
-SEEDS, QUICK_SEEDS = 10, 2
-RECALLS, QUICK_RECALLS = 10, 1
-STEPS, QUICK_STEPS = 1_000_000, 1_000
+COUNTS = (
+    Count("seeds", 10, 2, "repetitions of everything, each with training files of its own", adds_units=True),
+    Count("recalls", 10, 1, "recalls in each arena after each amount of learning"),
+    Count("steps", 1_000_000, 1_000, "most environment steps of reinforcement learning"),
+)
 EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
 QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
-
-
-def work(units: Sequence[Unit], arguments: argparse.Namespace) -> None:
-    """Do it; the rows of a unit are written when it is done."""
-    backend = BACKENDS[arguments.backend](arguments.jobs, arguments.address)
-    with backend as workers, RowWriter(arguments.out / ROWS, Batch, resume=True) as writer:
-        print(f"{len(units)} units for {workers.number} {workers.title}", flush=True)
-        silent = not sys.stderr.isatty()
-        for rows in tqdm(workers.done(units), total=len(units), desc="learners", unit="unit", disable=silent):
-            writer.write(*rows)
 
 
 def rows_of(
@@ -51,124 +41,105 @@ def rows_of(
     known: Mapping[str, Compared],
     replications: range,
     size: Size,
-    arguments: argparse.Namespace,
-) -> list[Batch]:
-    """All rows of the folder, once those that were not there yet are.
+    given: Arguments,
+) -> list[RecallBatch]:
+    """All rows of the folder, after the missing ones have been made.
 
-    Raises:
-        SystemExit: There are rows of other settings, or damaged ones.
+    Args:
+        learners: To be done now.
+        known: All that may have rows in the folder.
+        replications: Of each.
+        size: Of the run.
+        given: Folder, processes and settings.
     """
-    out, seed = arguments.out, arguments.seed
+    units = plan(learners, replications, size, given.seed)
     try:
-        claim(out, seed, size, {name: told(learner) for name, learner in learners.items()})
-        done = {row.key for row in kept(out, size, known)}
+        if not given.fresh:
+            units = planned_or_finished(units, finished_units(given.out), known)
     except ValueError as error:
-        sys.exit(f"learners.py: {error}")
-    units = plan(learners, replications, size, seed)
-    todo = [unit for unit in units if unit.key not in done]
-    if len(todo) < len(units):
-        print(f"{len(units) - len(todo)} of {len(units)} units are done already, in {out / ROWS}", flush=True)
-    if todo:
-        work(todo, arguments)
-    rows = in_order(kept(out, size, known), list(known))
-    rewrite(out, rows)
-    return rows
+        sys.exit(f"learners.py: {given.out / UNITS}: {error}")
+    settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
+    with BACKENDS[given.backend](given.jobs, given.address) as workers:
+        rows = collect(given, units, {RecallBatch: "rows"}, workers.execute, settings)
+    return in_order(rows.of(RecallBatch), list(known))
 
 
-def compare(size: Size, seeds: int, arguments: argparse.Namespace) -> None:
-    """Every learner of the registry."""
-    out, known = arguments.out, everyone()
-    asked = {name: learner for name, learner in known.items() if name in (arguments.only or known)}
-    missing = {name: reason for name, learner in asked.items() if (reason := left_out(learner))}
+def compare(size: Size, given: Arguments) -> Page:
+    """All learners of the registry."""
+    known = all_learners()
+    wanted = {name: learner for name, learner in known.items() if name in (given.only or known)}
+    missing = {name: reason for name, learner in wanted.items() if (reason := missing_extra(learner))}
     for name, reason in missing.items():
         print(f"{name} is left out: {reason}")
-    learners = {name: learner for name, learner in asked.items() if name not in missing}
-    rows = rows_of(learners, known, range(seeds), size, arguments)
-    if not rows:
-        return
-    found = curves(rows, np.random.default_rng(arguments.seed))
-    for table in (main_table(found, known), amounts_table(found, known)):
-        (out / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
-    command = (
-        f"python benchmarks/learners.py --seeds {seeds} --recalls {size.recalls} --steps {size.steps[-1]} "
-        f"--seed {arguments.seed}{' --quick' * arguments.quick}"
-    )
-    (out / "learners.md").write_text(page(found, known, missing, tuned(arguments), command), encoding="utf-8")
-    save(figure(found, known), out / "learners.png")
+    learners = {name: learner for name, learner in wanted.items() if name not in missing}
+    if not learners:
+        sys.exit("learners.py: no learner is left")
+    rows = rows_of(learners, known, range(given.seeds), size, given)
+    found = curves(rows, np.random.default_rng(given.seed))
+    return page(found, known, missing, tuning_result(given))
 
 
-def tune(size: Size, seeds: int, arguments: argparse.Namespace) -> None:
+def tune(size: Size, given: Arguments) -> Page:
     """Settings beside those of the registry."""
-    tried = candidates()
-    asked = {name: c for name, c in tried.items() if name.split(".")[0] in (arguments.only or everyone())}
-    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:])
-    rows = rows_of(asked, tried, range(FIRST_SEED, FIRST_SEED + seeds), size, arguments)
-    if rows:
-        gains = differences(rows, np.random.default_rng(arguments.seed))
-        table = tuning_table(curves(rows, np.random.default_rng(arguments.seed)), gains, tried)
-        only = "".join(f" --only {name}" for name in arguments.only or ())
-        command = (
-            f"python benchmarks/learners.py --tune{only} --seeds {seeds} --recalls {size.recalls} "
-            f"--seed {arguments.seed}{' --quick' * arguments.quick}"
+    known = tuning.candidates()
+    wanted = given.only or list(known)
+    learners = {name: learner for name, learner in known.items() if name.split(".")[0] in wanted}
+    if not learners:
+        sys.exit(
+            f"learners.py: --only is {', '.join(wanted)}; allowed with --tune: {', '.join(tuning.CANDIDATES)}"
         )
-        text = tuning_page(table, reading(gains, tried), command)
-        (arguments.out / "tuning.md").write_text(text, encoding="utf-8")
-        (arguments.out / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
+    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:])
+    first = tuning.FIRST_REPLICATION
+    rows = rows_of(learners, known, range(first, first + given.seeds), size, given)
+    return tuning.page(rows, known, np.random.default_rng(given.seed))
 
 
-def tuned(arguments: argparse.Namespace) -> str:
-    """What came of an earlier run with `--tune` in the same folder; empty if there was none."""
-    folder = arguments.out / TUNING
+def tuning_result(given: Arguments) -> str:
+    """The result of an earlier run with `--tune` in the same folder; empty without one."""
+    folder = given.out / TUNING
     if not (folder / "tuning.md").exists():
         return ""
-    tried = candidates()
-    rows = in_order([row for row in read_rows(folder / ROWS, Batch) if row.learner in tried], list(tried))
-    return reading(differences(rows, np.random.default_rng(arguments.seed)), tried)
+    known = tuning.candidates()
+    kept = [row for row in read_rows(folder / "rows.csv", RecallBatch) if row.learner in known]
+    gains = tuning.differences(in_order(kept, list(known)), np.random.default_rng(given.seed))
+    return tuning.result(gains, known)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Do what the arguments ask for."""
-    quick = arguments.quick
-    size = Size(
-        recalls=count_of(arguments.recalls, RECALLS, quick, QUICK_RECALLS),
-        episodes=QUICK_EPISODES if quick else EPISODES,
-        queries=QUICK_QUERIES if quick else QUERIES,
-        steps=steps_up_to(count_of(arguments.steps, STEPS, quick, QUICK_STEPS)),
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of this script alone."""
+    text = "one learner; may be given several times (all)"
+    parser.add_argument("--only", action="append", choices=list(all_learners()), help=text)
+    parser.add_argument("--tune", action="store_true", help="compare settings of each learner instead")
+    text = "where the work is done: loky is this machine (loky)"
+    parser.add_argument("--backend", choices=list(BACKENDS), default="loky", help=text)
+    parser.add_argument(
+        "--address", help="of a Ray or Dask cluster (by default a temporary one on this machine)"
     )
-    seeds = count_of(arguments.seeds, SEEDS, quick, QUICK_SEEDS)
-    if arguments.tune:
-        arguments.out /= TUNING
-    (tune if arguments.tune else compare)(size, seeds, arguments)
-    print(f"Everything is in {arguments.out}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the benchmark."""
+    given = parse("learners", __doc__, *COUNTS, add=add_arguments, given=arguments)
+    if reason := unavailable(given.backend, given.address):
+        sys.exit(f"learners.py: {reason}")
+    size = Size(
+        recalls=given.recalls,
+        episodes=QUICK_EPISODES if given.quick else EPISODES,
+        queries=QUICK_QUERIES if given.quick else QUERIES,
+        steps=steps_up_to(given.steps),
+    )
+    options = [f"--only {name}" for name in given.only or ()]
+    if given.tune:
+        given.out /= TUNING
+        written = tune(size, given)
+        write(given.out, TUNING, written, given.command("--tune", *options))
+    else:
+        written = compare(size, given)
+        write(given.out, "learners", written, given.command())
+    print("\n".join(table.markdown() for table in written.tables))
+    print(f"Page, picture, tables and rows are in {given.out}")
     return 0
 
 
 if __name__ == "__main__":
-    parser = parser_for(__doc__, "results/learners")
-    add_count(
-        parser,
-        "--seeds",
-        SEEDS,
-        QUICK_SEEDS,
-        "repetitions of everything, each with training files of its own",
-    )
-    add_count(
-        parser, "--recalls", RECALLS, QUICK_RECALLS, "recalls in each arena after each amount of learning"
-    )
-    add_count(parser, "--steps", STEPS, QUICK_STEPS, "most steps of trial and error")
-    parser.add_argument(
-        "--only",
-        action="append",
-        choices=list(everyone()),
-        help="one learner; may be given several times (all)",
-    )
-    parser.add_argument("--tune", action="store_true", help="compare settings of each learner instead")
-    parser.add_argument("--jobs", type=int, default=-1, help="processes; -1 is one a core (-1)")
-    parser.add_argument(
-        "--backend", choices=list(BACKENDS), default="loky", help="who works: loky is this machine (loky)"
-    )
-    parser.add_argument("--address", help="of a Ray or Dask cluster (one is started on this machine)")
-    given = parser.parse_args()
-    if reason := unavailable(given.backend, given.address):
-        parser.error(reason)
-    sys.exit(run(given))
+    sys.exit(main())

@@ -166,5 +166,11 @@ class RowFolder:
             (self._folder / REORDERED).unlink()
 
 
+def finished_units(folder: Path) -> list[str]:
+    """Keys of the units whose rows in a folder are complete."""
+    path = folder / UNITS
+    return [unit.key for unit in read_rows(path, FinishedUnit)] if path.exists() else []
+
+
 def _new(path: Path) -> Path:
     return path.with_name(path.name + ".new")

@@ -12,7 +12,7 @@ from khepera_forage.thesis.statistics import (
     bootstrap,
     contrast,
     replications,
-    tally,
+    sums_by_replication,
     wilson,
 )
 from khepera_forage.thesis.tables import Column, Table, Value
@@ -49,7 +49,9 @@ def combined(
     if not all(rows for _, rows in groups):
         return UNKNOWN
     numbers = replications(*(rows for _, rows in groups))
-    sums = np.hstack([tally(rows, numbers, measure.value, measure.weight) for _, rows in groups])
+    sums = np.hstack(
+        [sums_by_replication(rows, numbers, measure.value, measure.weight) for _, rows in groups]
+    )
     return bootstrap(sums, contrast(*(weight for weight, _ in groups)), rng)
 
 

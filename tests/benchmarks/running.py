@@ -11,7 +11,13 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 def command_of(script: str, *arguments: str) -> list[str]:
     """The command line of a script."""
-    return [sys.executable, "-W", "error", str(ROOT / "benchmarks" / f"{script.removesuffix('.py')}.py"), *arguments]
+    return [
+        sys.executable,
+        "-W",
+        "error",
+        str(ROOT / "benchmarks" / f"{script.removesuffix('.py')}.py"),
+        *arguments,
+    ]
 
 
 def quick(script: str, out: Path, *arguments: str) -> str:

@@ -10,15 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import ROOT, read
+from tests.benchmarks.running import command_of, read
 
-SCRIPT = str(ROOT / "benchmarks/learners.py")
 WORK = ["--quick", "--only", "tree", "--only", "teacher", "--seeds", "3", "--seed", "1"]
 
 
 def run(out: Path, *arguments: str) -> str:
     """What a run prints; what a cluster has to say on its way is no matter."""
-    command = [sys.executable, SCRIPT, *WORK, "--out", str(out), *arguments]
+    command = [*command_of("learners"), *WORK, "--out", str(out), *arguments]
     finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=300)
     assert finished.returncode == 0, finished.stderr
     return finished.stdout

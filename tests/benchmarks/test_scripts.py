@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from khepera_forage.policies.learners import LEARNERS
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import help_of, is_picture, quick, read, refused
 
@@ -22,6 +23,9 @@ EXPERIMENTS = (
     "human_teacher",
     "alternatives",
     "several_learners",
+)
+LEARNERS_RUN = tuple(
+    part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )
 COMMON = ("--seed", "--out", "--quick")
 BOOKKEEPING = ("units.csv", "settings.csv")
@@ -55,6 +59,23 @@ SCRIPTS = {
         ("trainings", "recalls"),
         small=("--only", "spatial_variety", "--replications", "1"),
         page="spatial_variety/spatial_variety.md",
+    ),
+    "learners": Script(
+        (
+            "--seeds",
+            "--recalls",
+            "--steps",
+            "--only",
+            "--tune",
+            "--jobs",
+            "--fresh",
+            "--backend",
+            "--address",
+            *LEARNERS,
+        ),
+        ("rows",),
+        run=LEARNERS_RUN,
+        small=LEARNERS_RUN,
     ),
     "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
 }

@@ -1,6 +1,6 @@
-"""Where units are done: processes of this machine, or the workers of a Ray or a Dask cluster.
+"""Where units run: processes of this machine, or the workers of a Ray or a Dask cluster.
 
-A cluster needs this package installed on its workers; the rooms of this benchmark are sent there.
+The workers of a cluster need `khepera_forage` installed. The code of this benchmark is sent to them.
 """
 
 import shutil
@@ -12,48 +12,49 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from harness.processes import Done, Unit, done
 from joblib import Parallel, cpu_count, delayed, parallel_config
 
-from _learners.rows import Batch
-from _learners.units import Unit
-
-ROOMS = Path(__file__).parent
+BENCHMARKS = Path(__file__).parents[1]
+PACKAGES = ("harness", Path(__file__).parent.name)
+"""Folders of `benchmarks/` that workers need."""
 
 
 class Workers(NamedTuple):
-    """Who works.
+    """Processes that do units.
 
     Attributes:
-        title: What they are, for people.
+        title: For people.
         number: How many.
-        streams: Whether the backend hands over each unit as it is done; Ray's gives all of them at the end.
+        streams: Whether the backend returns each unit when it is done; Ray's returns all of them at the end.
     """
 
     title: str
     number: int
     streams: bool = True
 
-    def done(self, units: Sequence[Unit]) -> Iterator[list[Batch]]:
-        """The rows of each unit, soon after it is done and in whatever order."""
+    def execute(self, units: Sequence[Unit]) -> Iterator[Done]:
+        """The rows of each unit soon after it is done, in any order."""
+        print(f"{len(units)} units for {self.number} {self.title}", flush=True)
         if self.streams:
-            yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(Unit.run), units))
+            yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
             return
         with Parallel(batch_size=1) as workers:
-            # In portions: what is killed loses no more than one.
+            # In portions: a run that is killed loses one portion at most.
             for start in range(0, len(units), 2 * self.number):
-                yield from workers(map(delayed(Unit.run), units[start : start + 2 * self.number]))
+                yield from workers(map(delayed(done), units[start : start + 2 * self.number]))
 
 
 @contextmanager
 def loky(jobs: int, address: str | None) -> Iterator[Workers]:
-    """Processes of this machine, which have no address."""
+    """Processes of this machine; they have no address."""
     with parallel_config("loky", n_jobs=jobs):
         yield Workers("processes of this machine", _count(jobs))
 
 
 @contextmanager
 def ray(jobs: int, address: str | None) -> Iterator[Workers]:
-    """The cluster at an address, or one of this machine for as long as this lasts."""
+    """The cluster at an address, or a temporary one on this machine."""
     import ray
     from ray.util.joblib import register_ray
 
@@ -61,7 +62,7 @@ def ray(jobs: int, address: str | None) -> Iterator[Workers]:
     here: dict[str, Any] = {} if address else {"num_cpus": _count(jobs), "include_dashboard": False}
     ray.init(
         address=address,
-        runtime_env={"py_modules": [str(ROOMS)]},
+        runtime_env={"py_modules": [str(BENCHMARKS / name) for name in PACKAGES]},
         log_to_driver=False,
         logging_level="error",
         **here,
@@ -76,11 +77,10 @@ def ray(jobs: int, address: str | None) -> Iterator[Workers]:
 
 @contextmanager
 def dask(jobs: int, address: str | None) -> Iterator[Workers]:
-    """The cluster at an address, or one of this machine for as long as this lasts.
+    """The cluster at an address, or a temporary one on this machine.
 
     Raises:
-        SystemExit: A worker with several threads: learners whose libraries draw from global sources of chance would
-            draw from each other's.
+        SystemExit: A worker has several threads. Learners whose libraries use global random numbers would share them.
     """
     from distributed import Client, LocalCluster
 
@@ -89,7 +89,8 @@ def dask(jobs: int, address: str | None) -> Iterator[Workers]:
         here = {"n_workers": _count(jobs), "threads_per_worker": 1, "dashboard_address": None}
         cluster = address or stack.enter_context(LocalCluster(**here))
         client = stack.enter_context(Client(cluster))
-        client.upload_file(shutil.make_archive(f"{folder}/rooms", "zip", ROOMS.parent, ROOMS.name))
+        for name in PACKAGES:
+            client.upload_file(shutil.make_archive(f"{folder}/{name}", "zip", BENCHMARKS, name))
         threads = list(client.nthreads().values())
         if max(threads, default=1) > 1:
             sys.exit(f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)")
@@ -102,11 +103,11 @@ BACKENDS: dict[str, Callable[[int, str | None], AbstractContextManager[Workers]]
     "ray": ray,
     "dask": dask,
 }
-"""By name: each is given the number of processes and an address."""
+"""By name; each takes a number of processes and an address."""
 
 
 def unavailable(backend: str, address: str | None) -> str:
-    """Why a backend cannot be used so; empty if it can."""
+    """Why a backend cannot be used with this address; empty if it can."""
     if backend == "loky":
         return "" if address is None else f"--address is {address!r}; allowed: with --backend ray or dask"
     if find_spec(backend) is None or (backend == "dask" and find_spec("distributed") is None):

@@ -1,34 +1,34 @@
-"""What is kept of every batch of recalls, and how much of everything there is."""
+"""Rows of the comparison, and the amounts of learning after which learners are tested."""
 
 import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from khepera_forage.policies.learners import Needs
 
 ARENAS = ("corridor", "rectangle")
-"""Where everyone is tested."""
+"""Where all learners are tested; they learn in the first."""
 HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 
 
 @dataclass(frozen=True, slots=True)
-class Batch:
+class RecallBatch:
     """Recalls of one learner, after one amount of learning, in one arena.
 
     Attributes:
         learner: Its name among the learners; `teacher` and `random` learn nothing.
-        replication: Number of the repetition, with seeds of its own, its own training files included.
-        amount: Training episodes, queries, or steps of the environment asked for; 0 for who learns nothing.
+        replication: Number of the repetition, with seeds and training files of its own.
+        amount: Training episodes, queries, or environment steps, as requested; 0 without learning.
         arena: `corridor` or `rectangle`.
-        steps: Steps of the environment that the learner has lived through: rounds of all its attempts at training,
-            queries, or steps of its trials.
-        vectors: Experience vectors, or answers of the teacher, that it learned from; 0 for trial and error.
+        steps: Environment steps of the learning: rounds of all training attempts, queries, or steps of the trials.
+        vectors: Experience vectors or answers of the teacher that the learner used; 0 for reinforcement learning.
         recalls: Recall episodes in this batch.
         score: Their mean (equation 5.1), in percent.
-        delivered: Food objects carried home in them.
-        foods: Food objects there were.
-        recall_steps: Steps they took, all together.
-        seconds: Wall time of learning so far, the simulation of what it lived through included.
+        delivered: Food objects carried home in all of them.
+        foods: Food objects in all of them.
+        recall_steps: Steps of all of them.
+        seconds: Wall time of the learning so far, including the simulation.
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -56,20 +56,15 @@ class Batch:
         _require(0 <= self.delivered <= self.foods, "delivered", self.delivered, f"0..{self.foods} foods")
         _require(self.recall_steps >= self.recalls, "recall_steps", self.recall_steps, "1 a recall or more")
 
-    @property
-    def key(self) -> tuple[str, int]:
-        """Learner and replication: the unit that it is of."""
-        return self.learner, self.replication
-
 
 class Size(NamedTuple):
     """How much is done.
 
     Attributes:
         recalls: Recall episodes in each arena, after each amount of learning.
-        episodes: Training episodes after which imitators are looked at.
-        queries: Answers of the teacher after which those who ask are looked at.
-        steps: Steps of the environment after which trial and error is looked at.
+        episodes: Training episodes after which imitators are tested.
+        queries: Answers of the teacher after which learners that query it are tested.
+        steps: Environment steps after which reinforcement learners are tested.
     """
 
     recalls: int
@@ -78,7 +73,7 @@ class Size(NamedTuple):
     steps: tuple[int, ...]
 
     def amounts(self, needs: Needs | None) -> tuple[int, ...]:
-        """After how much a learner is looked at, by what it learns from; None learns nothing."""
+        """The amounts of learning after which a learner is tested; None learns nothing."""
         if needs is None:
             return (0,)
         return {Needs.VECTORS: self.episodes, Needs.QUERIES: self.queries, Needs.STEPS: self.steps}[needs]
@@ -87,6 +82,12 @@ class Size(NamedTuple):
 def steps_up_to(most: int) -> tuple[int, ...]:
     """Half decades of steps below the most, and the most."""
     return (*(amount for amount in HALF_DECADES if amount < most), most)
+
+
+def in_order(rows: Collection[RecallBatch], names: Sequence[str]) -> list[RecallBatch]:
+    """Rows by learner, replication, amount and arena."""
+    place = {name: i for i, name in enumerate(names)}
+    return sorted(rows, key=lambda row: (place[row.learner], row.replication, row.amount, row.arena))
 
 
 def _require(fine: bool, name: str, value: object, allowed: str) -> None:

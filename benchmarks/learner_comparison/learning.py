@@ -1,4 +1,4 @@
-"""How each kind of learner learns, in growing amounts; everyone in the corridor alone."""
+"""How each kind of learner learns, in growing amounts; all of them learn in the corridor alone."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.learners import FromQueries, FromSteps, FromVectors, Learner
@@ -19,13 +19,13 @@ from khepera_forage.rollouts.reinforcement import reinforce
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
 
-SITES = {arena.name: site_of(arena) for arena in (CORRIDOR, RECTANGLE)}
-"""What is known of each arena from the beginning."""
+ARENA_MAPS = {arena.name: arena_map_of(arena) for arena in (CORRIDOR, RECTANGLE)}
+"""What is given of each arena from the beginning."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """Who learns nothing and is there to compare with.
+    """A policy that learns nothing, for comparison.
 
     Attributes:
         title: For tables and figures.
@@ -37,8 +37,8 @@ class Reference:
     needs: ClassVar[None] = None
 
 
-REFERENCES = {"teacher": Reference("the teacher", True), "random": Reference("any behaviour", False)}
-"""By name: the most that imitation can hope for, and the chance level."""
+REFERENCES = {"teacher": Reference("the teacher", True), "random": Reference("random behaviours", False)}
+"""By name: the upper limit for imitation, and the chance level."""
 Compared = Learner | Reference
 
 
@@ -46,7 +46,7 @@ class Learned(NamedTuple):
     """A learner after some amount of learning.
 
     Attributes:
-        steps: Of the environment, that it has lived through.
+        steps: Environment steps of the learning.
         vectors: That it learned from.
         seconds: Wall time so far.
         policies: By the name of the arena they are for.
@@ -58,32 +58,32 @@ class Learned(NamedTuple):
     policies: Mapping[str, Any]
 
 
-def lessons(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequence) -> Iterator[Learned]:
+def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequence) -> Iterator[Learned]:
     """The learner after each amount of learning.
 
     Args:
         learner: An entry of `LEARNERS`, or one of `REFERENCES`.
         amounts: Training episodes, queries or steps, in increasing order.
-        seeds: Of one replication; imitators of the same replication imitate the very same episodes.
+        seeds: Of one replication; all imitators of a replication have the same training episodes.
     """
     seed = int(seeds.generate_state(1)[0]) % 2**31
     match learner:
         case FromVectors():
-            yield from _imitation(learner, amounts, seeds.spawn(amounts[-1]), seed)
+            yield from _imitate(learner, amounts, seeds.spawn(amounts[-1]), seed)
         case FromQueries():
-            yield from _asking(learner, amounts, seed)
+            yield from _query(learner, amounts, seed)
         case FromSteps():
             for policy, steps, seconds in reinforce(learner, amounts, seed):
-                yield Learned(steps, 0, seconds, dict.fromkeys(SITES, policy))
+                yield Learned(steps, 0, seconds, dict.fromkeys(ARENA_MAPS, policy))
         case Reference():
             policies = {
-                arena: Teacher(site.home_radius) if learner.expert else UniformPolicy()
-                for arena, site in SITES.items()
+                arena: Teacher(arena_map.home_radius) if learner.expert else UniformPolicy()
+                for arena, arena_map in ARENA_MAPS.items()
             }
             yield Learned(0, 0, 0.0, policies)
 
 
-def _imitation(
+def _imitate(
     learner: FromVectors, amounts: Sequence[int], seeds: Sequence[np.random.SeedSequence], seed: int
 ) -> Iterator[Learned]:
     env = TrainingEnv()
@@ -103,8 +103,8 @@ def _imitation(
     env.close()
 
 
-def _asking(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[Learned]:
-    """For each amount from the start, with the same seed: its time is then its own."""
+def _query(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[Learned]:
+    """Every amount is learned from the start with the same seed, so that its time is complete."""
     student = learner.learner
     env = recall_env("corridor")
     for amount in amounts:
@@ -130,11 +130,11 @@ def _policies(
     seed: int,
     groups: NDArray[np.int64] | None,
 ) -> tuple[dict[str, Policy], float]:
-    """A policy for each arena, the same one if it takes no diagonal; and the seconds that one takes to fit."""
+    """A policy for each arena, the same one if the learner takes no diagonal; and the seconds of one fit."""
     began = perf_counter()
-    first = learner.learn(vectors, behaviours, SITES["corridor"].diagonal, seed, groups)
+    first = learner.learn(vectors, behaviours, ARENA_MAPS["corridor"].diagonal, seed, groups)
     seconds = perf_counter() - began
     if not learner.diagonal:
-        return dict.fromkeys(SITES, first), seconds
-    second = learner.learn(vectors, behaviours, SITES["rectangle"].diagonal, seed, groups)
+        return dict.fromkeys(ARENA_MAPS, first), seconds
+    second = learner.learn(vectors, behaviours, ARENA_MAPS["rectangle"].diagonal, seed, groups)
     return {"corridor": first, "rectangle": second}, seconds

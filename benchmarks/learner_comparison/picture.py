@@ -1,14 +1,15 @@
-"""Food delivered against the steps lived through, on a logarithmic axis, corridor and rectangle side by side."""
+"""Food delivered against steps of learning, on a logarithmic axis, corridor and rectangle side by side."""
 
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from _learners.curves import ENOUGH, Curve
-from _learners.lessons import Compared
-from _learners.rows import ARENAS
+from harness.figures import GREY, new_figure
+
 from khepera_forage.policies.learners import Needs
-from khepera_forage.thesis.figures import GREY, new_figure
+from learner_comparison.curves import SUCCESS, Curve
+from learner_comparison.learning import Compared
+from learner_comparison.rows import ARENAS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,13 +20,13 @@ COLOURS = {
     Needs.QUERIES: ("#B8860B", "#E6B800"),
     Needs.STEPS: ("#B22222", "#F08060", "#C2185B", "#F48FB1"),
 }
-"""Blues, violets and greens imitate, yellows ask, reds try."""
+"""Blues, violets and greens for imitators, yellows for queries, reds for reinforcement."""
 MARKS = "osD^v<>X"
-FAMILIES = {Needs.VECTORS: "imitate", Needs.QUERIES: "ask the teacher", Needs.STEPS: "trial and error"}
+FAMILIES = {Needs.VECTORS: "imitation", Needs.QUERIES: "expert queries", Needs.STEPS: "reinforcement"}
 
 
 def figure(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> "Figure":
-    """Both arenas, one line a learner with a band for its interval."""
+    """Both arenas: one line a learner, with a band for its interval."""
     drawn = new_figure(13.0, 6.0)
     panels = dict(zip(ARENAS, drawn.subplots(1, 2, sharey=True), strict=True))
     for arena, axes in panels.items():
@@ -37,22 +38,20 @@ def figure(curves: Sequence[Curve], learners: Mapping[str, Compared]) -> "Figure
                 _line(axes, curve, *_style(curve.learner, learners))
     panels[ARENAS[0]].set_ylabel("food delivered (%)")
     _key(drawn, [curve.learner for curve in curves if curve.arena == ARENAS[0]], learners)
-    drawn.suptitle("Success against the steps a learner has lived through")
+    drawn.suptitle("Food delivered against steps of learning")
     return drawn
 
 
 def _axes(axes: "Axes", arena: str) -> None:
-    axes.set_title(
-        f"{arena}" + (": where all have learned" if arena == ARENAS[0] else ": where none has been")
-    )
+    axes.set_title(f"{arena}: {'the arena of the learning' if arena == ARENAS[0] else 'a new arena'}")
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(lambda steps, _: f"{steps:,.0f}")
     axes.xaxis.set_minor_formatter(lambda *_: "")
-    axes.set_xlabel("steps of the environment lived through in learning")
+    axes.set_xlabel("environment steps of the learning")
     axes.set_ylim(-2, 102)
     axes.set_yticks(range(0, 101, 20))
     axes.grid(axis="both", color="0.92")
-    axes.axhline(100 * ENOUGH, color="0.8", lw=1, zorder=1)
+    axes.axhline(100 * SUCCESS, color="0.8", lw=1, zorder=1)
     axes.set_axisbelow(True)
 
 
@@ -98,7 +97,7 @@ def _reference(axes: "Axes", curve: Curve, title: str) -> None:
 
 
 def _key(drawn: "Figure", names: Sequence[str], learners: Mapping[str, Compared]) -> None:
-    """On the right, by what is learned from."""
+    """A legend on the right, by kind of learner."""
     from matplotlib.lines import Line2D
 
     handles = []

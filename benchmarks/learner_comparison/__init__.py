@@ -1,0 +1,1 @@
+"""The comparison of all learners by `benchmarks/learners.py`."""
