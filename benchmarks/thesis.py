@@ -1,9 +1,9 @@
-"""The thesis' experiments, replicated: the same as `khepera-forage reproduce`."""
+"""The thesis's experiments, replicated: the same as `khepera-forage reproduce`."""
 
 import argparse
 import sys
 
-from khepera_forage.thesis import reproduce
+from khepera_forage.cli import reproduce
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(

@@ -15,11 +15,11 @@ def job(replications: int, seed: int) -> Values:
         replications: Each with ten training files and 106 recalls.
         seed: Of all of them.
     """
-    from khepera_forage.thesis.compiled_replications import SIZE, ReplicationBatch
+    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, CompiledReplications
 
     def run(count: int) -> None:
-        for first in range(0, count, SIZE):
-            ReplicationBatch(seed, first, min(SIZE, count - first)).run()
+        for first in range(0, count, GROUP_SIZE):
+            CompiledReplications(seed, first, min(GROUP_SIZE, count - first)).run()
 
     run(1)  # compiles
     start = perf_counter()

@@ -1,1 +1,1 @@
-"""The `khepera-forage` command: `main` parses arguments; each subcommand is a module with `add_arguments` and `run`."""
+"""The `khepera-forage` command: one module, or one folder, for each subcommand."""

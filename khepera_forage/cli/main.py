@@ -5,41 +5,61 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import camera, recall, robot, teach, train, watch
-from khepera_forage.rollouts.training import HopelessTraining
-from khepera_forage.thesis import reproduce
+from khepera_forage.cli import recall, reproduce, train, watch
+from khepera_forage.cli.camera import command as camera
+from khepera_forage.cli.robot import command as robot
+from khepera_forage.cli.subcommands import Subcommand, add_subcommands
+from khepera_forage.cli.teach import command as teach
+from khepera_forage.rollouts.training import IncompleteTrainingError
+
+SUBCOMMANDS = (
+    Subcommand(
+        "reproduce",
+        "run the thesis's experiments and compare the results with its tables",
+        reproduce.add_arguments,
+        reproduce.run,
+    ),
+    Subcommand(
+        "train",
+        "train a learner in the paired corridors and save its experience",
+        train.add_arguments,
+        train.run,
+    ),
+    Subcommand("teach", "be the teacher yourself, with keys in a window", teach.add_arguments, teach.run),
+    Subcommand(
+        "recall", "let a trained learner, or the teacher, forage alone", recall.add_arguments, recall.run
+    ),
+    Subcommand(
+        "watch",
+        "show a training or recall episode in a window, or save it as a film",
+        watch.add_arguments,
+        watch.run,
+    ),
+    Subcommand("robot", "test a real Khepera, or start a virtual one", robot.add_arguments),
+    Subcommand(
+        "camera",
+        "calibrate the overhead camera, show its picture, or print the markers",
+        camera.add_arguments,
+    ),
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a subcommand; errors of the user's making are told in one line.
+    """Run a subcommand; report a user's mistake in one line.
 
     Args:
         argv: Arguments; those of the process by default.
 
     Returns:
-        Exit status: 0, or 2 for bad input.
+        Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt.
     """
     parser = argparse.ArgumentParser(prog="khepera-forage", description="Learning to forage by imitation.")
     parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="command")
-    for name, module, help_text in (
-        ("reproduce", reproduce, "run the thesis' experiments and set the outcome beside its own"),
-        ("train", train, "train a learner in the paired corridors and keep its experience"),
-        ("teach", teach, "be the teacher yourself, with keys in a window"),
-        ("recall", recall, "let a trained learner, or the teacher, forage alone"),
-        ("watch", watch, "show a training or a recall as it happens, or save it as a film"),
-        ("robot", robot, "try out a real Khepera, or start a virtual one"),
-        ("camera", camera, "calibrate the overhead camera, see what it sees, or print the markers"),
-    ):
-        subparser = subparsers.add_parser(
-            name, help=help_text, description=f"{help_text[:1].upper()}{help_text[1:]}."
-        )
-        module.add_arguments(subparser)
-        subparser.set_defaults(run=module.run)
+    add_subcommands(parser, "command", SUBCOMMANDS)
     arguments = parser.parse_args(argv)
     try:
         status: int = arguments.run(arguments)
-    except (ValueError, OSError, ImportError, HopelessTraining) as error:
+    except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -8,41 +8,48 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from khepera_forage.cli.laboratory import add_lab_argument, recall_env, report
+from khepera_forage.cli.arguments import (
+    add_arena_argument,
+    add_episodes_argument,
+    add_food_type_argument,
+    add_lab_argument,
+    add_out_argument,
+    add_seed_argument,
+    require_at_least_one,
+)
+from khepera_forage.cli.environments import print_late_rounds, recall_env
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
-from khepera_forage.rollouts import recall as recalling
+from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The command's arguments."""
+    """Add the command's arguments."""
     add_policy_arguments(parser)
-    parser.add_argument("--episodes", type=int, default=10, help="recall episodes (10)")
-    parser.add_argument(
-        "--out", type=Path, default=Path("results/recall.csv"), help="rows (results/recall.csv)"
-    )
+    add_episodes_argument(parser, 10, "recall episodes")
+    add_out_argument(parser, "results/recall.csv", "file for the rows")
 
 
 def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
-    """Who forages, where, and with which seed."""
+    """Add what determines a recall: the policy, the arena, the food type, the seed and the laboratory."""
     parser.add_argument(
         "--experience",
         type=Path,
         nargs="+",
         metavar="FILE",
-        help="experience files; without any, the teacher",
+        help="experience files of the imitator (without any, the teacher forages)",
     )
-    parser.add_argument("--arena", choices=("corridor", "rectangle"), default="corridor", help="(corridor)")
-    parser.add_argument("--food-type", default="PICKABLE", help="PICKABLE, PUSHABLE or POISONOUS (PICKABLE)")
-    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same episodes (0)")
+    add_arena_argument(parser)
+    add_food_type_argument(parser)
+    add_seed_argument(parser, "the same seed gives the same episodes")
     add_lab_argument(parser)
 
 
-def forager_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
-    """The policy asked for, its name, and the size of its experience."""
+def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
+    """The policy that forages, its name in rows, and its number of experience vectors."""
     if not arguments.experience:
         return Teacher(env.home_radius), TEACHER, 0
     vectors, behaviours = Experience.load(*arguments.experience).arrays()
@@ -50,19 +57,18 @@ def forager_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Polic
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Forage, and print a line an episode and the means.
+    """Forage, and print a line for each episode and the means.
 
     Raises:
-        ValueError: A number out of range, or an experience file that cannot be used.
-        OSError: With `--lab`, what is in the way of the laboratory.
+        ValueError: A number is out of range, or an experience file cannot be used.
+        OSError: The laboratory of `--lab` cannot be used.
     """
-    if arguments.episodes < 1:
-        raise ValueError(f"--episodes is {arguments.episodes}; allowed: at least 1")
+    require_at_least_one("--episodes", arguments.episodes)
     with closing(recall_env(arguments)) as env:
-        rows = _recalled(env, arguments)
-        report(env)
+        rows = _recall(env, arguments)
+        print_late_rounds(env)
     if not rows:
-        raise ConnectionError("every recall was cut short")
+        raise ConnectionError("a robot or the camera was lost in every recall; there is no result")
     print(
         f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
         f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
@@ -70,21 +76,22 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _recalled(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
-    """One row an episode; an episode in which a real robot was lost is told of and gives none."""
-    policy, learner, size = forager_of(arguments, env)
+def _recall(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
+    """One row for each episode; an episode in which a real robot or the camera was lost is reported without a row."""
+    policy, learner, size = policy_of(arguments, env)
     seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
     rows = []
-    quiet = arguments.lab is not None or not sys.stderr.isatty()  # an operator is asked on the same screen
+    # An operator of real robots answers questions on the screen that a progress bar would use.
+    hide_progress = arguments.lab is not None or not sys.stderr.isatty()
     print(" recall    steps  correct  penalty    score     food")
     with RowWriter(arguments.out, RecallRow) as writer:
-        for number, seed in enumerate(tqdm(seeds, unit="recall", disable=quiet)):
+        for number, seed in enumerate(tqdm(seeds, unit="recall", disable=hide_progress)):
             try:
-                row = recalling.recall(
+                row = recall_rollouts.recall(
                     env, policy, seed, learner=learner, number=number, experience_size=size
                 )
-            except recalling.RecallCutShort as lost:
-                print(f"{number + 1:7d} cut short {lost}")
+            except recall_rollouts.RecallInterruptedError as error:
+                print(f"{number + 1:7d} interrupted {error}")
                 continue
             writer.write(row)
             rows.append(row)

@@ -1,4 +1,4 @@
-"""`khepera-forage watch`: a training or a recall in a window as it happens, or as a film."""
+"""`khepera-forage watch`: show a training or recall episode in a window, or save it as a film."""
 
 import argparse
 from collections.abc import Callable
@@ -9,68 +9,85 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.laboratory import recall_env, training_env
-from khepera_forage.cli.recall import add_policy_arguments, forager_of
+from khepera_forage.cli.arguments import add_num_learners_argument, require_at_least_one
+from khepera_forage.cli.environments import recall_env, training_env
+from khepera_forage.cli.recall import add_policy_arguments, policy_of
 from khepera_forage.envs.rendering import save_gif
-from khepera_forage.rollouts import recall as recalling
+from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
+
+ROUNDS_PER_SECOND = 10
+"""A round lasts 0.1 s."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The command's arguments."""
+    """Add the command's arguments."""
     parser.add_argument("phase", choices=("training", "recall"), help="what to show")
     add_policy_arguments(parser)
-    parser.add_argument("--num-learners", type=int, default=1, help="in training (1)")
+    add_num_learners_argument(parser, "learners in training (1)")
     parser.add_argument("--out", type=Path, help="save a film (GIF) here instead of opening a window")
-    parser.add_argument("--every", type=int, default=2, help="a film takes every so many rounds (2)")
+    parser.add_argument("--every", type=int, default=2, help="the film has one frame every N rounds (2)")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show it.
+    """Show or film one episode, and print its result.
 
     Raises:
-        ValueError: A number out of range, or an experience file that cannot be used.
+        ValueError: A number is out of range, or an experience file cannot be used.
+        OSError: The laboratory of `--lab` cannot be used.
     """
-    if arguments.every < 1:
-        raise ValueError(f"--every is {arguments.every}; allowed: at least 1")
+    require_at_least_one("--every", arguments.every)
     if arguments.out is not None and arguments.out.suffix.lower() != ".gif":
         raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .gif")
-    mode = "human" if arguments.out is None else "rgb_array"
     frames: list[NDArray[np.uint8]] = []
-    if arguments.phase == "training":
-        with closing(training_env(arguments, render_mode=mode)) as pair:
-            result = training.attempt(
-                pair, arguments.seed, lambda v, b: None, watch=_camera(pair, frames, arguments)
-            )
-        print(
-            f"{'complete' if result.complete else result.lost or result.reason} after {result.rounds} rounds"
-        )
-    else:
-        with closing(recall_env(arguments, render_mode=mode)) as env:
-            policy, learner, size = forager_of(arguments, env)
-            row = recalling.recall(
-                env,
-                policy,
-                arguments.seed,
-                learner=learner,
-                experience_size=size,
-                watch=_camera(env, frames, arguments),
-            )
-        print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
+    run_phase = _run_training if arguments.phase == "training" else _run_recall
+    run_phase(arguments, frames)
     if arguments.out is not None:
-        save_gif(frames, arguments.out, fps=10 / arguments.every)
+        save_gif(frames, arguments.out, fps=ROUNDS_PER_SECOND / arguments.every)
         print(f"{arguments.out}: {len(frames)} frames")
     return 0
 
 
-def _camera(env: Any, frames: list[NDArray[np.uint8]], arguments: argparse.Namespace) -> Callable[[], object]:
-    """Takes a frame every so many rounds; in a window the environment shows itself."""
+def _run_training(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) -> None:
+    with closing(training_env(arguments, render_mode=_render_mode(arguments))) as env:
+        result = training.attempt(
+            env,
+            arguments.seed,
+            record=lambda vector, behaviour: None,
+            callback=_frame_recorder(env, frames, arguments),
+        )
+    outcome = "complete" if result.complete else result.lost or result.reason
+    print(f"{outcome} after {result.rounds} rounds")
+
+
+def _run_recall(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) -> None:
+    with closing(recall_env(arguments, render_mode=_render_mode(arguments))) as env:
+        policy, learner, size = policy_of(arguments, env)
+        row = recall_rollouts.recall(
+            env,
+            policy,
+            arguments.seed,
+            learner=learner,
+            experience_size=size,
+            callback=_frame_recorder(env, frames, arguments),
+        )
+    print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
+
+
+def _render_mode(arguments: argparse.Namespace) -> str:
+    return "human" if arguments.out is None else "rgb_array"
+
+
+def _frame_recorder(
+    env: Any, frames: list[NDArray[np.uint8]], arguments: argparse.Namespace
+) -> Callable[[], None]:
+    """A callback that appends a frame every `--every` rounds; without `--out` the environment draws by itself."""
     rounds = 0
 
-    def shoot() -> None:
+    def record() -> None:
         nonlocal rounds
         if arguments.out is not None and rounds % arguments.every == 0:
             frames.append(env.render())
         rounds += 1
 
-    return shoot
+    return record

@@ -1,8 +1,8 @@
-"""Experience as a Minari data set, the standard of offline learning, and back (extra `minari`).
+"""Conversion between experience and Minari datasets, a standard of offline learning (extra `minari`).
 
-An experience file becomes an episode: observations and actions as `Corridor-v0` or `Rectangle-v0` have them, so that
-whatever learns from Minari data sets can forage there. Where Minari keeps its data sets, its variable
-MINARI_DATASETS_PATH says.
+An experience file becomes an episode with the observations and actions of `Corridor-v0` or `Rectangle-v0`, so that a
+learner from Minari datasets can forage there. The environment variable MINARI_DATASETS_PATH is the folder in which
+Minari stores datasets.
 """
 
 import warnings
@@ -13,33 +13,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import khepera_forage  # noqa: F401 - registers the environments, whose spaces the data set takes
+import khepera_forage  # noqa: F401 - registers the environments, whose spaces the dataset has
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.task.states import StateVector
 
 FLAT = ("object_presence", "food_type")
-"""Attributes that the environments show as a number; the others are arrays of one."""
+"""Attributes that are a number in observations; the others are arrays with one element."""
 
 
 def to_minari(experiences: Iterable[Experience], dataset_id: str, **about: Any) -> Any:
-    """Write experience as a new Minari data set, one episode each.
+    """Write experience as a new Minari dataset, with one episode for each `Experience`.
 
-    What experience does not hold is filled in: the reward is 0 everywhere, the last observation is there twice (Minari
-    has one more observation than actions), and the last step terminates, as incomplete episodes are not kept (5.2).
+    Values that experience does not contain are filled in: all rewards are 0; the last observation is repeated, because
+    Minari has one more observation than actions; the last step terminates, because incomplete episodes are discarded
+    (5.2).
 
     Args:
         experiences: At least one vector each, all of the same arena.
-        dataset_id: As Minari has it, such as `khepera/corridor-v0`.
-        **about: More for Minari's metadata: `author`, `author_email`, `code_permalink`, `description`.
+        dataset_id: Minari's name of the dataset, such as `khepera/corridor-v0`.
+        **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
     Returns:
         The `minari.MinariDataset`.
 
     Raises:
-        ExperienceError: No experience, an empty one, different arenas, one that no environment has, or a value that
-            its environment does not show.
-        ImportError: Minari is not installed; the message says how to install it.
-        ValueError: Minari has a data set of that name, or the name is none.
+        ExperienceError: There is no experience, one is empty, the arenas differ or have no registered environment, or a
+            value is outside the observation space.
+        ImportError: Minari is not installed.
+        ValueError: The name is invalid, or Minari already has a dataset of that name.
     """
     minari = _minari()
     parts = list(experiences)
@@ -56,32 +57,33 @@ def to_minari(experiences: Iterable[Experience], dataset_id: str, **about: Any) 
     buffers = [_buffer(minari, number, part, env.observation_space) for number, part in enumerate(parts)]
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
-        # It asks for an author and a link to code, which a private data set does not need.
+        # Minari warns about a missing author and code link, which a private dataset does not need.
         warnings.filterwarnings("ignore", "`.*` is set to None", UserWarning)
         return minari.create_dataset_from_buffers(dataset_id=dataset_id, buffer=buffers, env=env, **about)
 
 
 def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
-    """Read a Minari data set as experience, one for each episode.
+    """Read a Minari dataset as experience, with one `Experience` for each episode.
 
     Args:
-        dataset: Its name, or a `minari.MinariDataset`; of `to_minari`, or recorded in an environment that shows state
-            vectors and takes behaviours.
-        arena: Of the experience; by default the one written in the data set.
+        dataset: A `minari.MinariDataset`, or its name. It was written by `to_minari`, or recorded in an environment
+            whose observations are state vectors and whose actions are behaviours.
+        arena: Name of the arena; by default the one in the dataset.
 
     Raises:
-        ExperienceError: An episode that holds no state vectors or no behaviours, or an arena that nobody tells.
+        ExperienceError: An episode has no state vectors or no behaviours, or neither argument nor dataset names an
+            arena.
         ImportError: Minari is not installed.
     """
     if isinstance(dataset, str):
         dataset = _minari().load_dataset(dataset)
     parts = []
-    told = dataset.storage.get_episode_metadata(dataset.episode_indices)
-    for episode, about in zip(dataset.iterate_episodes(), told, strict=True):
+    metadata = dataset.storage.get_episode_metadata(dataset.episode_indices)
+    for episode, about in zip(dataset.iterate_episodes(), metadata, strict=True):
         options = about.get("options", {})
         name = arena or options.get("arena") or getattr(dataset.env_spec, "kwargs", {}).get("arena")
         if not isinstance(name, str):
-            raise ExperienceError(f"episode {episode.id}: the data set tells no arena; give one")
+            raise ExperienceError(f"episode {episode.id}: the dataset has no arena; pass arena=")
         seed = options.get("seed", "None")
         parts.append(
             Experience(
@@ -108,7 +110,7 @@ def _buffer(minari: Any, number: int, part: Experience, space: Any) -> Any:
     last = np.arange(len(part)) == len(part) - 1
     return minari.data_collector.EpisodeBuffer(
         id=number,
-        # Not Minari's own seed, which has 64 bits and makes an episode of one environment repeatable.
+        # Not Minari's `seed`, which has 64 bits and resets a single environment.
         options={"arena": part.arena, "episodes": part.episodes, "seed": str(part.seed)},
         observations=shown,
         actions=behaviours,
@@ -123,7 +125,7 @@ def _vectors(observations: Any, count: int, number: int) -> NDArray[np.int64]:
         columns = [np.asarray(observations[key]).reshape(-1)[:count] for key in StateVector._fields]
         return np.column_stack(columns)
     except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise ExperienceError(f"episode {number} holds no state vectors: {error!r}") from None
+        raise ExperienceError(f"episode {number} has no state vectors: {error!r}") from None
 
 
 def _minari() -> Any:
@@ -131,4 +133,4 @@ def _minari() -> Any:
         import_module("h5py")
         return import_module("minari")
     except ImportError as error:
-        raise ImportError("Minari data sets need pip install 'khepera-forage[minari]'") from error
+        raise ImportError("Minari datasets need pip install 'khepera-forage[minari]'") from error

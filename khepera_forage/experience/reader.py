@@ -1,4 +1,4 @@
-"""Reading experience files, strictly: what differs from the format is an error with file, line and what is allowed."""
+"""Reading experience files: each deviation from the format is an error with file, line and what is allowed."""
 
 import re
 import warnings
@@ -18,7 +18,7 @@ from khepera_forage.experience.text_format import (
     Header,
     checked_header,
     checked_row,
-    closing,
+    closing_line,
     quoted,
 )
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
@@ -27,7 +27,7 @@ HEADER_LINES = 7
 
 
 class Contents(NamedTuple):
-    """What a file holds."""
+    """The contents of an experience file."""
 
     header: Header
     rows: list[tuple[StateVector, Behaviour]]
@@ -36,44 +36,45 @@ class Contents(NamedTuple):
 def read(path: str | PathLike[str], recover: bool) -> Contents:
     """Read a file.
 
-    A line counts as whole if it has its line end: a number may lack digits that a kill cut off.
+    A line is complete if it has a line end; without one, the last number may lack digits.
 
     Args:
-        path: Of the file.
-        recover: Keep the whole rows of a file without closing line, as a killed recording leaves it, with an
+        path: The file.
+        recover: Read the complete rows of a file without a closing line, which a killed recording leaves, with an
             `ExperienceWarning`.
 
     Raises:
-        ExperienceError: It is not an experience file, or it is not complete, or not sound.
-        OSError: It cannot be read.
+        ExperienceError: The file is not an experience file, is incomplete, or is damaged.
+        OSError: The file cannot be read.
     """
-    *whole, rest = Path(path).read_bytes().split(b"\n")
-    if not (whole or rest):
+    *complete, rest = Path(path).read_bytes().split(b"\n")
+    if not (complete or rest):
         raise _error(path, 1, "not an experience file, it is empty")
-    _check_first_line(path, whole[0] if whole else rest)
-    lines = [_decoded(path, number, line) for number, line in enumerate(whole, 1)]
-    cut = rest.decode(errors="replace")
+    _check_first_line(path, complete[0] if complete else rest)
+    lines = [_decoded(path, number, line) for number, line in enumerate(complete, 1)]
+    incomplete = rest.decode(errors="replace")
     header = _header(path, lines)
     rows: list[tuple[StateVector, Behaviour]] = []
     closed = False
     for number, line in enumerate(lines[HEADER_LINES:], HEADER_LINES + 1):
         if closed:
-            raise _error(path, number, f"{quoted(line)} stands after the closing line; allowed: nothing")
+            raise _error(path, number, f"{quoted(line)} follows the closing line; allowed: nothing")
         if line.startswith("#"):
-            closed = _closes(path, number, line, len(rows))
+            _check_closing_line(path, number, line, len(rows))
+            closed = True
         else:
             rows.append(_row(path, number, line))
-    if closed and cut:
-        raise _error(path, len(lines) + 1, f"{quoted(cut)} stands after the closing line; allowed: nothing")
+    if closed and incomplete:
+        raise _error(path, len(lines) + 1, f"{quoted(incomplete)} follows the closing line; allowed: nothing")
     if not closed:
-        state = f"cut off before its closing line: {len(rows)} whole rows, " + (
-            f"then the cut line {quoted(cut)}" if cut else "no cut line"
+        state = f"ends before its closing line: {len(rows)} complete rows, " + (
+            f"then the incomplete line {quoted(incomplete)}" if incomplete else "no incomplete line"
         )
         if not recover:
-            number = len(lines) + bool(cut)
-            raise _error(path, number, f"{state}; recover=True keeps the whole rows")
-        loss = "the cut line is lost" if cut else "no line is known to be lost"
-        # 3: where Experience.load was called.
+            number = len(lines) + bool(incomplete)
+            raise _error(path, number, f"{state}; recover=True reads the complete rows")
+        loss = "the incomplete line is lost" if incomplete else "no line is known to be lost"
+        # stacklevel 3 is the caller of Experience.load.
         warnings.warn(f"{path}: {state}; rows kept, {loss}", ExperienceWarning, stacklevel=3)
     return Contents(header, rows)
 
@@ -95,16 +96,16 @@ def _check_first_line(path: str | PathLike[str], line: bytes) -> None:
 
 def _decoded(path: str | PathLike[str], number: int, line: bytes) -> str:
     try:
-        return line.decode().removesuffix("\r")  # an editor on Windows may have put it there
+        return line.decode().removesuffix("\r")  # which editors on Windows add
     except UnicodeDecodeError:
         raise _error(path, number, f"{quoted(line)} is not text; allowed: UTF-8") from None
 
 
 def _header(path: str | PathLike[str], lines: list[str]) -> Header:
-    """The lines before the rows. Where they are not all there, there is nothing to recover."""
+    """Read the lines before the rows; a file without all of them has nothing to recover."""
     if len(lines) < HEADER_LINES:
         raise _error(
-            path, len(lines) + 1, f"cut off in the header; allowed: {HEADER_LINES} lines before the rows"
+            path, len(lines) + 1, f"ends in the header; allowed: {HEADER_LINES} lines before the rows"
         )
     values = []
     for number, name in enumerate(("package", "arena", "seed", "episodes", "units"), 2):
@@ -150,16 +151,15 @@ def _row(path: str | PathLike[str], number: int, line: str) -> tuple[StateVector
 
 
 def _integer(path: str | PathLike[str], number: int, name: str, text: str) -> int:
-    # ASCII digits alone: int() would also take '1_0', ' 1' and Arabic digits, and choke on thousands of them.
+    # Only ASCII digits: int() also accepts '1_0', ' 1' and Arabic digits, and refuses thousands of digits.
     if not re.fullmatch("-?[0-9]{1,100}", text):
         raise _error(path, number, f"{name} is {quoted(text)}; allowed: an integer")
     return int(text)
 
 
-def _closes(path: str | PathLike[str], number: int, line: str, rows: int) -> bool:
+def _check_closing_line(path: str | PathLike[str], number: int, line: str, rows: int) -> None:
     if not re.fullmatch("# complete: [0-9]{1,18} vectors", line):
-        allowed = closing(rows).strip()
+        allowed = closing_line(rows).strip()
         raise _error(path, number, f"{quoted(line)}; allowed: a row, or the closing line {allowed!r}")
-    if line != closing(rows).strip():
+    if line != closing_line(rows).strip():
         raise _error(path, number, f"{quoted(line)} after {rows} rows; allowed: the number of rows above it")
-    return True

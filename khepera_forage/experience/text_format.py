@@ -1,4 +1,4 @@
-"""The text format of experience files: what a row may be, and how it is written.
+"""The text format of experience files: valid headers and rows, and their text.
 
     # khepera_forage experience, version 1
     # package: 0.1.0
@@ -10,7 +10,7 @@
     0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD
     # complete: 1 vectors
 
-The closing line tells a finished recording from one that was killed.
+The closing line distinguishes a complete recording from a killed one.
 """
 
 from collections.abc import Sequence
@@ -25,33 +25,33 @@ MAGIC = "# khepera_forage experience, version "
 UNITS = f"distances in pixels of 5 mm; arms_height {ARM_DOWN} (down) to {ARM_RAISED} (raised)"
 COLUMNS = (*StateVector._fields, "behaviour")
 MAX_DISTANCE = 2**31 - 1
-"""Pixels: no arena is that large, and every table can hold it."""
+"""Pixels: more than in any arena, and the largest number of a 32-bit integer."""
 
 RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
 FOOD_TYPES = [food_type.name for food_type in FoodType]
 
 
 class ExperienceError(ValueError):
-    """Something is not an experience vector, or not an experience file."""
+    """A value or a file is not valid experience."""
 
 
 class ExperienceWarning(UserWarning):
-    """An experience file was not complete, and what could be kept of it was."""
+    """An experience file is incomplete; its complete rows were read."""
 
 
 def quoted(thing: object) -> str:
-    """How an error shows what it found: as Python writes it, and not too long."""
+    """A value for an error message: its `repr`, shortened to 80 characters."""
     text = repr(thing)
     return text if len(text) <= 80 else text[:77] + "..."
 
 
 class Header(NamedTuple):
-    """What a file says before its rows.
+    """The header of an experience file.
 
     Attributes:
-        arena: Name of the arena that the experience was made in.
+        arena: Name of the arena in which the experience was recorded.
         seed: Of the training, if known.
-        episodes: How many training episodes the experience is of.
+        episodes: Number of training episodes.
     """
 
     arena: str
@@ -60,10 +60,10 @@ class Header(NamedTuple):
 
 
 def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
-    """The header, once its values are found to be such as can be written and read again.
+    """Check the values of a header, and return it.
 
     Raises:
-        ExperienceError: A value that cannot be.
+        ExperienceError: A value is out of range or cannot be written.
     """
     if not arena or arena != arena.strip() or not arena.isprintable():
         raise ExperienceError(
@@ -81,10 +81,10 @@ def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
 
 
 def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Behaviour]:
-    """An experience vector in plain integers, once it is found to be one that a learner can have recorded.
+    """Check that a learner can have recorded a row, and return it as plain integers.
 
     Raises:
-        ExperienceError: It is not.
+        ExperienceError: A value is out of range, or the values contradict each other.
     """
     try:
         numbers = StateVector(*[index(value) for value in vector])
@@ -106,13 +106,13 @@ def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Beh
     if food_type != FoodType.UNKNOWN and not presence:
         raise ExperienceError(f"food_type is {FoodType(food_type).name} without an object; allowed: UNKNOWN")
     if heard == Behaviour.WAIT:
-        raise ExperienceError("behaviour is WAIT, which is silence; allowed: what was heard, 0 to 9")
+        raise ExperienceError("behaviour is WAIT, which means silence; allowed: a behaviour, 0 to 9")
     return numbers, heard
 
 
-def opening(header: Header) -> str:
-    """All lines before the rows."""
-    from khepera_forage import __version__  # late: the package may be importing this module just now
+def header_text(header: Header) -> str:
+    """The lines before the rows."""
+    from khepera_forage import __version__  # imported late: the package may be importing this module now
 
     seed = "none" if header.seed is None else header.seed
     return (
@@ -121,12 +121,12 @@ def opening(header: Header) -> str:
     )
 
 
-def line_of(vector: StateVector, behaviour: Behaviour) -> str:
-    """One row."""
+def row_text(vector: StateVector, behaviour: Behaviour) -> str:
+    """The line of one row."""
     presence, home, food_type, arm, food = vector
     return f"{presence},{home},{FoodType(food_type).name},{arm},{food},{behaviour.name}\n"
 
 
-def closing(count: int) -> str:
-    """The line that says that nothing is missing."""
+def closing_line(count: int) -> str:
+    """The last line of a complete file."""
     return f"# complete: {count} vectors\n"

@@ -1,1 +1,1 @@
-"""Many episodes: recall and training, one at a time in Python or thousands at once in compiled kernels."""
+"""Rollouts of training and recall episodes: one at a time in Python, or thousands at once in compiled kernels."""

@@ -1,7 +1,7 @@
-"""DAgger (Ross, Gordon and Bagnell 2011): the learner forages, and asks the teacher about where it gets to.
+"""DAgger (Ross, Gordon and Bagnell 2011): the teacher labels the states that the learner visits.
 
-Imitation as in the thesis records only what the learner perceives beside its teacher; alone, it comes to perceptions
-that it has no record of. Here the teacher says what it would do in exactly those.
+In the thesis a learner records only what it perceives beside the teacher; alone, it reaches states without a record.
+With DAgger the learner forages alone, and the teacher's behaviour is recorded in exactly those states.
 """
 
 from collections.abc import Callable
@@ -16,16 +16,17 @@ from khepera_forage.policies.adapters import ClassifierPolicy
 from khepera_forage.task.states import StateVector
 
 Arrays = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""State vectors and behaviours."""
 
 
-class Round(NamedTuple):
-    """What a round of queries showed.
+class DaggerRound(NamedTuple):
+    """Counts of one round of queries.
 
     Attributes:
-        queries: Queries in it.
-        agreed: How many times what was executed is what the teacher said; all of them while the teacher drives.
-        delivered: Food brought home.
-        episodes: Forages that ended.
+        queries: Queries to the expert.
+        agreed: Queries in which the executed behaviour was the expert's; all of them while the expert itself acts.
+        delivered: Food objects brought home in the episodes that ended.
+        episodes: Episodes that ended.
     """
 
     queries: int
@@ -34,20 +35,20 @@ class Round(NamedTuple):
     episodes: int
 
 
-class Dagger(NamedTuple):
-    """What came out.
+class DaggerResult(NamedTuple):
+    """The learned policy and the data it learned from.
 
     Attributes:
-        policy: Fitted on all queries; it learns no further.
-        vectors: State vectors asked about, of shape (n, 5), those given at the start first.
-        behaviours: What the teacher said on each.
-        rounds: One a round.
+        policy: Fitted to all queries.
+        vectors: State vectors, of shape (n, 5): those of `start`, then the queries.
+        behaviours: The behaviour for each vector.
+        rounds: Counts of each round.
     """
 
     policy: Policy
     vectors: NDArray[np.int64]
     behaviours: NDArray[np.int64]
-    rounds: tuple[Round, ...]
+    rounds: tuple[DaggerRound, ...]
 
 
 def dagger(
@@ -60,57 +61,58 @@ def dagger(
     sample: bool = True,
     start: Arrays | None = None,
     expert: Policy | None = None,
-) -> Dagger:
-    """Ask the teacher, learn from all it said so far, forage with what was learned, and again.
+) -> DaggerResult:
+    """Alternate between foraging, with a query to the expert in every step, and fitting a classifier to all queries.
 
-    Every step of every forage is one query. In the first round the teacher itself drives, unless there is experience
-    to start from; then always the learner does, as it is after the rounds before. A forage that a round does not end
-    goes on in the next.
+    In the first round the expert acts, or with `start` a learner fitted to that experience; in later rounds the learner
+    of the previous round acts. An episode that has not ended at the end of a round continues in the next.
 
     Args:
-        make: Makes a classifier with `fit` and `predict_proba`, not fitted; called once a round.
-        env: From `recalling.recall_env`; where the learner forages.
-        queries: How many in all.
-        seed: Of places, noise, and the learner's draws.
-        queries_a_round: Between two fits.
-        sample: Whether the learner draws behaviours with their probabilities, or executes the most probable one.
-        start: Experience vectors and behaviours to start from, recorded in training, for which nothing is asked.
-        expert: Who is asked; by default the teacher.
+        make: Makes an unfitted classifier with `fit` and `predict_proba`; called once a round.
+        env: From `rollouts.recall.recall_env`; the learner forages in it.
+        queries: Total number of queries.
+        seed: Of places, noise, and random choices of the policies.
+        queries_a_round: Queries between two fits.
+        sample: Draw behaviours with the classifier's probabilities; otherwise execute the most probable behaviour.
+        start: Recorded experience to start from: state vectors and behaviours.
+        expert: Policy that labels states; by default the teacher.
 
     Raises:
-        ValueError: No queries.
+        ValueError: A number of queries is below 1.
     """
     if queries < 1 or queries_a_round < 1:
         raise ValueError(f"{queries} queries, {queries_a_round} a round; allowed: at least 1")
-    teacher = expert if expert is not None else Teacher(env.home_radius)
+    expert = expert if expert is not None else Teacher(env.home_radius)
     vectors: list[StateVector] = []
-    said: list[int] = []
+    behaviours: list[int] = []
     if start is not None:
         vectors += [StateVector(*vector) for vector in start[0].tolist()]
-        said += start[1].tolist()
-    driver = _fitted(make, vectors, said, sample) if vectors else teacher
-    draws = np.random.default_rng((seed, 1))
+        behaviours += start[1].tolist()
+    actor = _fitted(make, vectors, behaviours, sample) if vectors else expert
+    rng = np.random.default_rng((seed, 1))
     observation, info = env.reset(seed=seed)
     rounds = []
     while queries > 0:
-        asked = min(queries, queries_a_round)
+        count = min(queries, queries_a_round)
         agreed = delivered = episodes = 0
-        for _ in range(asked):
-            word = int(teacher.act(observation, draws))
-            action = int(driver.act(observation, draws))
+        for _ in range(count):
+            label = int(expert.act(observation, rng))
+            action = int(actor.act(observation, rng))
             vectors.append(state_vector_of(observation))
-            said.append(word)
-            agreed += action == word
+            behaviours.append(label)
+            agreed += action == label
             observation, _, terminated, truncated, info = env.step(action)
             if terminated or truncated:
                 delivered += info["delivered"]
                 episodes += 1
                 observation, info = env.reset()
-        rounds.append(Round(asked, agreed, delivered, episodes))
-        driver = _fitted(make, vectors, said, sample)
-        queries -= asked
-    return Dagger(driver, np.array(vectors), np.array(said), tuple(rounds))
+        rounds.append(DaggerRound(count, agreed, delivered, episodes))
+        actor = _fitted(make, vectors, behaviours, sample)
+        queries -= count
+    return DaggerResult(actor, np.array(vectors), np.array(behaviours), tuple(rounds))
 
 
-def _fitted(make: Callable[[], Any], vectors: list[StateVector], said: list[int], sample: bool) -> Policy:
-    return ClassifierPolicy(make().fit(np.array(vectors), np.array(said)), sample, remember=True)
+def _fitted(
+    make: Callable[[], Any], vectors: list[StateVector], behaviours: list[int], sample: bool
+) -> Policy:
+    return ClassifierPolicy(make().fit(np.array(vectors), np.array(behaviours)), sample, remember=True)

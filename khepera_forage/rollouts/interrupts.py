@@ -1,4 +1,4 @@
-"""Interrupts that come a moment later."""
+"""Delayed interrupts (Ctrl-C), for lines that must not be separated."""
 
 import signal
 import threading
@@ -7,21 +7,21 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
-    """An interrupt (Ctrl-C) within the block is raised at its end.
+def delayed_interrupts() -> Iterator[None]:
+    """Raise an interrupt (Ctrl-C) that arrives within the block at the end of the block.
 
-    For a few lines that must not be cut apart, as the opening of a file and the promise to close it: an interrupt may
-    be raised after any call, even one whose result nobody holds yet.
+    Python may otherwise raise the interrupt after any call, for example between opening a file and storing the open
+    file in a variable, so that nothing can close the file.
     """
-    usual = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(usual):
-        yield  # nothing is raised here: Python tells its main thread alone, and only if it listens
+    usual_handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(usual_handler):
+        yield  # Python raises interrupts only in the main thread, and only with a callable handler.
         return
-    held: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    received: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: received.append(number))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, usual)
-        if held:
+        signal.signal(signal.SIGINT, usual_handler)
+        if received:
             signal.raise_signal(signal.SIGINT)

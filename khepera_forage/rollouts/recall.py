@@ -1,4 +1,4 @@
-"""The recall phase as a function (4.6, 5.4): one episode, one row."""
+"""The recall phase (4.6, 5.4): one episode, which gives one row."""
 
 import math
 from collections.abc import Callable
@@ -17,12 +17,12 @@ from khepera_forage.task.food_tracking import is_collected
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-Watch = Callable[[], object]
+Callback = Callable[[], object]
 _Env = TypeVar("_Env", bound=gym.Env[Any, Any])
 
 
 class RecallInterruptedError(ConnectionError):
-    """A real robot or the camera was lost: the episode is no result."""
+    """A real robot or the camera was lost, so that the episode has no result."""
 
 
 def recall_env(
@@ -32,9 +32,9 @@ def recall_env(
 
     Args:
         arena: `corridor` or `rectangle`.
-        noise: The laboratory's troubles by default.
-        limit: Steps; the thesis's by default.
-        **kwargs: Others of the environment.
+        noise: The laboratory's noise by default.
+        limit: Time limit in steps; the thesis's by default.
+        **kwargs: Further arguments of the environment.
     """
     return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
 
@@ -43,11 +43,11 @@ def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int |
     """A registered environment without its wrappers.
 
     Args:
-        kind: Its class.
-        name: As registered, without the name of this package.
-        noise: The laboratory's troubles by default.
-        limit: Steps; the thesis's by default.
-        **kwargs: Others of the environment.
+        kind: Class of the environment.
+        name: Registered name without the name of this package.
+        noise: The laboratory's noise by default.
+        limit: Time limit in steps; the thesis's by default.
+        **kwargs: Further arguments of the environment.
     """
     if limit is not None:
         kwargs["limit"] = limit
@@ -68,50 +68,51 @@ def recall(
     file_id: str = "-",
     number: int = 0,
     experience_size: int = 0,
-    watch: Watch | None = None,
+    callback: Callback | None = None,
 ) -> RecallRow:
-    """Forage alone until all food is home or time runs out.
+    """Forage alone until all food is at home or the time limit is reached.
 
     Args:
         env: From `recall_env`.
-        policy: Who decides; an imitator's ties are counted.
-        seed: Of the episode: places, noise, and the policy's own draws.
+        policy: Chooses the behaviours; the ties of a nearest-neighbour imitator are counted.
+        seed: Of the episode: places, noise, and random choices of the policy.
         learner: Name of the policy, for the row.
         noise: Name of the noise condition, for the row.
         replication: For the row.
-        episodes: Training episodes the policy had, for the row.
+        episodes: Training episodes of the policy, for the row.
         file_id: The thesis's name of its training files, for the row.
         number: Of the recall with these files, for the row.
-        experience_size: Experience vectors the policy had, for the row.
-        watch: Called after the reset and after every step.
+        experience_size: Number of the policy's experience vectors, for the row.
+        callback: Called after every decision and at the end. It may render the environment, which then shows an
+            imitator's confidence levels.
 
     Raises:
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
     """
-    draws = np.random.default_rng((seed, 1))
+    rng = np.random.default_rng((seed, 1))
     imitator = policy if isinstance(policy, NearestNeighbourImitator) else None
     observation, info = env.reset(seed=seed)
     decisions, counts = env.decisions.values(), DecisionCounts()
     ties = conflicts = 0
-    over = False
-    while not over:
+    done = False
+    while not done:
         if imitator is not None:
             neighbours = imitator.neighbours(observation)
             ties += neighbours.tie
             conflicts += neighbours.conflict
-            action = neighbours.draw(draws)
-            if watch is not None:
+            action = neighbours.draw(rng)
+            if callback is not None:
                 levels = neighbours.confidence_levels()
                 env.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
         else:
-            action = Behaviour(policy.act(observation, draws))
-        if watch is not None:
-            watch()
+            action = Behaviour(policy.act(observation, rng))
+        if callback is not None:
+            callback()
         count_decision(counts, info["state"], action, env.forager.vector.robot_food_distance, decisions)
         observation, _, terminated, truncated, info = env.step(action)
-        over = terminated or truncated
-    if watch is not None:
-        watch()
+        done = terminated or truncated
+    if callback is not None:
+        callback()
     if "robot_lost" in info:
         raise RecallInterruptedError(f"after {info['steps']} steps: {info['robot_lost']}")
     start = env.layout.starts[0]
@@ -150,7 +151,7 @@ def recall(
 
 
 def _in_arena(arena: Arena, x: float, y: float, heading: float = 0.0) -> tuple[float, float, float]:
-    """A place in pixels from the centre of the home, x along the arena; the heading in degrees."""
+    """A pose relative to the home: x along the arena and y across it, in pixels, and the heading in degrees."""
     return (
         round((x - arena.home.x) / MM_PER_PIXEL, 2),
         round((y - arena.home.y) / MM_PER_PIXEL, 2),

@@ -1,4 +1,4 @@
-"""A training in simulation as the overhead camera would film it: teacher, learner, food and cables, in pixels."""
+"""A simulated training, rendered as the overhead camera's frames: teacher, learner, food and cables."""
 
 import time
 from collections.abc import Iterator
@@ -20,21 +20,22 @@ from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
 class RenderedTraining:
-    """Attempt after attempt at a training episode (4.5), a round of 0.1 s a frame; a `FrameSource`.
+    """A `FrameSource` of repeated attempts at a training episode (4.5), with one frame for each round of 0.1 s.
 
-    The robots see through the simulated camera, so that what they do does not depend on who looks at the frames.
+    The robots use the simulated camera, not the frames, so that their behaviour does not depend on a tracker of the
+    frames.
 
     Args:
         seed: The same seed gives the same frames.
-        look: Of the frames.
+        look: Appearance of the frames.
         noise: Of the simulation.
-        paced: Hand out frames no faster than one a round, as they would come.
-        anchor: Where the cables hang from, in mm as seen from above; None for the middle of the arenas.
+        paced: Deliver at most one frame every 0.1 s, as a real camera would.
+        anchor: Place in mm, seen from above, from which the cables hang; None for the middle of the arenas.
 
     Attributes:
-        world: What is filmed; `world.truth()` is what the newest frame shows.
-        anchor: Where the cables hang from, in mm.
-        attempts: How many were begun; at each, robots and food are put on their marks anew.
+        world: The simulated world; `world.truth()` has the true poses of the newest frame.
+        anchor: Place in mm from which the cables hang.
+        attempts: Number of attempts so far; each begins with robots and food on their marks.
     """
 
     def __init__(
@@ -57,15 +58,15 @@ class RenderedTraining:
 
     @property
     def renderer(self) -> FrameRenderer:
-        """Who draws the frames."""
+        """The renderer of the frames."""
         return self._renderer
 
     def advance(self) -> None:
-        """One round; the first puts everything on its marks."""
+        """Simulate one round; the first call places robots and food on their marks."""
         next(self._rounds)
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
-        """A frame after one more round, and its age: 0 s."""
+        """Simulate one round; returns its frame, and the age of the frame: 0 s."""
         self.advance()
         if self._paced:
             time.sleep(max(0.0, self._due - time.monotonic()))
@@ -73,7 +74,7 @@ class RenderedTraining:
         return self._renderer.frame(), 0.0
 
     def close(self) -> None:
-        """Let go of the simulation."""
+        """Close the simulation."""
         self._env.close()
 
     def _train(self, rng: np.random.Generator) -> Iterator[None]:
@@ -92,7 +93,7 @@ class RenderedTraining:
 
 
 def _in_the_middle(arena: Arena, count: int) -> Arena:
-    """An arena whose copies fill the middle of the picture: overhead is where the camera hangs (3.1)."""
+    """An arena, shifted so that its copies lie in the middle of the picture, below the camera (3.1)."""
     bounds = np.array([a.bounds for a in copies(arena, count)])
     x, y = (bounds[:, :2].min(axis=0) + bounds[:, 2:].max(axis=0)) / 2
     return arena.shifted(

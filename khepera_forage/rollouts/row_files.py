@@ -1,7 +1,7 @@
-"""Rows on disk: one dataclass a table, one line a row, written as it happens and read strictly.
+"""CSV files of rows: each file holds rows of one dataclass; they are written one by one and read strictly.
 
-Columns are the fields of the dataclass, in order. A tuple is one column, its values joined by semicolons;
-truth is 1 or 0. Lines end with a line feed, and no field holds one, so that a line is always a row.
+The columns are the fields of the dataclass, in order. A tuple is one column with its values joined by semicolons; a
+bool is 1 or 0. Lines end with a line feed, and no field contains one, so that each line is one row.
 """
 
 import csv
@@ -26,13 +26,12 @@ class RowWriter(Generic[RowT]):
     A process that is killed loses at most the row it was writing.
 
     Args:
-        path: The file; its folder is made.
+        path: The file; its folder is created if needed.
         row_type: The dataclass whose fields are the columns.
-        resume: Keep the rows of a file that is there, but for a last line cut short, and add to them.
-            Otherwise start afresh.
+        resume: Append to the complete rows of an existing file. By default an existing file is replaced.
 
     Raises:
-        ValueError: The file to be resumed has other columns.
+        ValueError: The existing file has other columns.
     """
 
     def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
@@ -45,7 +44,7 @@ class RowWriter(Generic[RowT]):
             self._file.write(header)
 
     def write(self, *rows: RowT) -> None:
-        """Append rows, in one piece."""
+        """Append rows, with one write for all of them."""
         self._file.write(b"".join(map(self._line_of, rows)))
 
     def _line_of(self, row: RowT) -> bytes:
@@ -65,17 +64,17 @@ class RowWriter(Generic[RowT]):
 
 
 def write_rows(path: Path, row_type: type[RowT], rows: Iterable[RowT]) -> None:
-    """Write a whole file of rows at once."""
+    """Write a file of rows, and replace an existing one."""
     with RowWriter(path, row_type) as writer:
         writer.write(*rows)
 
 
 def read_rows(path: Path, row_type: type[RowT]) -> list[RowT]:
-    """All rows of a file, a last line without its line feed (cut short by a kill) left out.
+    """All complete rows of a file. A last line without a line feed, which a killed process leaves, is ignored.
 
     Raises:
-        ValueError: A wrong header, a value that does not fit its column, a row that contradicts itself or
-            repeats another; the message names file and line.
+        ValueError: The header is wrong, a value does not fit its column, or a row contradicts itself or repeats
+            another. The message names file and line.
     """
     return parse_rows(path.read_text(encoding="utf-8"), str(path), row_type)
 
@@ -85,11 +84,11 @@ def parse_rows(text: str, source: str, row_type: type[RowT]) -> list[RowT]:
 
     Args:
         text: The whole file.
-        source: How error messages name it.
+        source: Name of the file in error messages.
         row_type: The dataclass whose fields are the columns.
 
     Raises:
-        ValueError: As `read_rows`.
+        ValueError: As for `read_rows`.
     """
     names, types = _names(row_type), get_type_hints(row_type)
     lines = text.split("\n")[:-1]
@@ -103,7 +102,7 @@ def parse_rows(text: str, source: str, row_type: type[RowT]) -> list[RowT]:
             if len(values) != len(names):
                 raise ValueError(f"{len(values)} values; allowed: {len(names)}")
             if seen.setdefault(line, number) != number:
-                raise ValueError(f"repeats line {seen[line]}")
+                raise ValueError(f"the row repeats line {seen[line]}")
             rows.append(row_type(**{n: _parse(n, types[n], v) for n, v in zip(names, values, strict=True)}))
         except ValueError as error:
             raise ValueError(f"{source}:{number}: {error}") from error
@@ -124,14 +123,14 @@ def _split(line: str) -> list[str]:
 def _line(values: Sequence[str]) -> bytes:
     for value in values:
         if "\n" in value or "\r" in value:
-            raise ValueError(f"a field holds {value!r}; allowed: text of one line")
+            raise ValueError(f"a field is {value!r}; allowed: text of one line")
     out = io.StringIO()
     csv.writer(out, lineterminator="\n").writerow(values)
     return out.getvalue().encode()
 
 
 def _repair(path: Path, header: bytes) -> bool:
-    """Cut a torn last line off a file that is to be resumed; False if nothing is left of it."""
+    """Remove an incomplete last line from a file; False if the file has no complete line."""
     data = path.read_bytes()
     whole = data[: data.rfind(b"\n") + 1]
     if not whole:
@@ -146,7 +145,7 @@ def _repair(path: Path, header: bytes) -> bool:
 
 
 def _format(name: str, kind: Any, value: Any) -> str:
-    """A value as the text of a column of its type; numbers of numpy are written as Python's."""
+    """A value as text; numpy numbers are written like Python's."""
     if get_origin(kind) is tuple:
         return ";".join(_format(name, get_args(kind)[0], part) for part in value)
     if type(None) in get_args(kind):
@@ -159,7 +158,7 @@ def _format(name: str, kind: Any, value: Any) -> str:
 
 
 def _parse(name: str, kind: Any, text: str) -> Any:
-    """A column's text as a value of its type."""
+    """The value of a column's text."""
     if get_origin(kind) is tuple:
         return tuple(_parse(name, get_args(kind)[0], part) for part in text.split(";")) if text else ()
     if type(None) in get_args(kind):

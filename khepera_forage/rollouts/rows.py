@@ -1,4 +1,4 @@
-"""What is kept of every training attempt and every recall episode: enough to recompute it all."""
+"""The rows of recall episodes and training attempts, from which all results can be recomputed."""
 
 import math
 from dataclasses import dataclass
@@ -6,53 +6,53 @@ from dataclasses import dataclass
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"
-"""The `learner` of the thesis' nearest-neighbour learner (4.6)."""
+"""The `learner` of the thesis's nearest-neighbour learner (4.6)."""
 TEACHER = "teacher"
 """The `learner` of rows in which the teacher forages alone."""
 RANDOM = "random"
-"""The `learner` of rows in which every behaviour is drawn uniformly: the chance level."""
+"""The `learner` of rows in which every behaviour is drawn uniformly, which measures the chance level."""
 
 STATES = len(Behaviour) - 1
-"""States that occur, 0..9 in the order of table 4.1."""
+"""Number of states that occur: 0..9 in the order of table 4.1."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecallRow:
     """One recall episode (5.4), or one forage of the teacher or of a random policy under the same conditions.
 
-    Places are in pixels of 5 mm from the centre of the home: x along the arena (the start of training lies at
-    negative x), y across it. One value per food object stands in each of the food fields, in the same order.
+    Places are in pixels of 5 mm from the centre of the home: x along the arena (training starts at negative x), y
+    across it. The food fields have one value for each food object, in the same order.
 
     Attributes:
         replication: Number of the repetition of the whole design, its own training files included.
         arena: `corridor` or `rectangle`.
-        episodes: Training episodes the learner had; 0 for who needs none.
-        file_id: The thesis' name of the training files used (`g135`); `-` for who needs none.
+        episodes: Training episodes of the learner; 0 for a policy without training.
+        file_id: The thesis's name of the training files (`g135`); `-` for a policy without training.
         recall: Number of the recall with these files, from 0.
         seed: Reproduces this episode.
         learner: `imitator`, `teacher`, `random`, or the name of another learner.
         noise: Name of the noise condition, see `design.noise_conditions`.
-        correct: Steps in which the learner did what the teacher would have done.
+        correct: Steps in which the learner executed the teacher's behaviour.
         steps: Steps until every food was delivered or known poisonous, or the limit was reached.
         limit: Time limit in steps.
         penalty: 0, 5 or 20 percentage points for uncollected food.
         score: 100 * correct / steps - penalty (equation 5.1), in percent.
-        delivered: Food objects carried home, poison not counted.
+        delivered: Food objects carried home, without poisonous ones.
         foods: Food objects in the arena.
-        poison_home: Poisonous objects brought home.
-        food_x: Where each object lay at the start.
+        poison_home: Poisonous objects carried home.
+        food_x: Place of each object at the start, along the arena.
         food_y: The same, across the arena.
-        food_delivered: Whether each object was delivered, False for poison.
-        start_x: Where the robot started.
+        food_delivered: Whether each object was delivered; False for poisonous ones.
+        start_x: Place of the robot at the start, along the arena.
         start_y: The same, across the arena.
         start_heading: In degrees, 0 along x.
-        rounds_by_state: Rounds in each state as the teacher would classify it, in the order of table 4.1.
-        wrong_by_state: Rounds of each state in which the learner did not do what the teacher would have done.
-        orient_ghost: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and
-            no candidate food was within the close threshold.
+        rounds_by_state: Rounds in each state, as the teacher classifies it, in the order of table 4.1.
+        wrong_by_state: Rounds of each state in which the learner did not execute the teacher's behaviour.
+        orient_without_food: Rounds in which the learner, unlike the teacher, executed ORIENT WITH FOOD without
+            candidate food within the close threshold.
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
-        experience_size: Experience vectors the learner had.
+        experience_size: Number of the learner's experience vectors.
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -82,7 +82,7 @@ class RecallRow:
     start_heading: float
     rounds_by_state: tuple[int, ...]
     wrong_by_state: tuple[int, ...]
-    orient_ghost: int
+    orient_without_food: int
     ties: int
     conflicts: int
     experience_size: int
@@ -95,17 +95,25 @@ class RecallRow:
         for name in ("food_x", "food_y", "food_delivered"):
             values = getattr(self, name)
             _require(len(values) == self.foods, name, values, f"one value for each of {self.foods} foods")
-        sure = sum(self.food_delivered)
-        _require(self.delivered == sure, "delivered", self.delivered, f"{sure}, by food_delivered")
+        delivered = sum(self.food_delivered)
+        _require(
+            self.delivered == delivered,
+            "delivered",
+            self.delivered,
+            f"{delivered}, the sum of food_delivered",
+        )
         for name, total in (("rounds_by_state", self.steps), ("wrong_by_state", self.steps - self.correct)):
             counts = getattr(self, name)
-            right = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
-            _require(right, name, counts, f"{STATES} counts that add up to {total}")
+            valid = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
+            _require(valid, name, counts, f"{STATES} counts that add up to {total}")
         for state, (rounds, wrong) in enumerate(zip(self.rounds_by_state, self.wrong_by_state, strict=True)):
-            _require(wrong <= rounds, f"wrong_by_state[{state}]", wrong, f"at most {rounds}, all its rounds")
+            _require(wrong <= rounds, f"wrong_by_state[{state}]", wrong, f"at most {rounds}, its rounds")
         wrong = self.steps - self.correct
         _require(
-            0 <= self.orient_ghost <= wrong, "orient_ghost", self.orient_ghost, f"0..{wrong} wrong rounds"
+            0 <= self.orient_without_food <= wrong,
+            "orient_without_food",
+            self.orient_without_food,
+            f"0..{wrong} wrong rounds",
         )
         _require(0 <= self.ties <= self.steps, "ties", self.ties, f"0..{self.steps} steps")
         _require(0 <= self.conflicts <= self.ties, "conflicts", self.conflicts, f"0..{self.ties} ties")
@@ -117,22 +125,22 @@ class RecallRow:
 
     @property
     def orient_wanted(self) -> int:
-        """Rounds in which the teacher would have executed ORIENT WITH FOOD."""
+        """Rounds in which ORIENT WITH FOOD is the teacher's behaviour."""
         return self.rounds_by_state[State.NEXT_TO_FOOD]
 
     @property
     def orient_missed(self) -> int:
-        """Rounds of these in which the learner did something else."""
+        """Rounds in which ORIENT WITH FOOD is the teacher's behaviour, and the learner executed another."""
         return self.wrong_by_state[State.NEXT_TO_FOOD]
 
     @property
     def failed(self) -> bool:
-        """Whether food was left that should have been collected."""
+        """Whether food was left that should have been delivered."""
         return self.penalty > 0
 
     @property
     def failure_mode(self) -> State | None:
-        """The state in which a failed recall went wrong most often; the earliest of several, None if none."""
+        """The state with most wrong rounds of a failed recall, the first of several; None without wrong rounds."""
         most = max(self.wrong_by_state)
         return State(self.wrong_by_state.index(most)) if self.failed and most > 0 else None
 
@@ -143,15 +151,15 @@ class TrainingRow:
 
     Attributes:
         replication: Number of the repetition of the whole design.
-        file: Number of the training file it was for, 1..10.
-        attempt: From 1, up to the one that is complete.
+        file: Number of the training file, 1..10.
+        attempt: Number of the attempt at this file, from 1; the last one is complete.
         seed: Reproduces this attempt.
         noise: Name of the noise condition.
-        complete: Whether teacher and learner both delivered and left home.
-        rounds: MultiSteps it took.
-        vectors: Experience vectors recorded.
-        separations: Times the teacher began to wait for the learner.
-        reason: Why an incomplete attempt ended; empty for a complete one.
+        complete: Whether teacher and learner both delivered their food and left home.
+        rounds: Number of MultiSteps.
+        vectors: Number of recorded experience vectors.
+        separations: How often the teacher began to wait for the learner.
+        reason: Why the attempt is incomplete; empty for a complete one.
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -177,6 +185,6 @@ class TrainingRow:
         _require(bool(self.reason) != self.complete, "reason", self.reason, "empty if and only if complete")
 
 
-def _require(fine: bool, name: str, value: object, allowed: str) -> None:
-    if not fine:
+def _require(valid: bool, name: str, value: object, allowed: str) -> None:
+    if not valid:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")

@@ -1,9 +1,7 @@
 """The training phase (4.5, 5.3): attempts at a training episode, until one is complete."""
 
-import logging
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.envs.training_episode import MAX_ATTEMPTS
-from khepera_forage.experience import Experience, ExperienceWriter
+from khepera_forage.experience import Experience
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.rollouts.interrupts import delayed_interrupts
+from khepera_forage.rollouts.experience_recorder import ExperienceRecorder
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
@@ -23,7 +20,6 @@ from khepera_forage.task.states import Behaviour, StateVector
 
 ROBOT_LOST = "robot lost"
 """The reason of an attempt in which a real robot or the camera was lost."""
-_log = logging.getLogger(__name__)
 
 Record = Callable[[StateVector, Behaviour], None]
 """Receives the learner's state vector and the behaviour that it heard with it."""
@@ -125,48 +121,6 @@ def _result(env: TrainingEnv, resumed: int) -> Attempt:
     return Attempt(complete, rounds, separations, resumed, reason, lost)
 
 
-class _Recorder:
-    """The experience of one attempt, in memory and, with a path, in a file that grows with every vector."""
-
-    def __init__(self, path: Path | None) -> None:
-        self.vectors: list[StateVector] = []
-        self.behaviours: list[Behaviour] = []
-        self._path = path
-        self._writer: ExperienceWriter | None = None
-
-    def open(self, arena: str, seed: int) -> None:
-        """Create the file.
-
-        Raises:
-            FileExistsError: There is a file at the path.
-        """
-        if self._path is not None:
-            with delayed_interrupts():
-                self._writer = ExperienceWriter(self._path, arena, seed)
-
-    def record(self, vector: StateVector, behaviour: Behaviour) -> None:
-        """Append an experience vector."""
-        self.vectors.append(vector)
-        self.behaviours.append(behaviour)
-        if self._writer is not None:
-            self._writer.append(vector, behaviour)
-
-    def close(self, complete: bool) -> None:
-        """Close the file, with the closing line of a complete file or without it."""
-        if self._writer is not None:
-            self._writer.close(complete)
-
-    def abort(self) -> None:
-        """Close the file without a closing line after an exception; delete it if it holds no vector.
-
-        An operator may stop before anything happens; an empty file would be in the way of the next training.
-        """
-        if self._writer is not None:
-            self._writer.close(complete=False)
-            if not self.vectors:
-                self._writer.path.unlink()
-
-
 def train(
     env: TrainingEnv,
     seed: np.random.SeedSequence,
@@ -179,7 +133,7 @@ def train(
     *,
     teacher: Policy | None = None,
     options: Mapping[str, Any] | None = None,
-    attempts: int = MAX_ATTEMPTS,
+    attempts: int | None = None,
 ) -> tuple[Experience, list[TrainingRow]]:
     """Repeat a training episode "as if it was the first time" until it is complete; discard incomplete ones (5.2).
 
@@ -198,7 +152,7 @@ def train(
         callback: Called after every round.
         teacher: Policy of the teacher; by default that of section 4.4.
         options: For the environment's reset in every attempt.
-        attempts: Largest number of attempts.
+        attempts: Largest number of attempts; by default that of the environment's decisions.
 
     Returns:
         The experience of the complete episode, and one row for each attempt.
@@ -211,7 +165,7 @@ def train(
     rows = []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
-        recorder = _Recorder(path)
+        recorder = ExperienceRecorder(path)
         try:
             recorder.open(arena, attempt_seed)
             result = attempt(
@@ -238,21 +192,10 @@ def train(
         if result.complete:
             return Experience(recorder.vectors, recorder.behaviours, arena=arena, seed=attempt_seed), rows
         if result.lost:
-            _keep(path, number, len(recorder.vectors), result.lost)
-        elif path is not None:
-            path.unlink()
+            recorder.keep(number, result.lost)
+        else:
+            recorder.discard()
     raise IncompleteTrainingError(f"none of {attempts} attempts at a training episode was complete")
-
-
-def _keep(path: Path | None, number: int, vectors: int, lost: str) -> None:
-    """Rename the file of an attempt in which a robot was lost, and log its new name."""
-    where = "not kept: training has no experience file"
-    if path is not None:
-        names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
-        kept = next(name for name in names if not name.exists())
-        path.rename(kept)
-        where = f"kept in {kept}"
-    _log.warning("attempt %d ended: %s; its %d experience vectors are %s", number, lost, vectors, where)
 
 
 def arrays(experiences: list[Experience]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -1,4 +1,4 @@
-"""The recall phase of a policy that commands wheels, arm and jaw: one episode, one row (4.8, 5.4)."""
+"""The recall phase of a policy that commands wheels, arm and jaw (4.8, 5.4): one episode, one result."""
 
 from typing import Any, NamedTuple, Protocol
 
@@ -7,29 +7,29 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.rollouts.recall import RecallCutShort, Watch, unwrapped_env
+from khepera_forage.rollouts.recall import Callback, RecallInterruptedError, unwrapped_env
 
 
 class MotorPolicy(Protocol):
-    """Who decides what the motors do next; `policies.baselines.WheelsPolicy` is one."""
+    """Chooses motor commands; `policies.baselines.WheelsPolicy` is one."""
 
     def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
         """Left wheel, right wheel, arm and jaw, each -1..1, as `CorridorWheels-v0` takes them.
 
         Args:
-            observation: The raw data that the environment shows.
-            rng: Where a policy that decides by chance draws from.
+            observation: The raw data of the environment.
+            rng: Source of a stochastic policy's random choices.
         """
         ...
 
 
 class WheelsRecall(NamedTuple):
-    """What became of one recall.
+    """The result of one recall.
 
     Attributes:
-        score: Equation 5.1, percent. A step is correct when the motors, as applied, are those that the teacher's
-            behaviour commands: whoever forages in another way scores near -penalty or 0.
-        steps: How many it took.
+        score: Equation 5.1, percent. A step is correct if the applied motor commands are those of the teacher's
+            behaviour. A policy that forages in another way has a score near 0 or near -penalty.
+        steps: Number of steps.
         delivered: Food brought home that is not poisonous.
         foods: Food objects in the arena.
         poison_home: Poisonous food brought home.
@@ -47,43 +47,43 @@ class WheelsRecall(NamedTuple):
 def recall_wheels_env(
     arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
 ) -> WheelsEnv:
-    """The recall environment of one of the thesis' arenas that takes motors.
+    """The recall environment of one of the thesis's arenas whose actions are motor commands.
 
     Args:
         arena: `corridor` or `rectangle`.
-        noise: The laboratory's troubles by default.
-        limit: Steps; the thesis' by default.
-        **kwargs: Others of the environment.
+        noise: The laboratory's noise by default.
+        limit: Time limit in steps; the thesis's by default.
+        **kwargs: Further arguments of the environment.
     """
     return unwrapped_env(WheelsEnv, f"{arena.capitalize()}Wheels-v0", noise, limit, **kwargs)
 
 
 def recall_wheels(
-    env: WheelsEnv, policy: MotorPolicy, seed: int, *, watch: Watch | None = None
+    env: WheelsEnv, policy: MotorPolicy, seed: int, *, callback: Callback | None = None
 ) -> WheelsRecall:
-    """Forage alone, motors commanded, until all food is home or time runs out.
+    """Forage alone until all food is at home or the time limit is reached.
 
     Args:
         env: From `recall_wheels_env`.
-        policy: Who decides.
-        seed: Of the episode: places, noise, and the policy's own draws.
-        watch: Called after the reset and after every step.
+        policy: Chooses the motor commands.
+        seed: Of the episode: places, noise, and random choices of the policy.
+        callback: Called before every step and at the end.
 
     Raises:
-        RecallCutShort: A real robot or the camera was lost; the robot was stopped.
+        RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
     """
-    draws = np.random.default_rng((seed, 1))
+    rng = np.random.default_rng((seed, 1))
     observation, _ = env.reset(seed=seed)
-    over = False
-    while not over:
-        if watch is not None:
-            watch()
-        observation, _, terminated, truncated, info = env.step(policy.act(observation, draws))
-        over = terminated or truncated
-    if watch is not None:
-        watch()
+    done = False
+    while not done:
+        if callback is not None:
+            callback()
+        observation, _, terminated, truncated, info = env.step(policy.act(observation, rng))
+        done = terminated or truncated
+    if callback is not None:
+        callback()
     if "robot_lost" in info:
-        raise RecallCutShort(f"after {info['steps']} steps: {info['robot_lost']}")
+        raise RecallInterruptedError(f"after {info['steps']} steps: {info['robot_lost']}")
     return WheelsRecall(
         score=info["score"],
         steps=info["steps"],

@@ -1,8 +1,7 @@
-"""The thesis' own results: tables A.1 to A.7 as printed, slips included, and what chapter 5 says of them.
+"""The thesis's results: tables A.1 to A.7 as printed, with their errors, and the same figures in chapter 5.
 
-The tables print a missing penalty as a dash or, in A.5, as nothing, and A.7 adds a percent sign to the
-others; here it is a dash or a number throughout. All else is verbatim. What does not add up is listed by
-`slips.py`.
+The penalty is normalised: no penalty is a dash (A.5 prints nothing), and other penalties have no percent sign (A.7
+prints one). All other values are verbatim. `errata.py` lists the values that contradict each other.
 """
 
 from collections.abc import Iterable
@@ -28,13 +27,13 @@ class PrintedRecall:
 
     Attributes:
         table: `A.1` to `A.7`.
-        line: Its number in the table, from 1: our addition.
+        line: Number of the line in the table, from 1; not printed in the thesis.
         arena: `corridor` or `rectangle`.
-        episodes: Training episodes the learner had gone through.
+        episodes: Training episodes of the learner.
         file_id: The experience files used, as the thesis names them.
-        correct: Correct behaviours.
+        correct: Steps with a correct behaviour.
         total: Steps.
-        percent: Correct behaviours in percent of the steps; the tables cut the fraction off.
+        percent: Correct steps in percent, truncated to an integer.
         penalty: `-20`, `-5` or `-`.
         score: In percent.
     """
@@ -60,7 +59,7 @@ class PrintedRecall:
         return 0 if self.penalty == NO_PENALTY else -int(self.penalty)
 
     def delivered(self, foods: int) -> int:
-        """Food carried home, told from the penalty: none at -20, all but one at -5, all without one."""
+        """Food carried home, derived from the penalty: none at -20, all but one at -5, all without a penalty."""
         return {0: foods, 5: foods - 1, 20: 0}[self.points]
 
 
@@ -75,20 +74,20 @@ class PrintedSet:
 
 @dataclass(frozen=True, slots=True)
 class PrintedTable:
-    """What stands below and about one table, and what the text of chapter 5 says of it.
+    """The summary of one table, as printed below it and in the text of chapter 5.
 
     Attributes:
         table: `A.1` to `A.7`.
         arena: `corridor` or `rectangle`.
-        episodes: Training episodes the learner had gone through.
+        episodes: Training episodes of the learner.
         foods: Food objects in the arena.
         limit: Time limit in steps.
         average: "Total Average", in percent.
         collected: "Food Collected".
-        available: Food there was in all recalls together.
-        text_average: Mean score in the text; None where only the table has it.
+        available: Food objects in all recalls of the table.
+        text_average: Mean score in the text; None if only the table has it.
         text_collected: Food collected in the text.
-        text_available: Food there was, in the text.
+        text_available: Food objects in all recalls, in the text.
     """
 
     table: str
@@ -118,7 +117,7 @@ def sets() -> tuple[PrintedSet, ...]:
 
 @cache
 def tables() -> tuple[PrintedTable, ...]:
-    """What is printed of each table as a whole."""
+    """The summary of each table."""
     return _load("appendix_a_tables.csv", PrintedTable)
 
 
@@ -126,7 +125,7 @@ def table_of(arena: str, episodes: int) -> PrintedTable:
     """The table of one cell of the design.
 
     Raises:
-        KeyError: The thesis has no such cell.
+        KeyError: The thesis has no table for this cell.
     """
     cells = {(table.arena, table.episodes): table for table in tables()}
     if (arena, episodes) not in cells:

@@ -1,4 +1,4 @@
-"""The results of each cell of the thesis: its figures, ours, and where its figures lie among ours."""
+"""The results of each cell: the thesis's, ours, and the rank of the thesis's among ours."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -12,29 +12,29 @@ from khepera_forage.thesis.design import THESIS, Cell
 from khepera_forage.thesis.statistics import (
     RESAMPLES,
     Estimate,
-    Standing,
+    PercentileRank,
     bootstrap,
+    percentile_rank,
     ratio,
     replications,
-    standing,
-    tally,
+    sums_by_replication,
 )
 
 
 @dataclass(frozen=True, slots=True)
 class CellResult:
-    """One table of appendix A beside our replications of it.
+    """One table of appendix A and our replications of it.
 
     Attributes:
-        cell: What was done.
-        thesis_printed: The mean score that the table prints, in percent.
-        thesis_score: The mean of the scores printed in its lines: another where the thesis erred.
-        thesis_food: Food objects carried home, of `cell.available`.
+        cell: The arena and the amount of training.
+        thesis_printed: The thesis's printed mean score, in percent.
+        thesis_score: The mean of the scores in the thesis's lines; it differs where the printed mean is wrong.
+        thesis_food: Food objects carried home in the thesis, of `cell.available`.
         score: Our mean score, in percent.
-        food: Our food carried home per experiment of the same size.
-        scores: Mean score of each experiment of the same size, one a complete replication.
-        foods: Food carried home in each of them.
-        recalls: Recall episodes we ran.
+        food: Our mean number of food objects carried home, per experiment of the thesis's size.
+        scores: Our mean score in each complete replication, an experiment of the thesis's size.
+        foods: Food objects carried home in each complete replication.
+        recalls: Number of our recall episodes.
     """
 
     cell: Cell
@@ -48,18 +48,18 @@ class CellResult:
     recalls: int
 
     @property
-    def score_standing(self) -> Standing:
-        """Where the thesis' mean score lies among our experiments."""
-        return standing(self.thesis_score, self.scores)
+    def score_rank(self) -> PercentileRank:
+        """The rank of the thesis's mean score among our experiments."""
+        return percentile_rank(self.thesis_score, self.scores)
 
     @property
-    def food_standing(self) -> Standing:
-        """Where the thesis' food count lies among our experiments."""
-        return standing(self.thesis_food, self.foods)
+    def food_rank(self) -> PercentileRank:
+        """The rank of the thesis's food count among our experiments."""
+        return percentile_rank(self.thesis_food, self.foods)
 
 
 def in_cell(rows: Iterable[RecallRow], cell: Cell) -> list[RecallRow]:
-    """The imitator's recall episodes that belong to one cell."""
+    """The recall episodes of the imitator in one cell."""
     return [r for r in rows if (r.learner, r.arena, r.episodes) == (IMITATOR, cell.arena, cell.episodes)]
 
 
@@ -72,17 +72,19 @@ def cell_results(
     """The result of every cell.
 
     Args:
-        recalls: Rows of the imitator; of others, which are left out.
+        recalls: Rows of the imitator; rows of other policies are ignored.
         rng: Draws the resamples.
         cells: The design.
-        resamples: How many.
+        resamples: Resamples for each interval.
     """
     return [_result(in_cell(recalls, cell), cell, rng, resamples) for cell in cells]
 
 
 def _result(rows: list[RecallRow], cell: Cell, rng: np.random.Generator, resamples: int) -> CellResult:
     numbers = replications(rows)
-    sums = tally(rows, numbers, lambda row: row.score, lambda row: row.delivered, lambda row: 1.0)
+    sums = sums_by_replication(
+        rows, numbers, lambda row: row.score, lambda row: row.delivered, lambda row: 1.0
+    )
     score = bootstrap(sums[:, [0, 2]], ratio, rng, resamples)
     food = bootstrap(sums[:, [1, 2]], ratio, rng, resamples)
     experiments: dict[int, list[RecallRow]] = defaultdict(list)

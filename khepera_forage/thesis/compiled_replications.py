@@ -1,7 +1,6 @@
-"""The thesis' design in a hundred replications at a time: training and recalls wholly in compiled kernels (5.4).
+"""A hundred replications of the thesis's design at a time, simulated by the compiled kernels (5.4).
 
-The same design, files, subsets and rows as `replication`; what differs is where the worlds are simulated. Needs numba
-(extra `fast`).
+The design, files, subsets and rows are those of `replication`; only the backend differs. Needs numba (extra `fast`).
 """
 
 from collections.abc import Iterator
@@ -11,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import the_arena
-from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.noise import Noise
-from khepera_forage.policies.ballot_box import memories_of
+from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.confidence import confidence_levels
 from khepera_forage.rollouts.compiled.recall_rows import recall_rows
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
@@ -22,30 +21,31 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR
-from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell, Subset, noise_conditions
-from khepera_forage.thesis.orient_analysis import VoteRow, arrivals, votes
-from khepera_forage.thesis.replication import (
-    TRAINING_DISTANCE,
-    Outcome,
-    baseline_limit,
-    baseline_seeds,
-    replication_seeds,
+from khepera_forage.thesis.design import (
+    LABORATORY,
+    THESIS,
+    Cell,
+    Subset,
+    files_needed,
+    noise_conditions,
 )
+from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, orient_rows
+from khepera_forage.thesis.replication import Outcome, baseline_limit, baseline_seeds, replication_seeds
 
-SIZE = 100
-"""Replications that run together: enough to keep all worlds busy."""
+GROUP_SIZE = 100
+"""Replications that run together: enough to use all lanes of the kernels."""
 
 
 @dataclass(frozen=True, slots=True)
-class ReplicationBatch:
+class CompiledReplications:
     """Replications `first` to `first + count - 1`, each with ten new training files and the recalls of some cells.
 
     Attributes:
         seed: Of the whole reproduction.
-        first: A multiple of `SIZE`, so that a replication is the same however many there are.
-        count: At most `SIZE`.
+        first: A multiple of `GROUP_SIZE`, so that a replication does not depend on the total number.
+        count: At most `GROUP_SIZE`.
         noise: Name of the noise condition, in training and recall.
-        cells: Which tables of appendix A; none is training alone.
+        cells: The tables of appendix A to repeat; without any, only the training files.
     """
 
     seed: int
@@ -57,19 +57,19 @@ class ReplicationBatch:
     def run(self) -> Outcome:
         """Train, recall, and return the rows."""
         noise = noise_conditions()[self.noise]
-        (training, _), *_ = seeds = [
-            replication_seeds(self.seed, number, self.noise).spawn(2) for number in self._numbers
-        ]
-        training_seed = int(training.generate_state(1)[0])
-        needed = max((f for cell in self.cells for s in cell.subsets for f in s.files), default=FILES)
-        trained = train_learners(self.count, seed=training_seed, noise=noise, episodes=needed)
+        seeds = [replication_seeds(self.seed, number, self.noise).spawn(2) for number in self._numbers]
+        first_training, _ = seeds[0]
+        training_seed = int(first_training.generate_state(1)[0])
+        trained = train_learners(
+            self.count, seed=training_seed, noise=noise, episodes=files_needed(self.cells)
+        )
         recalling = [parts.spawn(len(self.cells)) for _, parts in seeds]
         recalls: list[RecallRow] = []
         for i, cell in enumerate(self.cells):
             states = [cells[i].generate_state(cell.size) for cells in recalling]
             recalls += self._recalls(cell, noise, trained, np.concatenate(states).astype(np.int64))
-        voting = self._votes(trained) if self.noise == LABORATORY else ()
-        return Outcome(tuple(recalls), tuple(self._trainings(trained)), tuple(voting))
+        orient = self._orient_rows(trained) if self.noise == LABORATORY else ()
+        return Outcome(tuple(recalls), tuple(self._trainings(trained)), tuple(orient))
 
     @property
     def _numbers(self) -> range:
@@ -107,7 +107,7 @@ class ReplicationBatch:
             "file_id": [s.name for s in cell.subsets for _ in range(cell.recalls)] * self.count,
             "recall": list(range(cell.recalls)) * len(experience),
             "seed": seeds.tolist(),
-            "experience_size": np.repeat([len(heard) for _, heard in experience], cell.recalls).tolist(),
+            "experience_size": np.repeat([len(y) for _, y in experience], cell.recalls).tolist(),
         }
         return recall_rows(
             played,
@@ -119,27 +119,27 @@ class ReplicationBatch:
             limit=cell.limit,
         )
 
-    def _votes(self, trained: Trained) -> Iterator[VoteRow]:
+    def _orient_rows(self, trained: Trained) -> Iterator[OrientRow]:
         for cell in self.cells:
             if cell.arena == CORRIDOR.name:
-                asked = [(i, s) for i in range(self.count) for s in cell.subsets]
-                memories = memories_of([_experience(trained, i, s) for i, s in asked])
-                diagonal = site_of(CORRIDOR).diagonal
-                levels = confidence_levels(memories, arrivals(TRAINING_DISTANCE), diagonal)
-                for (i, subset), own in zip(asked, levels, strict=True):
-                    yield from votes(own, self.first + i, cell.episodes, subset.name)
+                imitators = [(i, subset) for i in range(self.count) for subset in cell.subsets]
+                memories = memories_of([_experience(trained, i, subset) for i, subset in imitators])
+                diagonal = arena_map_of(CORRIDOR).diagonal
+                all_levels = confidence_levels(memories, arrival_vectors(), diagonal)
+                for (i, subset), levels in zip(imitators, all_levels, strict=True):
+                    yield from orient_rows(levels, self.first + i, cell.episodes, subset.name)
 
 
 @dataclass(frozen=True, slots=True)
-class BaselineBatch:
-    """The teacher alone, or a policy that draws its behaviours, under the laboratory's noise.
+class CompiledBaseline:
+    """Blocks of forages of the teacher, or of a random policy, under the laboratory's noise.
 
     Attributes:
         seed: Of the whole reproduction.
-        blocks: How many; each stands for a replication.
+        blocks: Number of blocks; each counts as a replication.
         learner: `teacher` or `random`.
         arena: `corridor` or `rectangle`.
-        forages: In each block.
+        forages: Number of forages in each block.
     """
 
     seed: int
@@ -185,6 +185,6 @@ class BaselineBatch:
 def _experience(
     trained: Trained, learner: int, subset: Subset
 ) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
-    """State vectors and behaviours of the files that a learner is given together."""
+    """State vectors and behaviours of the training files that a learner uses together."""
     rows = np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])
     return rows[:, :5], rows[:, 5]

@@ -1,19 +1,25 @@
-"""The thesis' experiments as data: which training files, how many recalls, which arena (5.4.1.1, 5.4.2.1)."""
+"""The thesis's experiments as data: training files, recalls and arenas of each (5.4.1.1, 5.4.2.1)."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from khepera_forage.noise import SOURCES, Noise
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 FILES = 10
 """Complete training episodes, one experience file each (5.3)."""
+TRAINING_DISTANCE = math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL
+"""Pixels between food and home in training, which is always in the corridor (figure 5.1)."""
 
 
 class Subset(NamedTuple):
-    """Training files that a learner is given together.
+    """Training files whose experience a learner uses together.
 
     Attributes:
-        files: Their numbers, 1..10.
+        files: Numbers of the files, 1..10.
     """
 
     files: tuple[int, ...]
@@ -30,9 +36,9 @@ class Cell:
 
     Attributes:
         arena: `corridor` or `rectangle`.
-        episodes: Training episodes a learner has gone through.
+        episodes: Training episodes of each learner.
         subsets: The training files of each learner.
-        recalls: Recall episodes of each.
+        recalls: Recall episodes of each learner.
         foods: Food objects in the arena.
         limit: Time limit in steps.
     """
@@ -76,17 +82,24 @@ THESIS = (
 )
 """Tables A.1 to A.7, in order. A replication is all of them, ten new training files included."""
 
+
+def files_needed(cells: Sequence[Cell]) -> int:
+    """Training files that the learners of some cells use; all ten without any cell."""
+    return max((file for cell in cells for subset in cell.subsets for file in subset.files), default=FILES)
+
+
 LABORATORY = "laboratory"
-"""The noise condition of the thesis: every trouble together."""
+"""Name of the noise condition of the thesis: all sources of noise together."""
 NO_LOSSES = "no losses"
-"""The laboratory with a tracker that never loses a region (5.3.1)."""
+"""Name of the laboratory's noise with a tracker that never loses a region (5.3.1)."""
 NO_NOISE = "none"
+"""Name of the condition without noise."""
 
 
 def noise_conditions() -> dict[str, Noise]:
     """Noise by name: none, each source alone, the laboratory, and the laboratory without tracking losses.
 
-    Cables do nothing but multiply losses, so they come with them.
+    Cables only multiply the rate of tracking losses, so they are combined with that source.
     """
     laboratory = Noise.laboratory()
     conditions = {NO_NOISE: Noise.none()}

@@ -1,4 +1,4 @@
-"""The thesis' slips in arithmetic, computed from its own tables and not listed by hand."""
+"""Errata of the thesis: errors of arithmetic in tables A.1 to A.7, computed from the printed numbers."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -11,16 +11,16 @@ from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall, PrintedTable
 
 
-class Slip(NamedTuple):
-    """Something printed that does not follow from what is printed beside it.
+class Erratum(NamedTuple):
+    """A printed value that does not follow from the values printed beside it.
 
     Attributes:
         table: `A.1` to `A.7`.
-        place: Which line of the table, counted from 1, or which average.
+        place: The line of the table, counted from 1, or the average.
         kind: `share`, `percent`, `rounding` (rounded, where the tables cut fractions off), `score`,
             `penalty`, `series`, `average`, `food` or `text`.
-        printed: As the thesis has it.
-        expected: What would follow.
+        printed: The value in the thesis.
+        expected: The value that would follow.
     """
 
     table: str
@@ -30,14 +30,14 @@ class Slip(NamedTuple):
     expected: str
 
 
-def slips() -> list[Slip]:
-    """Every slip, in the order of the tables."""
-    found: list[Slip] = []
+def errata() -> list[Erratum]:
+    """All errata, in the order of the tables."""
+    found: list[Erratum] = []
     for table in appendix_a.tables():
         rows = appendix_a.rows_of(table)
         for row in rows:
             place = f"line {row.line}, {row.file_id}"
-            found += [Slip(table.table, place, *slip) for slip in _of_row(row, table.limit)]
+            found += [Erratum(table.table, place, *erratum) for erratum in _of_row(row, table.limit)]
         found += _of_series(rows, table.limit)
         found += _of_averages(table, rows)
         found += _of_food(table, rows)
@@ -45,7 +45,7 @@ def slips() -> list[Slip]:
 
 
 def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
-    """Slips within one line."""
+    """Errata within one line: kind, printed and expected value."""
     possible = 0 < row.total <= limit and row.correct <= row.total
     share = f"{row.correct}/{row.total}"
     if not possible:
@@ -70,8 +70,8 @@ def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
         yield "penalty", f"none after {row.total} steps", "a penalty, or food delivered in the very last step"
 
 
-def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Slip]:
-    """Runs of lines that count up by one with the same total: the mark of a spreadsheet's fill-down."""
+def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Erratum]:
+    """Consecutive lines with the same total that count up by one, as a spreadsheet's fill-down produces them."""
     run = [rows[0]]
     for row in (*rows[1:], None):
         last = run[-1]
@@ -85,38 +85,40 @@ def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Slip]:
         if len(run) > 1:
             printed = f"{run[0].correct} to {last.correct}, each of {last.total} ({last.percent}%)"
             place = f"lines {run[0].line}-{last.line}, {last.file_id}"
-            yield Slip(last.table, place, "series", printed, "counts of their own")
+            yield Erratum(last.table, place, "series", printed, "a separate count for each line")
         run = [row] if row is not None else []
 
 
-def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:
-    """Averages against the printed scores, and the text against the table."""
+def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Erratum]:
+    """Averages that differ from the printed scores, or between text and table."""
     scores = {name: [r.score for r in group] for name, group in groupby(rows, key=lambda r: r.file_id)}
     printed = [s for s in appendix_a.sets() if s.table == table.table]
     for entry in printed:
         mean = Fraction(sum(scores[entry.file_id]), len(scores[entry.file_id]))
         if not _rounds_to(mean, entry.average):
-            yield Slip(table.table, entry.file_id, "average", str(entry.average), f"{float(mean):g}")
+            yield Erratum(table.table, entry.file_id, "average", str(entry.average), f"{float(mean):g}")
     total = Fraction(sum(row.score for row in rows), len(rows))
     if not _rounds_to(total, table.average):
-        yield Slip(table.table, "total average", "average", str(table.average), f"{float(total):g}")
+        yield Erratum(table.table, "total average", "average", str(table.average), f"{float(total):g}")
     if table.text_average is not None and table.text_average != table.average:
-        said, meant = f"{table.text_average} in chapter 5", f"{table.average}, as the table"
-        yield Slip(table.table, "total average", "text", said, meant)
+        in_text, in_table = f"{table.text_average} in chapter 5", f"{table.average}, as in the table"
+        yield Erratum(table.table, "total average", "text", in_text, in_table)
 
 
-def _of_food(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Slip]:
-    """Food collected against the penalties of the lines."""
+def _of_food(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Erratum]:
+    """Food counts, in table and text, that differ from the penalties of the lines."""
     counted = (sum(row.delivered(table.foods) for row in rows), table.foods * len(rows))
     for kind, found in (
         ("food", (table.collected, table.available)),
         ("text", (table.text_collected, table.text_available)),
     ):
         if found != counted:
-            yield Slip(table.table, "food collected", kind, "{}/{}".format(*found), "{}/{}".format(*counted))
+            yield Erratum(
+                table.table, "food collected", kind, "{}/{}".format(*found), "{}/{}".format(*counted)
+            )
 
 
 def _rounds_to(value: Fraction, printed: Decimal) -> bool:
-    """Whether a value, rounded or cut off at the printed number of decimals, reads as printed."""
+    """Whether a value equals the printed one after rounding or truncation to its number of decimals."""
     exact = Decimal(value.numerator) / Decimal(value.denominator)
     return any(exact.quantize(printed, rounding=how) == printed for how in (ROUND_DOWN, ROUND_HALF_UP))

@@ -1,6 +1,6 @@
-"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis' points beside ours, and a figure of what noise costs.
+"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis's values and ours, and a figure of the noise table.
 
-Drawn with matplotlib's figure objects, so that no window system and no global state is involved.
+They use matplotlib's figure objects directly, without a window system or global state.
 """
 
 import math
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
-"""Blue and vermilion of Okabe and Ito, told apart by colour-blind readers."""
+"""Blue and vermilion of Okabe and Ito, which colour-blind readers can distinguish, and grey."""
 DPI = 150
 _SHIFT = 0.2
-"""Episodes by which our marks stand left, and the thesis' right, of their number of episodes."""
+"""Horizontal offset in episodes: our marks are left of their number of episodes, the thesis's right of it."""
 
 
 def fig_5_2(results: Sequence[CellResult]) -> "Figure":
@@ -47,16 +47,14 @@ def fig_5_6(results: Sequence[CellResult]) -> "Figure":
 
 
 def noise_figure(table: Table) -> "Figure":
-    """Score in each cell, and attempts at training, under each source of noise: the noise table drawn."""
+    """The noise table as a figure: scores and training attempts under each source of noise."""
     names = list(dict.fromkeys(str(row[0]) for row in table.rows))
     cells = list(dict.fromkeys(str(row[1]) for row in table.rows))
     panels = [
         (f"score (%)\n{cell} episodes", {str(r[0]): r[2] for r in table.rows if r[1] == cell})
         for cell in cells
     ]
-    panels.append(
-        ("attempts for one complete\ntraining episode", {str(row[0]): row[5] for row in table.rows})
-    )
+    panels.append(("attempts per complete\ntraining episode", {str(row[0]): row[5] for row in table.rows}))
     figure = new_figure(2.6 + 2.5 * len(panels), 1.6 + 0.36 * len(names))
     columns = figure.subplots(1, len(panels), sharey=True)
     for axes, (label, estimates) in zip(columns, panels, strict=True):
@@ -72,13 +70,18 @@ def noise_figure(table: Table) -> "Figure":
         axes.tick_params(axis="y", length=0)
     columns[0].set_yticks(range(len(names)), names[::-1])
     columns[0].set_ylim(-0.6, len(names) - 0.4)
-    figure.suptitle("What each of the laboratory's troubles costs")
+    figure.suptitle("Effect of each source of noise")
     figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
     return figure
 
 
 def new_figure(width: float, height: float) -> "Figure":
-    """An empty figure of this size in inches."""
+    """An empty figure.
+
+    Args:
+        width: In inches.
+        height: In inches.
+    """
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
@@ -140,7 +143,7 @@ def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
 
 
 def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
-    """Single experiments as faint dots, spread sideways in a fixed pattern."""
+    """Draw single experiments as faint dots, spread sideways in a fixed pattern."""
     if not values:
         return
     spread = 0.13 * np.sin(2.4 * np.arange(len(values)))
@@ -149,7 +152,7 @@ def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
 
 
 def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False) -> None:
-    """An estimate as a dot with its interval as a bar, upright or level."""
+    """Draw an estimate as a dot with its interval as a bar, vertical or `level`."""
     if not math.isfinite(estimate.value):
         return
     axes.plot(x, y, "o", color=colour, ms=7, mec="white", zorder=5)

@@ -1,13 +1,13 @@
-"""Tables of what the thesis did not measure: noise, training, the teacher, ties, and where it goes wrong."""
+"""Tables of measurements beyond the thesis: noise, training, the teacher, ties, and errors by state."""
 
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from khepera_forage.rollouts.rows import STATES, RecallRow
+from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.states import State
 from khepera_forage.thesis.cells import in_cell
-from khepera_forage.thesis.claims import ARENAS
 from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena
 from khepera_forage.thesis.claims.time import attempts_per_episode, steps_needed
 from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
@@ -16,14 +16,14 @@ from khepera_forage.thesis.tables import Column, Table, Value
 
 
 def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
-    """Score against each trouble of the laboratory alone and all together."""
+    """The score under each source of noise alone, and under all together."""
     lines: list[tuple[Value, ...]] = []
     for cell in _cells_of(rows):
-        quiet = _score(_of_noise(rows, cell, NO_NOISE))
+        noiseless = _score(_of_noise(rows, cell, NO_NOISE))
         for noise in _ordered({row.noise for row in in_cell(rows, cell)}):
             score = _score(_of_noise(rows, cell, noise))
             food = Sample(score.rows, lambda row: 100 * row.delivered, lambda row: row.foods)
-            cost = UNKNOWN if noise == NO_NOISE else evidence.difference(quiet, score)
+            cost = UNKNOWN if noise == NO_NOISE else evidence.difference(noiseless, score)
             attempts = evidence.mean(attempts_per_episode(evidence, noise))
             numbers: tuple[Estimate, ...] = (evidence.mean(score), cost, evidence.mean(food), attempts)
             lines.append(
@@ -37,17 +37,17 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
             )
     return Table(
         "noise",
-        "What each of the laboratory's troubles costs",
-        "The same experiment with no noise, with one source alone, and with all together, in training and in "
-        "recall; the cost is the score lost against no noise. Attempts are those for one complete training "
-        "episode. Intervals: 95 % over replications.",
+        "Effect of each source of noise",
+        "The same experiments without noise, with one source of noise, and with all sources together, in training and "
+        "in recall. The cost is the score without noise minus the score with it. Attempts are counted per complete "
+        "training episode. Intervals: 95 % over replications.",
         (
             Column("noise"),
             Column("arena, episodes"),
             Column("score (%)", 1, estimate=True),
             Column("cost (points)", 1, estimate=True),
             Column("food (%)", 0, estimate=True),
-            Column("attempts an episode", 2, estimate=True),
+            Column("attempts per episode", 2, estimate=True),
             Column("replications"),
             Column("recalls"),
         ),
@@ -56,7 +56,7 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
 
 
 def training_table(evidence: Evidence) -> Table:
-    """Attempts for a complete training episode (5.3.1)."""
+    """Attempts per complete training episode, and properties of complete episodes (5.3.1)."""
     lines: list[tuple[Value, ...]] = []
     for noise in _ordered({row.noise for row in evidence.trainings}):
         rows = [row for row in evidence.trainings if row.noise == noise]
@@ -77,24 +77,23 @@ def training_table(evidence: Evidence) -> Table:
     return Table(
         "training",
         "Training episodes",
-        "Attempts for one complete episode, and what a complete episode is like; 95 % intervals over "
-        "replications.",
+        "Attempts per complete episode, and means over complete episodes. Intervals: 95 % over replications.",
         (
             Column("noise"),
-            Column("attempts an episode", 2, estimate=True),
+            Column("attempts per episode", 2, estimate=True),
             Column("attempts"),
             Column("complete"),
             Column("rounds", 0, estimate=True),
             Column("experience vectors", 0, estimate=True),
             Column("separations", 2, estimate=True),
-            Column("why others ended"),
+            Column("reasons of incomplete attempts"),
         ),
         lines,
     )
 
 
 def teacher_table(evidence: Evidence) -> Table:
-    """The teacher's own distribution of steps."""
+    """The distribution of the teacher's steps."""
     lines: list[tuple[Value, ...]] = []
     for arena in ARENAS:
         rows = of_arena(evidence.teachers, arena)
@@ -105,9 +104,9 @@ def teacher_table(evidence: Evidence) -> Table:
         lines.append((arena, len(rows), *at, limit, within))
     return Table(
         "teacher",
-        "How long the teacher takes",
-        "Steps until all food is at home, by quantile; ∞ where some was not brought within the limit of the "
-        "run.",
+        "Steps of the teacher",
+        "Quantiles of the steps until all food is at home; ∞ means that some food was not delivered within the time "
+        "limit, which is three times the thesis's.",
         (
             Column("arena"),
             Column("forages"),
@@ -115,15 +114,15 @@ def teacher_table(evidence: Evidence) -> Table:
             Column("median", 0),
             Column("95 %", 0),
             Column("longest", 0),
-            Column("thesis' limit"),
-            Column("within it (%)", 1, estimate=True),
+            Column("thesis's limit"),
+            Column("within this limit (%)", 1, estimate=True),
         ),
         lines,
     )
 
 
 def ties_table(evidence: Evidence) -> Table:
-    """How often several experience vectors were equally near, and how often they disagreed (4.6)."""
+    """How often several experience vectors were equally near, and how often their behaviours differed (4.6)."""
     lines: list[tuple[Value, ...]] = []
     for cell in _cells_of(evidence.recalls):
         rows = in_cell(evidence.recalls, cell)
@@ -133,8 +132,8 @@ def ties_table(evidence: Evidence) -> Table:
     return Table(
         "ties",
         "Ties among the nearest experience vectors",
-        "Share of all steps in which several vectors lay at exactly the minimum distance, and in which these "
-        "stood for different behaviours, so that one was drawn by confidence level (4.6.2).",
+        "A tie is a step in which several experience vectors have exactly the minimum distance. A conflict is a tie "
+        "between different behaviours, of which one is drawn by its confidence level (4.6.2).",
         (
             Column("arena"),
             Column("episodes"),
@@ -147,7 +146,7 @@ def ties_table(evidence: Evidence) -> Table:
 
 
 def state_table(evidence: Evidence) -> Table:
-    """In which states the learner goes wrong."""
+    """The learner's errors by state."""
     lines: list[tuple[Value, ...]] = []
     for arena in ARENAS:
         rows = of_arena(evidence.recalls, arena)
@@ -158,9 +157,9 @@ def state_table(evidence: Evidence) -> Table:
             lines.append((arena, state.name, evidence.mean(visited), evidence.mean(wrong), modes[state]))
     return Table(
         "states",
-        "Where the learner goes wrong",
-        "By the state that the teacher would see: share of all steps, share of these that were wrong, and "
-        "the number of failed recalls that went wrong most often there.",
+        "Errors of the learner by state",
+        "By the state that the teacher would classify: share of all steps, share of wrong behaviours in these steps, "
+        "and number of failed recalls that had most of their wrong behaviours in this state.",
         (
             Column("arena"),
             Column("state"),
@@ -173,7 +172,7 @@ def state_table(evidence: Evidence) -> Table:
 
 
 def _cells_of(rows: Iterable[RecallRow]) -> list[Cell]:
-    """The thesis' cells that occur in these rows."""
+    """The thesis's cells that occur in these rows."""
     seen = {(row.arena, row.episodes) for row in rows}
     return [cell for cell in THESIS if (cell.arena, cell.episodes) in seen]
 
@@ -191,7 +190,7 @@ def _per_step(rows: Sequence[RecallRow], count: Measure[RecallRow]) -> Sample[Re
 
 
 def _ordered(names: set[str]) -> list[str]:
-    """Noise conditions in the order of `noise_conditions`, others after them."""
+    """Names of noise conditions in the order of `noise_conditions`, unknown ones last."""
     known = list(noise_conditions())
     return sorted(names, key=lambda name: (known.index(name) if name in known else len(known), name))
 

@@ -1,13 +1,12 @@
-"""The thesis' whole design, replicated: work that can be done in any order, on any number of cores (5.4)."""
+"""One replication of the thesis's design on pymunk: training files, recalls and their rows (5.4)."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
@@ -18,25 +17,21 @@ from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.thesis.design import (
-    FILES,
     LABORATORY,
-    NO_LOSSES,
     THESIS,
     Cell,
     Subset,
+    files_needed,
     noise_conditions,
 )
-from khepera_forage.thesis.orient_analysis import VoteRow, arrivals, levels_of, votes
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, imitator_levels, orient_rows
 
-TRAINING_DISTANCE = round(math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL)
-"""Pixels between food and home in training."""
 TEACHER_LIMIT_FACTOR = 3
-"""The teacher is given this many times the thesis' limits, to see whether those are enough."""
+"""The teacher forages with this many times the thesis's time limit, to measure whether that limit is enough."""
 
 
 def replication_seeds(seed: int, number: int, noise: str) -> np.random.SeedSequence:
-    """Of training and recalls in one replication.
+    """The seeds of training and recalls in one replication.
 
     Args:
         seed: Of the whole reproduction.
@@ -47,24 +42,24 @@ def replication_seeds(seed: int, number: int, noise: str) -> np.random.SeedSeque
 
 
 def baseline_seeds(seed: int, block: int, learner: str, arena: str, forages: int) -> NDArray[np.int64]:
-    """Of the forages of one block of `Baseline`."""
+    """The seeds of the forages in one block of `Baseline`."""
     key = (block, 1000 + (learner == RANDOM), len(arena))
     return np.random.SeedSequence(seed, spawn_key=key).generate_state(forages).astype(np.int64)
 
 
 def baseline_limit(learner: str, arena: str) -> int:
-    """Steps that the teacher or a random policy is given."""
+    """Time limit, in steps, of a forage of the teacher or a random policy."""
     limit = next(cell.limit for cell in THESIS if cell.arena == arena)
     return limit * TEACHER_LIMIT_FACTOR if learner == TEACHER else limit
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Rows of one piece of work."""
+    """The rows of one job."""
 
     recalls: tuple[RecallRow, ...] = ()
     trainings: tuple[TrainingRow, ...] = ()
-    votes: tuple[VoteRow, ...] = ()
+    orient_rows: tuple[OrientRow, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +70,7 @@ class Replication:
         seed: Of the whole reproduction.
         number: Of the replication.
         noise: Name of the noise condition, in training and recall.
-        cells: Which tables of appendix A.
+        cells: The tables of appendix A to repeat; without any, only the training files.
     """
 
     seed: int
@@ -89,17 +84,15 @@ class Replication:
         training, recalling = replication_seeds(self.seed, self.number, self.noise).spawn(2)
         files, trainings = self._train(noise, training)
         recalls = tuple(self._recalls(noise, files, recalling))
-        return Outcome(
-            recalls, tuple(trainings), tuple(self._votes(files)) if self.noise == LABORATORY else ()
-        )
+        orient = self._orient_rows(files) if self.noise == LABORATORY else ()
+        return Outcome(recalls, tuple(trainings), tuple(orient))
 
     def _train(
         self, noise: Noise, seeds: np.random.SeedSequence
     ) -> tuple[list[Experience], list[TrainingRow]]:
         env = TrainingEnv(noise=noise)
         files, rows = [], []
-        needed = max((f for cell in self.cells for s in cell.subsets for f in s.files), default=FILES)
-        for file, seed in enumerate(seeds.spawn(needed), 1):
+        for file, seed in enumerate(seeds.spawn(files_needed(self.cells)), 1):
             experience, attempts = train(env, seed, self.noise, self.number, file)
             files.append(experience)
             rows += attempts
@@ -128,13 +121,13 @@ class Replication:
                     )
             env.close()
 
-    def _votes(self, files: Sequence[Experience]) -> Iterator[VoteRow]:
+    def _orient_rows(self, files: Sequence[Experience]) -> Iterator[OrientRow]:
         for cell in self.cells:
             if cell.arena == CORRIDOR.name:
                 for subset in cell.subsets:
-                    imitator, _ = self._imitator(subset, files, site_of(CORRIDOR).diagonal)
-                    levels = levels_of(imitator, arrivals(TRAINING_DISTANCE))
-                    yield from votes(levels, self.number, cell.episodes, subset.name)
+                    imitator, _ = self._imitator(subset, files, arena_map_of(CORRIDOR).diagonal)
+                    levels = imitator_levels(imitator, arrival_vectors())
+                    yield from orient_rows(levels, self.number, cell.episodes, subset.name)
 
     @staticmethod
     def _imitator(
@@ -146,14 +139,14 @@ class Replication:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """The teacher alone, or a policy that draws its behaviours: a block of forages under the laboratory's noise.
+    """A block of forages of the teacher, or of a random policy, under the laboratory's noise.
 
     Attributes:
         seed: Of the whole reproduction.
-        number: Of the block; it stands for a replication.
+        number: Of the block, which counts as a replication.
         learner: `teacher` or `random`.
         arena: `corridor` or `rectangle`.
-        forages: How many.
+        forages: Number of forages.
     """
 
     seed: int
@@ -173,16 +166,3 @@ class Baseline:
         )
         env.close()
         return Outcome(rows)
-
-
-@dataclass(frozen=True, slots=True)
-class Attempts:
-    """Ten training files under another noise condition, for their attempts alone (5.3.1)."""
-
-    seed: int
-    number: int
-    noise: str = NO_LOSSES
-
-    def run(self) -> Outcome:
-        """Train, and return the rows."""
-        return Outcome(trainings=Replication(self.seed, self.number, self.noise, ()).run().trainings)

@@ -1,4 +1,4 @@
-"""Writes everything that a reproduction concludes: tables as CSV, figures as PNG, and a page of Markdown."""
+"""The report of a reproduction: tables as CSV files, figures as PNG files, and a Markdown page with all of them."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,9 +12,9 @@ from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.claims.evidence import Evidence, gather
 from khepera_forage.thesis.design import THESIS, Cell
-from khepera_forage.thesis.figure_places import fig_5_4
-from khepera_forage.thesis.orient_analysis import VoteRow, vote_table
-from khepera_forage.thesis.statistics import FEWEST, RESAMPLES, replications
+from khepera_forage.thesis.figure_5_4 import fig_5_4
+from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
+from khepera_forage.thesis.statistics import MIN_REPLICATIONS, RESAMPLES, replications
 from khepera_forage.thesis.tables import Table
 
 if TYPE_CHECKING:
@@ -32,48 +32,48 @@ def write_report(
     rng: np.random.Generator,
     cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
-    vote_rows: Sequence[VoteRow] = (),
-    physics: str = "pymunk",
+    orient_rows: Sequence[OrientRow] = (),
+    backend: str = "pymunk",
 ) -> list[Path]:
-    """Write tables, then figures, and the page that holds them together.
+    """Write the page and the tables, then the figures.
 
     Args:
-        folder: Where to; it is made.
-        recalls: The imitator's and a random policy's.
+        folder: Created if it does not exist.
+        recalls: Recalls of the imitator and of a random policy.
         trainings: Attempts at training episodes, under any noise conditions.
         teachers: Forages of the teacher alone.
-        noise_rows: The imitator's in one cell, under each noise condition; may be empty.
+        noise_rows: Recalls of the imitator in some cells, under each noise condition; may be empty.
         rng: Draws the resamples of every interval.
-        cells: The design that was run.
-        resamples: How many an interval.
-        vote_rows: What votes next to food, under the laboratory's noise; may be empty.
-        physics: What simulated the rows.
+        cells: The design of the recalls.
+        resamples: Resamples for each interval.
+        orient_rows: The orient analysis, under the laboratory's noise; may be empty.
+        backend: The backend that simulated the rows.
 
     Returns:
         The files written.
 
     Raises:
-        ValueError: The imitator's recalls are of several noise conditions.
-        ImportError: The tables are written, but there is no matplotlib for the figures.
+        ValueError: The recalls of the imitator have several noise conditions.
+        ImportError: matplotlib, which draws the figures, is not installed; the tables are written.
     """
-    for_cells, for_claims, for_tables, for_votes = rng.spawn(4)
+    for_cells, for_claims, for_tables, for_orient = rng.spawn(4)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
     noise = measured_tables.noise_table(noise_rows, evidence)
-    judged = claims(recalls, trainings, teachers, for_claims, resamples)
+    measured = claims(recalls, trainings, teachers, for_claims, resamples)
     tables = [
         thesis_tables.cell_table(results),
-        thesis_tables.claim_table(judged),
-        thesis_tables.rule_table(judged),
+        thesis_tables.claim_table(measured),
+        thesis_tables.rule_table(measured),
         noise,
         measured_tables.training_table(evidence),
         measured_tables.teacher_table(evidence),
         measured_tables.ties_table(evidence),
         measured_tables.state_table(evidence),
-        vote_table(vote_rows, for_votes),
-        thesis_tables.slip_table(),
+        orient_table(orient_rows, for_orient),
+        thesis_tables.errata_table(),
     ]
-    written = [_write(folder / PAGE, _page(tables, evidence, physics))]
+    written = [_write(folder / PAGE, _page(tables, evidence, backend))]
     written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
     for stem, figure in _figures(results, recalls, noise):
         written.append(folder / f"{stem}.png")
@@ -93,8 +93,8 @@ def _figures(
         yield "noise", figures.noise_figure(noise)
 
 
-def _page(tables: Sequence[Table], evidence: Evidence, physics: str) -> str:
-    """The page: figures stand behind the table they belong to."""
+def _page(tables: Sequence[Table], evidence: Evidence, backend: str) -> str:
+    """The Markdown page; each figure follows the table with its numbers."""
     pictures = {
         "cells": ("figure_5_2", "figure_5_3", "figure_5_5", "figure_5_6"),
         "rules": ("figure_5_4",),
@@ -103,11 +103,12 @@ def _page(tables: Sequence[Table], evidence: Evidence, physics: str) -> str:
     count = len(replications(evidence.recalls))
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
     parts = [
-        "# The thesis' experiments, repeated\n\n"
+        "# The thesis's experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}, physics: {physics}. A replication is the whole design, its training files included; an "
-        f"interval resamples replications, and there is none for fewer than {FEWEST}. Every episode stands "
-        "as a row in the CSV files beside this page, and every table as `table_*.csv`.\n"
+        f"noise: {noise}, backend: {backend}. A replication repeats the whole design with new training files. "
+        f"Intervals are bootstrapped over replications; fewer than {MIN_REPLICATIONS} replications give none. "
+        "`recalls.csv`, `trainings.csv` and `orient.csv` hold one row for each episode or measurement, and "
+        "`table_*.csv` hold the tables of this page.\n"
     ]
     for table in tables:
         if table.rows:

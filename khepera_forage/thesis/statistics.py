@@ -1,8 +1,8 @@
-"""Intervals by resampling replications, and where one experiment lies among others of its size.
+"""Bootstrap intervals over replications, and percentile ranks of one experiment among others.
 
-Recalls of one replication share their training files and are not independent; replications are. So a
-bootstrap draws whole replications. Statistics are functions of sums over the rows of a replication, so that a
-resample is one matrix product: `tally` makes the sums, `bootstrap` resamples them.
+Recalls of one replication share their training files and are not independent; replications are. The bootstrap
+therefore resamples whole replications. Statistics are functions of sums over the rows of a replication, so that a
+resample is one matrix product: `sums_by_replication` computes the sums, `bootstrap` resamples them.
 """
 
 import math
@@ -16,13 +16,13 @@ Floats = NDArray[np.float64]
 
 RESAMPLES = 2000
 COVERAGE = 0.95
-FEWEST = 5
-"""Replications without which there is no interval: the whole range of four values holds their true median in only
-88 % of all cases, that of five in 94 %."""
+MIN_REPLICATIONS = 5
+"""Fewest replications for an interval: the range of four values contains the true median with a probability of only
+88 %, the range of five values with 94 %."""
 
 
 class Estimate(NamedTuple):
-    """A value and its 95 % interval; nan where there is nothing to tell from."""
+    """A value and its 95 % interval; nan where the data are not enough."""
 
     value: float
     low: float
@@ -32,14 +32,14 @@ class Estimate(NamedTuple):
 UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 
-class Standing(NamedTuple):
-    """Where a single value lies among comparable experiments.
+class PercentileRank(NamedTuple):
+    """The rank of a single value among comparable experiments.
 
     Attributes:
-        percentile: Percent of the experiments below it, those equal to it counted half.
-        tail: Chance of lying at least as far out, on either side, if the value came from one more experiment of
-            the same kind: twice the smaller tail, itself counted, at most 1.
-        experiments: How many there are.
+        percentile: Percent of the experiments below the value; equal experiments count half.
+        tail: Two-sided probability that one more experiment of the same kind is at least as extreme: twice the
+            smaller tail, which includes the value itself, at most 1.
+        experiments: Number of experiments.
     """
 
     percentile: float
@@ -52,7 +52,7 @@ class Replicated(Protocol):
 
     @property
     def replication(self) -> int:
-        """Its number."""
+        """Number of the replication."""
         ...
 
 
@@ -61,17 +61,17 @@ Measure = Callable[[_R], float]
 
 
 def replications(*groups: Iterable[Replicated]) -> list[int]:
-    """The replications that occur in any of these rows."""
+    """The numbers of the replications in these rows, sorted."""
     return sorted({row.replication for rows in groups for row in rows})
 
 
-def tally(rows: Iterable[_R], numbers: Sequence[int], *measures: Measure[_R]) -> Floats:
+def sums_by_replication(rows: Iterable[_R], numbers: Sequence[int], *measures: Measure[_R]) -> Floats:
     """Sums of measures over the rows of each replication.
 
     Args:
         rows: Rows, in any order.
-        numbers: The replications, one a line of the result; all that occur in the rows.
-        *measures: One a column of the result.
+        numbers: The replications, one for each line of the result; they include all of the rows.
+        *measures: One for each column of the result.
     """
     rows = list(rows)
     line = {number: i for i, number in enumerate(numbers)}
@@ -81,7 +81,7 @@ def tally(rows: Iterable[_R], numbers: Sequence[int], *measures: Measure[_R]) ->
 
 
 def ratio(sums: Floats) -> Floats:
-    """First column over second: a mean, a share; nan where the second is 0."""
+    """First column divided by the second, as a mean or a share; nan where the second is 0."""
     return _divide(sums[..., 0], sums[..., 1])
 
 
@@ -103,20 +103,20 @@ def bootstrap(
 ) -> Estimate:
     """A statistic of all replications, with its percentile interval over resampled replications.
 
-    Fewer than `FEWEST` replications give a value without an interval. Resamples in which the statistic is
-    undefined are left out; if they are more than half, there is no interval either.
+    Fewer than `MIN_REPLICATIONS` replications give a value without an interval. Resamples in which the statistic is
+    undefined are ignored; if they are more than half, there is no interval either.
 
     Args:
-        sums: One line a replication, from `tally`.
+        sums: One line for each replication, from `sums_by_replication`.
         statistic: Takes sums (..., columns) and returns (...).
         rng: Draws the resamples.
-        resamples: How many.
+        resamples: Number of resamples.
     """
     count = len(sums)
     if not count:
         return UNKNOWN
     value = float(statistic(sums.sum(axis=0)))
-    if count < FEWEST or not math.isfinite(value):
+    if count < MIN_REPLICATIONS or not math.isfinite(value):
         return Estimate(value, math.nan, math.nan)
     return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
 
@@ -130,8 +130,7 @@ def bootstrap_quantile(
 ) -> Estimate:
     """A quantile of a measure over all rows, with its interval over resampled replications.
 
-    The quantile is the smallest value that at least this share of the rows does not exceed; it may be
-    infinite.
+    The quantile is the smallest value that at least this share of the rows does not exceed. It may be infinite.
     """
     if not rows:
         return UNKNOWN
@@ -146,24 +145,24 @@ def bootstrap_quantile(
         return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
 
     value = float(statistic(np.ones(len(numbers))))
-    if len(numbers) < FEWEST:
+    if len(numbers) < MIN_REPLICATIONS:
         return Estimate(value, math.nan, math.nan)
     draws = statistic(_draw(len(numbers), rng, resamples))
     low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")
     return Estimate(value, float(low), float(high))
 
 
-def standing(value: float, experiments: Sequence[float]) -> Standing:
-    """Where a value lies in the distribution of comparable experiments; nan for fewer than two."""
+def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRank:
+    """The rank of a value among comparable experiments; nan for fewer than two experiments."""
     count = len(experiments)
     if count < 2:
-        return Standing(math.nan, math.nan, count)
+        return PercentileRank(math.nan, math.nan, count)
     sample = np.asarray(experiments, dtype=np.float64)
     equal = int(np.isclose(sample, value, rtol=0.0, atol=1e-9).sum())
     below = int((sample < value - 1e-9).sum())
     above = count - below - equal
     tail = 2.0 * (min(below, above) + equal + 1) / (count + 1)
-    return Standing(100.0 * (below + equal / 2) / count, min(1.0, tail), count)
+    return PercentileRank(100.0 * (below + equal / 2) / count, min(1.0, tail), count)
 
 
 def wilson(successes: int, trials: int) -> Estimate:
@@ -176,7 +175,7 @@ def wilson(successes: int, trials: int) -> Estimate:
     centre = share + z * z / (2 * trials)
     scale = 1 + z * z / trials
     low, high = (centre - spread) / scale, (centre + spread) / scale
-    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding may pass the ends by a hair
+    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding errors may exceed the range
 
 
 def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:

@@ -1,4 +1,4 @@
-"""Tables for readers and for machines: Markdown with intervals in brackets, CSV with each number alone."""
+"""Tables as Markdown, with intervals in brackets, and as CSV, with one number in each field."""
 
 import csv
 import io
@@ -16,10 +16,10 @@ class Column:
     """One column.
 
     Attributes:
-        name: Its heading, with the unit.
-        digits: After the decimal point, in Markdown; CSV has six significant figures throughout.
-        estimate: Whether its values are estimates, each with an interval.
-        page: Whether it stands in Markdown too; all stand in CSV.
+        name: Heading with the unit.
+        digits: Digits after the decimal point in Markdown; CSV always has six significant digits.
+        estimate: Whether the values are estimates, each with an interval.
+        page: Whether the column appears in Markdown; all columns appear in CSV.
     """
 
     name: str
@@ -30,14 +30,14 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table with what a reader must know of it.
+    """A table with a heading and an explanation.
 
     Attributes:
-        stem: Its name in file names.
+        stem: Name of the table in file names.
         title: Heading.
-        note: What is in it and how it was computed.
-        columns: One an entry of each row.
-        rows: Values; nan where there is none.
+        note: Explanation of the contents and their computation.
+        columns: One for each value of a row.
+        rows: Values; nan for a missing number.
     """
 
     stem: str
@@ -49,10 +49,10 @@ class Table:
     def __post_init__(self) -> None:
         for row in self.rows:
             if len(row) != len(self.columns):
-                raise ValueError(f"{self.stem}: a row of {len(row)} values; allowed: {len(self.columns)}")
+                raise ValueError(f"{self.stem}: a row has {len(row)} values; allowed: {len(self.columns)}")
 
     def markdown(self) -> str:
-        """Heading, note and table."""
+        """Heading, note and table in Markdown."""
         shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
         numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
         lines = [[column.name for _, column in shown], ["---:" if right else "---" for right in numeric]]
@@ -61,7 +61,7 @@ class Table:
         return f"## {self.title}\n\n{self.note}\n\n{body}\n"
 
     def csv(self) -> str:
-        """The numbers; an estimate takes three columns."""
+        """The table as CSV; an estimate has three columns: value, low and high."""
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         names = [c.name for c in self.columns]
@@ -76,7 +76,7 @@ class Table:
 
 
 def interval(estimate: Estimate, digits: int = 1) -> str:
-    """An estimate with its interval in brackets, or without if there is none."""
+    """An estimate with its interval in brackets, if it has one."""
     value, low, high = (_number(v, digits) for v in estimate)
     return value if math.isnan(estimate.low) else f"{value} [{low}, {high}]"
 

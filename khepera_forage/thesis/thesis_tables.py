@@ -1,19 +1,19 @@
-"""Tables of the thesis beside us: the results of its cells, its claims, and its slips in arithmetic."""
+"""Tables that compare the thesis with our results: cells, claims and rules; and the thesis's errata."""
 
 from collections.abc import Sequence
 
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.claims import Claim
-from khepera_forage.thesis.errata import slips
+from khepera_forage.thesis.errata import errata
 from khepera_forage.thesis.statistics import Estimate
 from khepera_forage.thesis.tables import Column, Table, Value
 
 
 def cell_table(results: Sequence[CellResult]) -> Table:
-    """The thesis' mean score and food count of each cell beside ours."""
+    """Mean score and food count of each cell, in the thesis and in our replications."""
     rows: list[tuple[Value, ...]] = []
     for r in results:
-        score, food = r.score_standing, r.food_standing
+        score, food = r.score_rank, r.food_rank
         rows.append(
             (
                 r.cell.arena,
@@ -33,12 +33,12 @@ def cell_table(results: Sequence[CellResult]) -> Table:
         )
     return Table(
         "cells",
-        "The thesis' results beside ours",
-        "Mean score in percent and food carried home, with a 95 % interval over replications. The thesis' "
-        "score stands here as printed and as the mean of the scores in its lines, compared with ours. "
-        "*Percentile* is where the thesis' value lies among our experiments of the same size, one a "
-        "replication; *tail* is the chance to lie at least as far out, on either side, for one more "
-        "experiment like ours.",
+        "Results of the thesis and of our replications",
+        "Mean score in percent and food carried home, with a 95 % interval over replications. The table shows the "
+        "thesis's score as printed, and as the mean of the scores in the printed lines; the latter is compared with "
+        "ours. Each replication contains one experiment of the thesis's size. *Percentile* is the rank of the "
+        "thesis's value among these experiments. *Tail* is the probability that one more of our experiments is "
+        "at least as extreme, on either side.",
         (
             Column("arena"),
             Column("episodes"),
@@ -59,13 +59,13 @@ def cell_table(results: Sequence[CellResult]) -> Table:
 
 
 def claim_table(claims: Sequence[Claim]) -> Table:
-    """The thesis' claims with effect and verdict."""
+    """The thesis's claims with effect and verdict."""
     return Table(
         "claims",
-        "The thesis' claims",
-        "Each claim with its effect, a 95 % interval over replications, and the verdict of a rule that was "
-        "fixed before there were data: see below by number. An interval that reaches across the rule's "
-        "threshold leaves the claim undecided.",
+        "Claims of the thesis",
+        "Each claim with its effect, a 95 % interval over replications, and a verdict. The next table lists the rule "
+        "of each verdict, which was fixed before any data existed. A claim is undecided if its interval contains "
+        "the rule's threshold.",
         (
             Column("no."),
             Column("claim"),
@@ -91,23 +91,23 @@ def claim_table(claims: Sequence[Claim]) -> Table:
 
 
 def rule_table(claims: Sequence[Claim]) -> Table:
-    """What was measured for each claim, and the rule of its verdict."""
+    """The measurement behind each claim, and the rule of its verdict."""
     return Table(
         "rules",
-        "What was measured, and the rules of the verdicts",
-        "By number of the claim.",
+        "Measurements and rules of the verdicts",
+        "Ordered by the number of the claim.",
         (Column("no."), Column("rule"), Column("what was measured")),
         [(i, c.rule, c.sentence) for i, c in enumerate(claims, 1)],
     )
 
 
-def slip_table() -> Table:
-    """What does not add up in the thesis' own tables."""
+def errata_table() -> Table:
+    """Errors of arithmetic in the thesis's tables."""
     return Table(
-        "slips",
-        "The thesis' own slips in arithmetic",
-        "Computed from tables A.1 to A.7 as printed. *Series* are lines that count up by one, the mark of a "
-        "spreadsheet's fill-down.",
-        tuple(map(Column, ("table", "place", "kind", "printed", "would follow"))),
-        [tuple(slip) for slip in slips()],
+        "errata",
+        "Errata of the thesis",
+        "Values in tables A.1 to A.7 that do not follow from the values printed beside them. A *series* is a run of "
+        "lines that count up by one, as a spreadsheet's fill-down produces them.",
+        tuple(map(Column, ("table", "place", "kind", "printed", "expected"))),
+        [tuple(erratum) for erratum in errata()],
     )

@@ -7,12 +7,12 @@ import pytest
 from tests.benchmarks.running import help_of, is_picture, quick, read
 
 
-@pytest.fixture(scope="module", params=["pymunk", "batch"])
+@pytest.fixture(scope="module", params=["pymunk", "compiled"])
 def out(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    if request.param == "batch":
+    if request.param == "compiled":
         pytest.importorskip("numba")
     folder = tmp_path_factory.mktemp("run") / "thesis"
-    printed = quick("thesis.py", folder, "--physics", request.param)
+    printed = quick("thesis.py", folder, "--backend", request.param)
     (folder.parent / "printed").write_text(printed, encoding="utf-8")
     return folder
 
@@ -42,5 +42,5 @@ def test_rows_are_kept(out: Path) -> None:
 
 def test_help_names_every_argument() -> None:
     told = help_of("thesis.py")
-    for argument in ("--seed", "--out", "--quick", "--replications", "--jobs", "--physics"):
+    for argument in ("--seed", "--out", "--quick", "--replications", "--jobs", "--backend"):
         assert argument in told

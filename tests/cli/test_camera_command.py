@@ -1,4 +1,4 @@
-"""`khepera-forage camera`, as a user types it, on the virtual camera and on films."""
+"""`khepera-forage camera` with the virtual camera and with films."""
 
 import math
 import re
@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from khepera_forage.cli import camera_calibrate
-from khepera_forage.cli.camera_window import PictureWindow
+from khepera_forage.cli.camera import calibrate
+from khepera_forage.cli.camera.window import PictureWindow
 from khepera_forage.cli.main import main
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration
@@ -32,12 +32,14 @@ def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("markers", ("--out",)),
     ],
 )
-def test_help(task: str, arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_has_the_options(
+    task: str, arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["camera", task, "--help"])
     assert stop.value.code == 0
-    told = capsys.readouterr().out
-    assert all(argument in told for argument in arguments)
+    text = capsys.readouterr().out
+    assert all(argument in text for argument in arguments)
 
 
 # ---------------------------------------------------------------- preview
@@ -47,26 +49,26 @@ def preview(*arguments: str) -> int:
     return main(["camera", "preview", "--source", "virtual", *arguments])
 
 
-def test_preview_tells_what_is_seen_where(capsys: pytest.CaptureFixture[str]) -> None:
+def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture[str]) -> None:
     assert preview("--frames", "2", "--seed", "3") == 0
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     camera = RenderedTraining(3)
     camera.newest()
     camera.newest()
     truth = camera.world.truth()
     camera.close()
     for x, y, heading, holes in truth.markers:
-        (seen,) = re.findall(rf"{holes}-hole marker \((\d+), (\d+)\) mm (\d+) deg,", told)
+        (seen,) = re.findall(rf"{holes}-hole marker \((\d+), (\d+)\) mm (\d+) deg,", printed)
         assert math.hypot(int(seen[0]) - x, int(seen[1]) - y) < 5
         assert math.cos(math.radians(int(seen[2])) - heading) > math.cos(math.radians(4))
-    foods = [(int(x), int(y)) for x, y in re.findall(r"food \((\d+), (\d+)\) mm", told)]
+    foods = [(int(x), int(y)) for x, y in re.findall(r"food \((\d+), (\d+)\) mm", printed)]
     assert len(foods) == len(truth.foods)
     for x, y in truth.foods:
         assert min(math.hypot(x - a, y - b) for a, b in foods) < 5
-    assert "frames/s, 0 ms old" in told
+    assert "frames/s, 0 ms old" in printed
 
 
-def test_pictures_and_films_are_saved_and_seen_again(
+def test_preview_saves_pictures_and_films_that_it_can_read(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     assert preview("--out", "one.png", "--frames", "3") == 0
@@ -78,14 +80,14 @@ def test_pictures_and_films_are_saved_and_seen_again(
     assert Path("film.gif").read_bytes().startswith(b"GIF")
     assert preview("--out", "film.avi", "--frames", "5") == 0
     assert "film.avi: 5 pictures" in capsys.readouterr().out
-    # A film is a source too: what was drawn on it is in the way of nothing.
+    # A film is also a source; the tracker ignores the regions drawn on it.
     assert main(["camera", "preview", "--source", "film.avi", "--frames", "2"]) == 0
     assert "marker (" in capsys.readouterr().out
 
 
 def test_preview_uses_the_calibration(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     half = ((0.0, 1200.0), (1600.0, 1200.0), (1600.0, 0.0), (0.0, 0.0))
-    # A camera half as far away: everything is half as large, and too small for a marker.
+    # A calibration with half the millimetres per pixel: all regions are too small for a marker.
     Calibration(((0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0)), half).save("half.toml")
     assert preview("--frames", "1", "--calibration", "half.toml") == 0
     assert "marker" not in capsys.readouterr().out
@@ -94,18 +96,18 @@ def test_preview_uses_the_calibration(capsys: pytest.CaptureFixture[str], tmp_pa
 # ---------------------------------------------------------------- calibrate
 
 
-def test_four_points_fit_exactly(capsys: pytest.CaptureFixture[str]) -> None:
+def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["camera", "calibrate", "--points", *CORNERS]) == 0
-    told = capsys.readouterr().out
-    assert "residual 0.0 mm" in told
-    assert "four points always fit" in told
-    assert "5.00 mm wide" in told
+    printed = capsys.readouterr().out
+    assert "residual 0.0 mm" in printed
+    assert "four points always fit" in printed
+    assert "5.00 mm wide" in printed
     calibration = Calibration.load("calibration.toml")
     assert calibration.to_region(100.5, 79.5) == pytest.approx((100.5, 400.5))
 
 
-def test_more_points_are_fitted_and_the_residual_is_theirs(capsys: pytest.CaptureFixture[str]) -> None:
-    # A camera that looks aslant, and a rule that errs by up to 2 mm.
+def test_calibration_from_more_points_reports_their_residual(capsys: pytest.CaptureFixture[str]) -> None:
+    # A tilted camera, and measurements with an error of up to 2 mm.
     rng = np.random.default_rng(0)
     true = Calibration(
         ((40.0, 30.0), (600.0, 50.0), (620.0, 450.0), (20.0, 440.0)),
@@ -121,8 +123,8 @@ def test_more_points_are_fitted_and_the_residual_is_theirs(capsys: pytest.Captur
         main(["camera", "calibrate", "--points", *points, "--camera", "1000,1000,2700", "--out", "c.toml"])
         == 0
     )
-    told = capsys.readouterr().out
-    (residual,) = re.findall(r"residual (\d+\.\d) mm", told)
+    printed = capsys.readouterr().out
+    (residual,) = re.findall(r"residual (\d+\.\d) mm", printed)
     assert 0.4 < float(residual) < 2
     found = Calibration.load("c.toml")
     assert found.camera == (1000, 1000, 2700)
@@ -130,23 +132,23 @@ def test_more_points_are_fitted_and_the_residual_is_theirs(capsys: pytest.Captur
         assert 5 * math.dist(found.to_region(u, v), true.to_region(u, v)) < 3
 
 
-def test_residual_tells_a_slip() -> None:
+def test_residuals_show_a_wrong_point() -> None:
     floor = [(0.0, 2400.0), (3200.0, 2400.0), (3200.0, 0.0), (0.0, 0.0), (1600.0, 1300.0)]
     picture = [(0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0), (320.0, 240.0)]
-    fit = camera_calibrate.fitted(picture, floor, None)
-    assert max(camera_calibrate.residuals(fit, picture, floor)) > 30
+    fit = calibrate.fitted(picture, floor, None)
+    assert max(calibrate.residuals(fit, picture, floor)) > 30
     floor[4] = (1600.0, 1200.0)
-    fit = camera_calibrate.fitted(picture, floor, None)
-    assert max(camera_calibrate.residuals(fit, picture, floor)) < 0.01
+    fit = calibrate.fitted(picture, floor, None)
+    assert max(calibrate.residuals(fit, picture, floor)) < 0.01
 
 
-def test_check_looks_through_the_camera(capsys: pytest.CaptureFixture[str]) -> None:
+def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) -> None:
     points = ["--points", *CORNERS, "--check", "--source", "virtual"]
     assert main(["camera", "calibrate", *points]) == 0
     assert re.search(r"seen now: .*2-hole marker", capsys.readouterr().out)
 
 
-def test_places_are_clicked_in_a_window(
+def test_calibrate_from_clicks_in_a_window(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     import pygame
@@ -155,7 +157,7 @@ def test_places_are_clicked_in_a_window(
     show, clicks = PictureWindow.show, [(100, 100), (500, 100), (500, 400), (100, 400)]
 
     def show_and_click(window: PictureWindow, picture: np.ndarray) -> list[tuple[float, float]]:
-        # A click as the window system delivers it, below the window.
+        # A click, in the event queue of the window system.
         if clicks:
             pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=clicks.pop(0), button=1))
         return show(window, picture)
@@ -172,7 +174,7 @@ def test_places_are_clicked_in_a_window(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["preview", "--frames", "0"], "--frames is 0; allowed: at least 1"),
         (["preview", "--out", "film.mp4"], "'film.mp4'; allowed: a name that ends in .png, .gif, .avi"),
@@ -190,20 +192,20 @@ def test_places_are_clicked_in_a_window(
         (["markers", "--out", "markers.doc"], "'markers.doc'; allowed: a name that ends in .svg, .png, .pdf"),
     ],
 )
-def test_mistakes_are_told_in_one_line(
-    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+def test_user_error_is_reported_in_one_line(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["camera", *arguments]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert error.startswith("khepera-forage camera: ")
-    assert told in error
+    assert message in error
 
 
 # ---------------------------------------------------------------- markers
 
 
-def test_page_of_markers_is_written(capsys: pytest.CaptureFixture[str]) -> None:
+def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["camera", "markers"]) == 0
     assert "print it at 100 %" in capsys.readouterr().out
     assert 'width="210mm"' in Path("markers.svg").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""`khepera-forage robot`: a user at a terminal, and a virtual Khepera started by the same command."""
+"""`khepera-forage robot`, with a virtual Khepera that the command itself starts."""
 
 import re
 import signal
@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.cli.robot_sensors import picture
+from khepera_forage.cli.robot.sensors import bars
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.line_faults import Faults
-from khepera_forage.robots.virtual.virtual_port import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
@@ -25,7 +25,7 @@ from khepera_forage.sim.world import Layout
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[str]:
-    """Of a virtual Khepera in a process of its own, in real time."""
+    """The port of a virtual Khepera that runs in another process, in real time."""
     command = Path(sys.executable).with_name("khepera-forage")
     child = subprocess.Popen([command, "robot", "virtual"], stdout=subprocess.PIPE, text=True)
     assert child.stdout is not None
@@ -39,14 +39,14 @@ def port() -> Iterator[str]:
 
 @pytest.fixture
 def frozen() -> Iterator[VirtualKhepera]:
-    """A virtual Khepera whose world stands still."""
+    """A virtual Khepera in a world without time, whose motors never move."""
     world = PymunkWorld([CORRIDOR], (2,), Noise.none())
     world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
     with VirtualKhepera(Firmware(world.robots[0]), baud=None, rng=np.random.default_rng(0)) as khepera:
         yield khepera
 
 
-def told(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert main(["robot", *arguments]) == 0
     out, err = capsys.readouterr()
     assert err == ""
@@ -54,15 +54,15 @@ def told(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 @pytest.mark.parametrize("what", ["probe", "sensors", "drive", "grip", "selftest", "virtual"])
-def test_help(what: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_has_the_baud(what: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["robot", what, "--help"])
     assert stop.value.code == 0
     assert "--baud" in capsys.readouterr().out
 
 
-def test_probe(port: str, capsys: pytest.CaptureFixture[str]) -> None:
-    out = told(capsys, "probe", "--port", port)
+def test_probe_prints_versions_and_response_times(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = output(capsys, "probe", "--port", port)
     assert f"{port}, 38400 baud" in out
     assert "BIOS 5.02, protocol 5.01" in out
     assert "version 2.1, jumpers 0; arm" in out
@@ -71,8 +71,8 @@ def test_probe(port: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert all(1 < ms < 1000 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
 
 
-def test_sensors_in_lines(port: str, capsys: pytest.CaptureFixture[str]) -> None:
-    heading, *lines = told(capsys, "sensors", "--port", port, "--rounds", "3").splitlines()
+def test_sensors_prints_lines_without_a_terminal(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    heading, *lines = output(capsys, "sensors", "--port", port, "--rounds", "3").splitlines()
     assert len(lines) == 3
     for line in lines:
         proximity, pulses, others = line.split(" | ")
@@ -82,37 +82,37 @@ def test_sensors_in_lines(port: str, capsys: pytest.CaptureFixture[str]) -> None
     assert "arm jaw present" in heading
 
 
-def test_sensors_as_bars() -> None:
-    shown = picture(Senses((0, 1023, 512, 0, 0, 0, 0, 0), 12, -12, 215, 200, 255)).splitlines()
+def test_bars_are_as_long_as_the_readings() -> None:
+    shown = bars(Senses((0, 1023, 512, 0, 0, 0, 0, 0), 12, -12, 215, 200, 255)).splitlines()
     assert [line.count("█") for line in shown[:3]] == [0, 50, 25]
     assert "left 45" in shown[1]
     assert "object between the fingers" in shown[8]
 
 
-def test_drive_goes_as_far_as_asked_and_stops(port: str, capsys: pytest.CaptureFixture[str]) -> None:
-    out = told(capsys, "drive", "--port", port, "--left", "4", "--right", "-4", "--seconds", "0.5")
+def test_drive_turns_the_wheels_and_stops(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = output(capsys, "drive", "--port", port, "--left", "4", "--right", "-4", "--seconds", "0.5")
     left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
     assert 50 <= left <= 600, "about 200"
     assert right == -left
     with SerialKhepera(port) as robot:
-        before = robot.ask("H")
-        robot.ask("E")
-        assert robot.ask("H") == before
+        before = robot.request("H")
+        robot.request("E")
+        assert robot.request("H") == before
 
 
-def test_grip(port: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "jaw at 0, barrier 0" in told(capsys, "grip", "close", "--port", port)
-    assert "jaw at 200, barrier 0" in told(capsys, "grip", "open", "--port", port)
+def test_grip_moves_the_jaw(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "jaw at 0, barrier 0" in output(capsys, "grip", "close", "--port", port)
+    assert "jaw at 200, barrier 0" in output(capsys, "grip", "open", "--port", port)
 
 
-def test_selftest_passes(port: str, capsys: pytest.CaptureFixture[str]) -> None:
-    out = told(capsys, "selftest", "--port", port)
+def test_selftest_of_a_working_robot_passes(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    out = output(capsys, "selftest", "--port", port)
     assert "10 of 10 passed" in out
     assert out.count(" pass ") == 10
     assert "FAIL" not in out
 
 
-def test_selftest_of_a_robot_that_does_not_move(
+def test_selftest_of_a_robot_that_does_not_move_fails(
     frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["robot", "selftest", "--port", frozen.url]) == 1
@@ -132,7 +132,7 @@ def test_selftest_of_a_robot_that_does_not_move(
         (["sensors", "--port", "/dev/nowhere", "--rounds", "-1"], "--rounds is -1; allowed: 0 or more"),
     ],
 )
-def test_mistakes_are_told_in_one_line(
+def test_user_error_is_reported_in_one_line(
     arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["robot", *arguments]) == 2
@@ -141,7 +141,9 @@ def test_mistakes_are_told_in_one_line(
     assert err.count("\n") == 1
 
 
-def test_a_lost_robot_is_told_in_one_line(frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lost_robot_is_reported_in_one_line(
+    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
+) -> None:
     frozen.faults = Faults(unplug=1.0)
     assert main(["robot", "probe", "--port", frozen.url]) == 2
     err = capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Experience in memory, saved and loaded, and written as it happens."""
+"""Experience in memory, saved and loaded, and written vector by vector."""
 
 import contextlib
 import os
@@ -38,7 +38,7 @@ HOME = StateVector(1, 48, FoodType.PICKABLE, 215, 14)
 
 @settings(deadline=None)
 @given(EXPERIENCES)
-def test_what_is_saved_loads_equal(experience: Experience) -> None:
+def test_saved_experience_loads_equal(experience: Experience) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "g1.csv")
         experience.save(path)
@@ -54,7 +54,7 @@ def test_what_is_saved_loads_equal(experience: Experience) -> None:
         assert Experience.load(str(path)) == experience
 
 
-def test_a_file_that_a_person_can_read(tmp_path: Path) -> None:
+def test_file_is_readable_text(tmp_path: Path) -> None:
     Experience([SEARCH, HOME], [0, 7], seed=7).save(tmp_path / "g1.csv")
     lines = (tmp_path / "g1.csv").read_text().splitlines()
     assert lines[0] == "# khepera_forage experience, version 1"
@@ -71,19 +71,19 @@ def test_a_file_that_a_person_can_read(tmp_path: Path) -> None:
     ]
 
 
-def test_arrays() -> None:
+def test_arrays_are_new_integer_arrays() -> None:
     experience = Experience([SEARCH, HOME], [0, 7])
     vectors, behaviours = experience.arrays()
     assert vectors.dtype == behaviours.dtype == np.dtype(np.int64)
     assert vectors.tolist() == [list(SEARCH), list(HOME)]
     assert behaviours.tolist() == [0, 7]
-    vectors[:] = 1  # a fresh array: the experience stays as it is
+    vectors[:] = 1  # changes only the array
     assert experience.arrays()[0].tolist() == [list(SEARCH), list(HOME)]
     assert Experience(*experience.arrays()) == experience
     assert [part.shape for part in Experience([], []).arrays()] == [(0, 5), (0,)]
 
 
-def test_files_are_put_together(tmp_path: Path) -> None:
+def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     parts = [Experience([SEARCH] * n, [0] * n, seed=seed) for n, seed in [(1, 4), (2, 4), (3, 5)]]
     paths = [tmp_path / f"g{n}.csv" for n in (1, 2, 3)]
     for part, path in zip(parts, paths, strict=True):
@@ -99,7 +99,7 @@ def test_files_are_put_together(tmp_path: Path) -> None:
     assert repr(g123) == "<Experience: 6 vectors, arena='corridor', seed=None, episodes=3>"
 
 
-def test_experience_of_two_arenas_is_not_put_together(tmp_path: Path) -> None:
+def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
     corridor, rectangle = Experience([SEARCH], [0]), Experience([SEARCH], [0], arena="rectangle")
     corridor.save(tmp_path / "c.csv")
     rectangle.save(tmp_path / "r.csv")
@@ -108,7 +108,7 @@ def test_experience_of_two_arenas_is_not_put_together(tmp_path: Path) -> None:
     ):
         Experience.load(tmp_path / "c.csv", tmp_path / "r.csv")
     with pytest.raises(
-        ExperienceError, match=r"c\.csv, line 3: arena is 'corridor'; allowed: 'rectangle', asked for"
+        ExperienceError, match=r"c\.csv, line 3: arena is 'corridor'; allowed: 'rectangle', the argument"
     ):
         Experience.load(tmp_path / "c.csv", arena="rectangle")
     with pytest.raises(
@@ -120,7 +120,7 @@ def test_experience_of_two_arenas_is_not_put_together(tmp_path: Path) -> None:
         corridor + 1  # type: ignore[operator]
 
 
-def test_nothing_to_load(tmp_path: Path) -> None:
+def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="no path to load"):
         Experience.load()
     with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
@@ -135,7 +135,7 @@ BAD_ROWS: list[tuple[Any, Any, str]] = [
     ((0, 52, 0, 256, 28), 0, "arms_height is 256; allowed: 215 to 255"),
     ((1, 52, 4, 215, 28), 0, "food_type is 4; allowed: 0 to 3"),
     ((0, 52, 1, 215, 28), 0, "food_type is PICKABLE without an object; allowed: UNKNOWN"),
-    (SEARCH, Behaviour.WAIT, "behaviour is WAIT, which is silence; allowed: what was heard"),
+    (SEARCH, Behaviour.WAIT, "behaviour is WAIT, which means silence; allowed: a behaviour, 0 to 9"),
     (SEARCH, 11, r"behaviour 11; allowed: five integers with a behaviour, 0 to 9"),
     ((0, 52, 0, 215), 0, r"\(0, 52, 0, 215\) with behaviour 0; allowed: five integers"),
     ((0, 52.5, 0, 215, 28), 0, r"\(0, 52\.5, 0, 215, 28\) with behaviour 0; allowed: five integers"),
@@ -143,7 +143,7 @@ BAD_ROWS: list[tuple[Any, Any, str]] = [
 
 
 @pytest.mark.parametrize(("vector", "behaviour", "message"), BAD_ROWS)
-def test_what_no_learner_can_have_recorded(vector: Any, behaviour: Any, message: str, tmp_path: Path) -> None:
+def test_invalid_row_is_an_error(vector: Any, behaviour: Any, message: str, tmp_path: Path) -> None:
     with pytest.raises(ExperienceError, match=f"experience vector 1: .*{message}"):
         Experience([SEARCH, vector], [0, behaviour])
     with ExperienceWriter(tmp_path / "g1.csv", "corridor") as writer:
@@ -164,7 +164,7 @@ BAD_HEADERS: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("about", "message"), BAD_HEADERS)
-def test_what_no_header_can_say(about: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_invalid_header_is_an_error(about: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(ExperienceError, match=message):
         Experience([SEARCH], [0], **about)
     with pytest.raises(ExperienceError, match=message):
@@ -172,12 +172,12 @@ def test_what_no_header_can_say(about: dict[str, Any], message: str, tmp_path: P
     assert not list(tmp_path.iterdir())
 
 
-def test_as_many_behaviours_as_vectors() -> None:
-    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: as many"):
+def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
+    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
         Experience([SEARCH, HOME], [0])
 
 
-def test_a_writer_overwrites_only_when_told(tmp_path: Path) -> None:
+def test_writer_replaces_a_file_only_with_overwrite(tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     path.write_text("precious")
     with pytest.raises(FileExistsError, match=r"g1\.csv exists; overwrite=True replaces it"):
@@ -191,18 +191,20 @@ def test_a_writer_overwrites_only_when_told(tmp_path: Path) -> None:
         writer.append(SEARCH, 0)
 
 
-def test_an_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
+def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
         writer.append(SEARCH, 0)
         raise KeyboardInterrupt
-    with pytest.raises(ExperienceError, match="1 whole rows, no cut line; recover=True keeps the whole rows"):
+    with pytest.raises(
+        ExperienceError, match="1 complete rows, no incomplete line; recover=True reads the"
+    ):
         Experience.load(path)
     with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
 
 
-def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_save_leaves_the_existing_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "g1.csv"
     Experience([SEARCH], [0]).save(path)
 
@@ -227,7 +229,7 @@ for number in range(10**9):
 
 
 @pytest.mark.parametrize("lines", [1, 20, 500])
-def test_a_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path) -> None:
+def test_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     with subprocess.Popen(
         [sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True
@@ -236,11 +238,11 @@ def test_a_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Pa
         for _ in range(lines):
             recorder.stdout.readline()
         recorder.send_signal(signal.SIGKILL)
-        said = [lines, *map(int, recorder.stdout.read().split("\n")[:-1])]
+        printed = [lines, *map(int, recorder.stdout.read().split("\n")[:-1])]
     with pytest.raises(ExperienceError, match="recover=True"):
         Experience.load(path)
-    with pytest.warns(ExperienceWarning, match="cut off before its closing line"):
+    with pytest.warns(ExperienceWarning, match="ends before its closing line"):
         kept = Experience.load(path, recover=True)
-    # What append had returned for is there; the row it was at may be there too.
-    assert said[-1] <= len(kept) <= said[-1] + 1
+    # Every row whose append had returned is there; the row after it may be there too.
+    assert printed[-1] <= len(kept) <= printed[-1] + 1
     assert list(kept) == [((0, n % 1000, 0, 215, 28), n % 10) for n in range(len(kept))]

@@ -1,4 +1,4 @@
-"""Experience as a Minari data set, and back."""
+"""Conversion of experience to a Minari dataset and back."""
 
 import sys
 from importlib import import_module
@@ -32,7 +32,7 @@ EXPERIENCE = st.builds(
     st.integers(1, 9),
 )
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2], "corridor", 7)
-# Minari asks its user for these, with a warning.
+# Minari warns if these are missing.
 ABOUT: dict[str, Any] = dict.fromkeys(
     ("author", "author_email", "code_permalink", "algorithm_name", "description"), "nobody"
 )
@@ -48,7 +48,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(EXPERIENCE, min_size=1, max_size=4))
-def test_out_and_back(parts: list[Experience]) -> None:
+def test_conversion_to_minari_and_back_gives_equal_experience(parts: list[Experience]) -> None:
     minari = import_module("minari")
     dataset = to_minari(parts, "khepera/back-v0")
     try:
@@ -60,8 +60,7 @@ def test_out_and_back(parts: list[Experience]) -> None:
         minari.delete_dataset("khepera/back-v0")
 
 
-def test_it_is_what_minari_takes_for_a_data_set() -> None:
-    """Every episode has the shapes, types and spaces of the environment that the data set names."""
+def test_dataset_has_the_spaces_of_its_environment() -> None:
     other = Experience([(1, 60, 1, 215, 40)], [7], "corridor")
     dataset = to_minari([SOME, other], "khepera/corridor-v0", author="somebody", description="two episodes")
     env = dataset.recover_environment()
@@ -84,8 +83,8 @@ def test_it_is_what_minari_takes_for_a_data_set() -> None:
     env.close()
 
 
-def test_what_was_recorded_elsewhere_is_read_too() -> None:
-    """An episode of the teacher in the rectangle, recorded step by step, trains the imitator."""
+def test_dataset_from_another_recorder_trains_the_imitator() -> None:
+    """The dataset holds an episode of the teacher in the rectangle, recorded step by step."""
     minari = import_module("minari")
     env = gym.make("khepera_forage:khepera_forage/Rectangle-v0")
     observation, _ = env.reset(seed=2)
@@ -130,12 +129,12 @@ def test_what_was_recorded_elsewhere_is_read_too() -> None:
         ),
     ],
 )
-def test_what_minari_is_not_given(parts: list[Experience], message: str) -> None:
+def test_experience_that_has_no_environment_is_an_error(parts: list[Experience], message: str) -> None:
     with pytest.raises(ExperienceError, match=message):
         to_minari(parts, "khepera/bad-v0")
 
 
-def test_what_is_no_experience() -> None:
+def test_dataset_without_state_vectors_is_an_error() -> None:
     minari = import_module("minari")
     buffer = minari.data_collector.EpisodeBuffer(
         observations=np.zeros((3, 4), np.float32),
@@ -147,9 +146,9 @@ def test_what_is_no_experience() -> None:
     dataset = minari.create_dataset_from_buffers(
         dataset_id="no-v0", buffer=[buffer], env="CartPole-v1", eval_env="CartPole-v1", **ABOUT
     )
-    with pytest.raises(ExperienceError, match="episode 0: the data set tells no arena; give one"):
+    with pytest.raises(ExperienceError, match="episode 0: the dataset has no arena; pass arena="):
         from_minari(dataset)
-    with pytest.raises(ExperienceError, match="episode 0 holds no state vectors"):
+    with pytest.raises(ExperienceError, match="episode 0 has no state vectors"):
         from_minari(dataset, arena="corridor")
 
 

@@ -1,4 +1,4 @@
-"""Files that are no experience, or not all of it: what is said of each."""
+"""Invalid and incomplete experience files, and their error messages."""
 
 import re
 import tempfile
@@ -23,7 +23,7 @@ object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,be
 ROW = "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n"
 GRASPED = "1,48,PICKABLE,215,14,GO_HOME\n"
 WHOLE = HEADER + ROW + GRASPED + "# complete: 2 vectors\n"
-SAID = Experience([(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7)
+EXPERIENCE = Experience([(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7)
 
 
 def write(folder: Path, content: str | bytes) -> Path:
@@ -32,10 +32,10 @@ def write(folder: Path, content: str | bytes) -> Path:
     return path
 
 
-def test_the_whole_file_is_read(tmp_path: Path) -> None:
-    assert Experience.load(write(tmp_path, WHOLE)) == SAID
-    assert Experience.load(write(tmp_path, WHOLE.replace("\n", "\r\n"))) == SAID
-    assert Experience.load(write(tmp_path, WHOLE), recover=True) == SAID
+def test_complete_file_is_read(tmp_path: Path) -> None:
+    assert Experience.load(write(tmp_path, WHOLE)) == EXPERIENCE
+    assert Experience.load(write(tmp_path, WHOLE.replace("\n", "\r\n"))) == EXPERIENCE
+    assert Experience.load(write(tmp_path, WHOLE), recover=True) == EXPERIENCE
 
 
 def row(text: str) -> str:
@@ -77,8 +77,8 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
         7,
         "columns are 'object_presence,robot_home_distance,foo",
     ),
-    "header cut": (HEADER[:100], 6, "cut off in the header; allowed: 7 lines before the rows"),
-    "header cut in its first line": (HEADER[:38], 1, "cut off in the header"),
+    "header cut": (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),
+    "header cut in its first line": (HEADER[:38], 1, "ends in the header"),
     "five columns": (
         row("0,52,UNKNOWN,215,28"),
         9,
@@ -130,16 +130,16 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
     "row after the end": (
         WHOLE + ROW,
         11,
-        "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' stands after the closing line",
+        "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' follows the closing line",
     ),
-    "cut row after the end": (WHOLE + "0,5", 11, "'0,5' stands after the closing line; allowed: nothing"),
-    "blank line after the end": (WHOLE + "\n", 11, "'' stands after the closing line; allowed: nothing"),
+    "cut row after the end": (WHOLE + "0,5", 11, "'0,5' follows the closing line; allowed: nothing"),
+    "blank line after the end": (WHOLE + "\n", 11, "'' follows the closing line; allowed: nothing"),
 }
 
 
 @pytest.mark.parametrize("recover", [False, True])
 @pytest.mark.parametrize("kind", BAD)
-def test_a_bad_file_is_an_error_that_says_where_and_what(kind: str, recover: bool, tmp_path: Path) -> None:
+def test_invalid_file_is_an_error_with_line_and_reason(kind: str, recover: bool, tmp_path: Path) -> None:
     content, line, message = BAD[kind]
     path = write(tmp_path, content)
     with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: ")) as caught:
@@ -149,40 +149,40 @@ def test_a_bad_file_is_an_error_that_says_where_and_what(kind: str, recover: boo
 
 
 INCOMPLETE = {
-    "rows": (HEADER + ROW + GRASPED, 9, 2, "2 whole rows, no cut line"),
-    "no rows": (HEADER, 7, 0, "0 whole rows, no cut line"),
-    "cut row": (HEADER + ROW + "1,48,PICK", 9, 1, "1 whole rows, then the cut line '1,48,PICK'"),
-    # It looks whole, but it may have been 215,148: only a line end shows that it is.
+    "rows": (HEADER + ROW + GRASPED, 9, 2, "2 complete rows, no incomplete line"),
+    "no rows": (HEADER, 7, 0, "0 complete rows, no incomplete line"),
+    "cut row": (HEADER + ROW + "1,48,PICK", 9, 1, "1 complete rows, then the incomplete line '1,48,PICK'"),
+    # The row looks complete, but the last word may have lost letters: only a line end shows that it is complete.
     "row without line end": (
         HEADER + ROW + GRASPED[:-1],
         9,
         1,
-        "then the cut line '1,48,PICKABLE,215,14,GO_HOME'",
+        "then the incomplete line '1,48,PICKABLE,215,14,GO_HOME'",
     ),
-    "cut closing line": (WHOLE[:-8], 10, 2, "2 whole rows, then the cut line '# complete: 2 '"),
-    "closing line without line end": (WHOLE[:-1], 10, 2, "then the cut line '# complete: 2 vectors'"),
+    "cut closing line": (WHOLE[:-8], 10, 2, "2 complete rows, then the incomplete line '# complete: 2 '"),
+    "closing line without line end": (WHOLE[:-1], 10, 2, "then the incomplete line '# complete: 2 vectors'"),
 }
 
 
 @pytest.mark.parametrize("kind", INCOMPLETE)
-def test_an_incomplete_file_can_be_recovered(kind: str, tmp_path: Path) -> None:
+def test_incomplete_file_can_be_recovered(kind: str, tmp_path: Path) -> None:
     content, line, rows, message = INCOMPLETE[kind]
     path = write(tmp_path, content)
-    complaint = f"{path}, line {line}: cut off before its closing line: "
+    complaint = f"{path}, line {line}: ends before its closing line: "
     with pytest.raises(ExperienceError, match=re.escape(complaint)) as caught:
         Experience.load(path)
     assert message in str(caught.value)
-    assert str(caught.value).endswith("recover=True keeps the whole rows")
+    assert str(caught.value).endswith("recover=True reads the complete rows")
     with pytest.warns(ExperienceWarning, match=re.escape(message)) as warned:
         kept = Experience.load(path, recover=True)
     assert warned[0].filename == __file__
-    loss = "the cut line is lost" if "then" in message else "no line is known to be lost"
+    loss = "the incomplete line is lost" if "then" in message else "no line is known to be lost"
     assert str(warned[0].message).endswith(loss)
-    assert list(kept) == list(SAID)[:rows]
+    assert list(kept) == list(EXPERIENCE)[:rows]
 
 
 def recovered(content: bytes) -> Experience | None:
-    """What is left of a file, or None where it is an error. Any other exception fails the test."""
+    """The experience recovered from a file; None for an `ExperienceError`. Any other exception fails the test."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperienceWarning)
         try:
@@ -203,7 +203,7 @@ def long_file(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return path.read_bytes()
 
 
-def test_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Path) -> None:
+def test_file_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Path) -> None:
     header = long_file.index(b"behaviour\n") + len(b"behaviour\n")
     for end in range(len(long_file)):
         with pytest.raises(ExperienceError):
@@ -218,7 +218,7 @@ def test_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Pat
 
 @settings(deadline=None)
 @given(st.data())
-def test_any_other_damage_is_an_error_or_still_experience(long_file: bytes, data: st.DataObject) -> None:
+def test_damaged_file_is_an_error_or_valid_experience(long_file: bytes, data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(long_file)))
     stop = data.draw(st.integers(start, min(start + 40, len(long_file))))
     kept = recovered(long_file[:start] + data.draw(st.binary(max_size=10)) + long_file[stop:])

@@ -1,4 +1,4 @@
-"""DAgger: the teacher is asked exactly about what the learner comes to."""
+"""DAgger: the expert labels the states that the learner visits."""
 
 from typing import Any
 
@@ -8,8 +8,8 @@ from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import UniformPolicy, state_vector_of
+from khepera_forage.policies.features import encoded
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
-from khepera_forage.policies.measure import coded
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.task.states import Behaviour, behaviour_for, classify
@@ -24,52 +24,52 @@ def make() -> Any:
     return DecisionTreeClassifier(random_state=0)
 
 
-def test_every_query_is_a_state_vector_with_the_teachers_word(env: BehavioursEnv) -> None:
+def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
     out = dagger(make, env, 230, 5, queries_a_round=100)
     assert [r.queries for r in out.rounds] == [100, 100, 30]
     assert out.vectors.shape == (230, 5)
-    for row, said in zip(out.vectors, out.behaviours, strict=True):
-        assert said == behaviour_for(classify(state_vector_of(row), env.home_radius))
-    assert out.rounds[0].agreed == 100, "the teacher itself drives first"
+    for row, behaviour in zip(out.vectors, out.behaviours, strict=True):
+        assert behaviour == behaviour_for(classify(state_vector_of(row), env.home_radius, env.decisions.values()))
+    assert out.rounds[0].agreed == 100, "the teacher itself acts in the first round"
     assert out.rounds[1].agreed < 100
 
 
-def test_it_comes_to_agree_with_the_teacher_and_forages(env: BehavioursEnv) -> None:
+def test_learner_agrees_with_the_teacher_after_enough_rounds(env: BehavioursEnv) -> None:
     out = dagger(make, env, 2_000, 7)
-    assert min(r.agreed for r in out.rounds[1:]) < 60, "where it got by itself, it did not know what to do"
+    assert min(r.agreed for r in out.rounds[1:]) < 60, "the learner visits states without a record"
     assert min(r.agreed for r in out.rounds[-5:]) > 90
     assert sum(recall(env, out.policy, seed).delivered for seed in range(8)) >= 7
 
 
-def test_same_seed_same_queries(env: BehavioursEnv) -> None:
+def test_queries_depend_only_on_the_seed(env: BehavioursEnv) -> None:
     first, second, other = (dagger(make, env, 150, seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first.vectors, second.vectors)
     assert first.rounds == second.rounds
     assert not np.array_equal(first.vectors, other.vectors)
 
 
-def test_experience_to_start_from_is_learned_from_and_not_asked_about(env: BehavioursEnv) -> None:
+def test_start_experience_is_learned_without_queries(env: BehavioursEnv) -> None:
     start = np.array([[0, 90, 0, 215, 60], [0, 60, 0, 255, 18]]), np.array([7, 7])
     out = dagger(make, env, 40, 3, queries_a_round=40, start=start)
     np.testing.assert_array_equal(out.vectors[:2], start[0])
     assert out.behaviours[:2].tolist() == [7, 7]
     assert len(out.vectors) == 42
-    assert out.rounds[0].agreed < 40, "it drives home from the first step, which is wrong"
+    assert out.rounds[0].agreed < 40, "the learner goes home from the first step, which is wrong"
 
 
-def test_another_expert_is_asked(env: BehavioursEnv) -> None:
+def test_expert_replaces_the_teacher(env: BehavioursEnv) -> None:
     out = dagger(make, env, 60, 3, expert=UniformPolicy())
     assert len(set(out.behaviours.tolist())) > 5
 
 
 @pytest.mark.parametrize(("queries", "a_round"), [(0, 100), (10, 0)])
-def test_no_queries(env: BehavioursEnv, queries: int, a_round: int) -> None:
+def test_number_of_queries_below_one_is_an_error(env: BehavioursEnv, queries: int, a_round: int) -> None:
     with pytest.raises(ValueError, match="allowed: at least 1"):
         dagger(make, env, queries, 0, queries_a_round=a_round)
 
 
 @pytest.mark.parametrize("name", [name for name, one in LEARNERS.items() if isinstance(one, FromQueries)])
-def test_those_of_the_registry(env: BehavioursEnv, name: str) -> None:
+def test_registered_dagger_learners_work(env: BehavioursEnv, name: str) -> None:
     learner = LEARNERS[name]
     assert isinstance(learner, FromQueries)
     inner: FromVectors = learner.learner
@@ -77,4 +77,4 @@ def test_those_of_the_registry(env: BehavioursEnv, name: str) -> None:
         lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings
     )
     assert Behaviour(out.policy.act(out.vectors[0], np.random.default_rng(0))) < Behaviour.WAIT
-    assert coded(out.vectors, 138).shape == (150, 9)
+    assert encoded(out.vectors, 138).shape == (150, 9)

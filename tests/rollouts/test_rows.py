@@ -1,4 +1,4 @@
-"""Rows: what contradicts itself is refused, what is written comes back, what is torn is told apart."""
+"""Rows and their files: consistency, writing, strict reading and incomplete files."""
 
 import multiprocessing
 import os
@@ -26,7 +26,7 @@ from tests.thesis.synthetic import attempts, counts, failed, recall, reproductio
         ),
         ({"score": 79.0}, r"score is 79.0; allowed: 80.000000"),
         ({"food_x": (1.0, 2.0)}, r"food_x is \(1.0, 2.0\); allowed: one value for each of 1 foods"),
-        ({"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, by food_delivered"),
+        ({"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, the sum of food_delivered"),
         (
             {
                 "wrong_by_state": counts({State.SEARCH: 39}),
@@ -43,11 +43,11 @@ from tests.thesis.synthetic import attempts, counts, failed, recall, reproductio
             },
             r"wrong_by_state\[2\] is 40; allowed: at most 0",
         ),
-        ({"orient_ghost": 41}, r"orient_ghost is 41; allowed: 0\.\.40 wrong rounds"),
+        ({"orient_without_food": 41}, r"orient_without_food is 41; allowed: 0\.\.40 wrong rounds"),
         ({"conflicts": 51}, r"conflicts is 51; allowed: 0\.\.50 ties"),
     ],
 )
-def test_recall_rows_that_contradict_themselves(changes: dict[str, Any], message: str) -> None:
+def test_inconsistent_recall_row_is_an_error(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         recall(**changes)
 
@@ -61,12 +61,12 @@ def test_recall_rows_that_contradict_themselves(changes: dict[str, Any], message
         ({"attempt": 0}, "attempt is 0; allowed: 1 or more"),
     ],
 )
-def test_training_rows_that_contradict_themselves(changes: dict[str, Any], message: str) -> None:
+def test_inconsistent_training_row_is_an_error(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         training(**changes)
 
 
-def test_what_a_row_tells() -> None:
+def test_recall_row_has_derived_properties() -> None:
     row = failed(
         food_x=(-30.0,),
         food_y=(40.0,),
@@ -81,7 +81,7 @@ def test_what_a_row_tells() -> None:
     assert failed(correct=500).failure_mode is None
 
 
-def test_rows_come_back_as_they_were(tmp_path: Path) -> None:
+def test_written_rows_are_read_equal(tmp_path: Path) -> None:
     rows = reproduction(1, np.random.default_rng(1))
     tries = attempts(1, np.random.default_rng(2), "laboratory", 0.5)
     write_rows(tmp_path / "recalls.csv", RecallRow, rows)
@@ -90,7 +90,7 @@ def test_rows_come_back_as_they_were(tmp_path: Path) -> None:
     assert read_rows(tmp_path / "trainings.csv", TrainingRow) == tries
 
 
-def test_numbers_of_numpy_are_written_as_numbers(tmp_path: Path) -> None:
+def test_numpy_numbers_are_written_as_numbers(tmp_path: Path) -> None:
     row = recall(
         score=np.float64(80.0),
         penalty=20.0 - 20.0,
@@ -104,7 +104,7 @@ def test_numbers_of_numpy_are_written_as_numbers(tmp_path: Path) -> None:
     assert type(back.penalty) is int
 
 
-def test_text_with_commas_and_quotes(tmp_path: Path) -> None:
+def test_text_with_commas_and_quotes_is_read_equal(tmp_path: Path) -> None:
     row = training(reason='separated, "for good"')
     write_rows(tmp_path / "rows.csv", TrainingRow, [row])
     assert read_rows(tmp_path / "rows.csv", TrainingRow) == [row]
@@ -115,7 +115,7 @@ def test_text_with_commas_and_quotes(tmp_path: Path) -> None:
         writer.write(training(reason="two\nlines"))
 
 
-def test_each_row_is_on_disk_when_written(tmp_path: Path) -> None:
+def test_row_is_on_disk_when_write_returns(tmp_path: Path) -> None:
     path = tmp_path / "deep" / "rows.csv"
     with RowWriter(path, RecallRow) as writer:
         assert read_rows(path, RecallRow) == []
@@ -125,15 +125,15 @@ def test_each_row_is_on_disk_when_written(tmp_path: Path) -> None:
         assert len(read_rows(path, RecallRow)) == 3
 
 
-def _write_for_ever(path: Path) -> None:
+def _write_endlessly(path: Path) -> None:
     with RowWriter(path, RecallRow) as writer:
         for number in range(10**9):
             writer.write(recall(recall=number))
 
 
-def test_a_kill_loses_at_most_the_last_row(tmp_path: Path) -> None:
+def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
-    process = multiprocessing.get_context("spawn").Process(target=_write_for_ever, args=(path,))
+    process = multiprocessing.get_context("spawn").Process(target=_write_endlessly, args=(path,))
     process.start()
     while not (path.exists() and path.stat().st_size > 20_000):
         assert process.is_alive()
@@ -147,7 +147,7 @@ def test_a_kill_loses_at_most_the_last_row(tmp_path: Path) -> None:
     assert len(read_rows(path, RecallRow)) == len(rows) + 1
 
 
-def test_a_torn_line_is_left_out_and_cut_off_on_resuming(tmp_path: Path) -> None:
+def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall(), recall(recall=1)])
     os.truncate(path, path.stat().st_size - 20)
@@ -157,7 +157,7 @@ def test_a_torn_line_is_left_out_and_cut_off_on_resuming(tmp_path: Path) -> None
     assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
 
 
-def test_a_torn_header_is_written_afresh_on_resuming(tmp_path: Path) -> None:
+def test_incomplete_header_is_replaced_on_resuming(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     path.write_text("replication,fi")
     with RowWriter(path, TrainingRow, resume=True) as writer:
@@ -165,14 +165,14 @@ def test_a_torn_header_is_written_afresh_on_resuming(tmp_path: Path) -> None:
     assert read_rows(path, TrainingRow) == [training()]
 
 
-def test_without_resume_a_file_starts_afresh(tmp_path: Path) -> None:
+def test_writing_without_resume_replaces_the_file(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])
     write_rows(path, RecallRow, [recall(recall=1)])
     assert read_rows(path, RecallRow) == [recall(recall=1)]
 
 
-def test_no_resuming_with_other_columns(tmp_path: Path) -> None:
+def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])
     with pytest.raises(
@@ -183,7 +183,7 @@ def test_no_resuming_with_other_columns(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("spoil", "message"),
+    ("damage", "message"),
     [
         (lambda text: text.replace("replication,", "replica,"), r"rows.csv:1: header is 'replica,"),
         (lambda text: "", r"rows.csv:1: header is ''"),
@@ -204,23 +204,23 @@ def test_no_resuming_with_other_columns(tmp_path: Path) -> None:
             lambda text: text.replace(",120,", ",100,"),
             r"rows.csv:2: vectors is 110; allowed: 0\.\.100 rounds",
         ),
-        (lambda text: text + text.split("\n")[1] + "\n", r"rows.csv:3: repeats line 2"),
+        (lambda text: text + text.split("\n")[1] + "\n", r"rows.csv:3: the row repeats line 2"),
         (
             lambda text: text.replace("laboratory", '"laboratory'),
             r"rows.csv:2: line is .*laboratory.*; allowed: comma-separated values",
         ),
     ],
 )
-def test_reading_is_strict(tmp_path: Path, spoil: Callable[[str], str], message: str) -> None:
+def test_damaged_file_is_an_error(tmp_path: Path, damage: Callable[[str], str], message: str) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, TrainingRow, [training()])
-    path.write_text(spoil(path.read_text()))
+    path.write_text(damage(path.read_text()))
     with pytest.raises(ValueError, match=message):
         read_rows(path, TrainingRow)
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", "x", ""])
-def test_floats_are_finite_numbers(tmp_path: Path, text: str) -> None:
+def test_float_that_is_not_finite_is_an_error(tmp_path: Path, text: str) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])
     path.write_text(path.read_text().replace(",80.0,", f",{text},"))

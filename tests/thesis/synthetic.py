@@ -1,4 +1,4 @@
-"""Rows as experiments would leave them: plain ones to alter, and whole reproductions."""
+"""Synthetic rows: single rows with changes, cells, and whole reproductions."""
 
 from collections.abc import Callable
 from functools import partial
@@ -15,7 +15,7 @@ from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
 def recall(**changes: Any) -> RecallRow:
     """A recall in the corridor that delivered after 200 steps, 160 of them correct, with these changes.
 
-    Score, foods and counts follow from the rest unless they are given.
+    Score, foods and counts are consistent with the other fields unless they are given.
     """
     row: dict[str, Any] = {
         "replication": 0,
@@ -36,7 +36,7 @@ def recall(**changes: Any) -> RecallRow:
         "start_x": -90.0,
         "start_y": 0.0,
         "start_heading": 10.0,
-        "orient_ghost": 0,
+        "orient_without_food": 0,
         "ties": 50,
         "conflicts": 5,
         "experience_size": 800,
@@ -55,12 +55,12 @@ def recall(**changes: Any) -> RecallRow:
 
 
 def failed(**changes: Any) -> RecallRow:
-    """A recall in the corridor that ran out of time."""
+    """A recall in the corridor that reached the time limit."""
     return recall(**{"steps": 500, "correct": 300, "food_delivered": (False,)} | changes)
 
 
 def training(**changes: Any) -> TrainingRow:
-    """A complete attempt, or with `reason` an incomplete one."""
+    """A complete attempt, or an incomplete one with this `reason`."""
     row: dict[str, Any] = {
         "replication": 0,
         "file": 1,
@@ -77,7 +77,7 @@ def training(**changes: Any) -> TrainingRow:
 
 
 def counts(by_state: dict[State, int]) -> tuple[int, ...]:
-    """Ten counts, zero where none is given."""
+    """Ten counts by state; missing ones are zero."""
     return tuple(by_state.get(State(i), 0) for i in range(STATES))
 
 
@@ -89,7 +89,16 @@ def cell_rows(
     success: Callable[[float], float],
     **changes: Any,
 ) -> list[RecallRow]:
-    """A cell: `skill` is the share of correct steps, `success` the chance by distance from home."""
+    """Rows of one cell.
+
+    Args:
+        cell: The design.
+        replications: Their number.
+        rng: Draws the rows.
+        skill: Mean share of correct steps.
+        success: Probability of delivering food, by its distance from home in pixels.
+        **changes: Of fields, the same in all rows.
+    """
     rows = []
     for replication in range(replications):
         luck = rng.normal(0, 0.04)
@@ -117,7 +126,7 @@ def cell_rows(
                     "food_delivered": done,
                     "wrong_by_state": tuple(map(int, wrong)),
                     "rounds_by_state": tuple(map(int, wrong + right)),
-                    "orient_ghost": int(rng.integers(0, 4)) * (steps - correct > 10),
+                    "orient_without_food": int(rng.integers(0, 4)) * (steps - correct > 10),
                     "ties": steps // 3,
                     "conflicts": steps // 20,
                     "experience_size": 90 * cell.episodes,
@@ -129,7 +138,7 @@ def cell_rows(
 def reproduction(
     replications: int, rng: np.random.Generator, cells: tuple[Cell, ...] = THESIS
 ) -> list[RecallRow]:
-    """All cells, better with more training and best where the food lay in training."""
+    """Rows of all cells: scores rise with training, and success is best at the training distance."""
     rows = []
     for cell in cells:
         gain = 1 - np.exp(-cell.episodes / 3)
@@ -144,7 +153,7 @@ def reproduction(
 
 
 def attempts(replications: int, rng: np.random.Generator, noise: str, complete: float) -> list[TrainingRow]:
-    """Attempts at ten files, each complete with this chance."""
+    """Attempts at ten files; each attempt is complete with this probability."""
     rows = []
     for replication in range(replications):
         for file in range(1, FILES + 1):
@@ -167,7 +176,7 @@ def attempts(replications: int, rng: np.random.Generator, noise: str, complete: 
 
 
 def teachers(replications: int, rng: np.random.Generator, arena: str, longest: int) -> list[RecallRow]:
-    """Ten forages of the teacher a replication, of up to so many steps."""
+    """Ten forages of the teacher for each replication, with at most `longest` steps."""
     foods = 1 if arena == "corridor" else 2
     return [
         recall(

@@ -1,4 +1,4 @@
-"""The thesis' own tables: that they ship as printed, what they average to, and where they slip."""
+"""The thesis's tables as printed, their averages and their errata."""
 
 from collections import Counter
 from decimal import Decimal
@@ -8,9 +8,9 @@ import pytest
 
 from khepera_forage.rollouts.row_files import parse_rows
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.errata import slips
+from khepera_forage.thesis.errata import errata
 
-SLIPS = [
+ERRATA = [
     ("A.1", "line 2, g1", "score", "78% -20: 50", "58"),
     ("A.1", "line 2, g1", "penalty", "-20 after 249 steps", "500 steps, or no penalty"),
     ("A.1", "line 3, g1", "percent", "197/249 (78%)", "79%"),
@@ -21,8 +21,8 @@ SLIPS = [
     ("A.1", "line 7, g3", "score", "32% -20: 27", "12"),
     ("A.1", "line 7, g3", "penalty", "-20 after 490 steps", "500 steps, or no penalty"),
     ("A.1", "line 8, g3", "score", "32% -: 82", "32"),
-    ("A.1", "lines 1-4, g1", "series", "195 to 198, each of 249 (78%)", "counts of their own"),
-    ("A.1", "lines 6-8, g3", "series", "159 to 161, each of 490 (32%)", "counts of their own"),
+    ("A.1", "lines 1-4, g1", "series", "195 to 198, each of 249 (78%)", "a separate count for each line"),
+    ("A.1", "lines 6-8, g3", "series", "159 to 161, each of 490 (32%)", "a separate count for each line"),
     ("A.2", "line 9, g134", "rounding", "306/472 (65%)", "64%"),
     ("A.2", "total average", "average", "66.75", "67.55"),
     (
@@ -46,7 +46,7 @@ SLIPS = [
     ("A.5", "line 6, g7", "percent", "378/687 (54%)", "55%"),
     ("A.5", "line 9, g8", "rounding", "460/698 (66%)", "65%"),
     ("A.5", "total average", "average", "44.5", "44.25"),
-    ("A.5", "total average", "text", "44.25 in chapter 5", "44.5, as the table"),
+    ("A.5", "total average", "text", "44.25 in chapter 5", "44.5, as in the table"),
     ("A.7", "line 6, g12345678910", "percent", "535/700 (75%)", "76%"),
     ("A.7", "line 6, g12345678910", "score", "75% -5: 71", "70; with the percentage recomputed, as printed"),
     ("A.7", "line 7, g12345678910", "percent", "503/700 (54%)", "71%"),
@@ -56,7 +56,7 @@ SLIPS = [
 """Reviewed by hand against the printed tables."""
 
 
-def test_every_line_is_there() -> None:
+def test_recalls_are_the_lines_of_the_tables() -> None:
     lines = Counter(row.table for row in appendix_a.recalls())
     assert lines == {"A.1": 20, "A.2": 20, "A.3": 20, "A.4": 10, "A.5": 12, "A.6": 12, "A.7": 12}
     first, last = appendix_a.recalls()[0], appendix_a.recalls()[-1]
@@ -68,8 +68,8 @@ def test_every_line_is_there() -> None:
     )
 
 
-def test_averages_of_the_sets_are_those_of_their_lines() -> None:
-    """All 21 printed set averages are right, to the last decimal."""
+def test_set_averages_are_the_means_of_their_lines() -> None:
+    """All 21 printed set averages are correct to the last decimal."""
     assert len(appendix_a.sets()) == 21
     for (table, file_id), group in groupby(appendix_a.recalls(), key=lambda row: (row.table, row.file_id)):
         printed = [s.average for s in appendix_a.sets() if (s.table, s.file_id) == (table, file_id)]
@@ -78,7 +78,7 @@ def test_averages_of_the_sets_are_those_of_their_lines() -> None:
         assert bool(printed) != (table in ("A.4", "A.7")), "only A.4 and A.7 print no set averages"
 
 
-def test_total_averages_but_for_two() -> None:
+def test_total_averages_are_the_means_of_the_lines_except_in_two_tables() -> None:
     means = {t.table: appendix_a.mean_score(appendix_a.rows_of(t)) for t in appendix_a.tables()}
     wrong = {t.table for t in appendix_a.tables() if abs(means[t.table] - float(t.average)) > 0.1}
     assert wrong == {"A.2", "A.5"}
@@ -93,36 +93,36 @@ def test_food_counts_follow_from_the_penalties() -> None:
     assert counted == {"A.1": 8, "A.2": 11, "A.3": 12, "A.4": 7, "A.5": 7, "A.6": 14, "A.7": 13}
 
 
-def test_slips() -> None:
-    assert [tuple(slip) for slip in slips()] == SLIPS
+def test_errata_are_the_reviewed_list() -> None:
+    assert [tuple(erratum) for erratum in errata()] == ERRATA
 
 
-def test_slips_are_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Repairing a line takes its slip off the list; breaking another adds one."""
+def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A corrected line removes its erratum, and an altered line adds one."""
     rows = list(appendix_a.recalls())
     assert rows[53].table == "A.3"
     assert rows[53].line == 14
     header = "table,line,arena,episodes,file_id,correct,total,percent,penalty,score\n"
     rows[53:54] = parse_rows(
-        header + "A.3,14,corridor,5,g246810,392,500,78,-20,58\n", "repaired", appendix_a.PrintedRecall
+        header + "A.3,14,corridor,5,g246810,392,500,78,-20,58\n", "corrected", appendix_a.PrintedRecall
     )
     rows[54:55] = parse_rows(
-        header + "A.3,15,corridor,5,g246810,125,500,25,-20,5\n", "broken", appendix_a.PrintedRecall
+        header + "A.3,15,corridor,5,g246810,125,500,25,-20,5\n", "altered", appendix_a.PrintedRecall
     )
     monkeypatch.setattr(appendix_a, "recalls", lambda: tuple(rows))
-    changed = {(s.place, s.kind) for s in slips() if s.table == "A.3"}
+    changed = {(s.place, s.kind) for s in errata() if s.table == "A.3"}
     assert ("line 14, g246810", "score") not in changed
     assert {("g246810", "average"), ("total average", "average"), ("food collected", "food")} <= changed
 
 
-def test_a_cell_that_the_thesis_lacks() -> None:
+def test_table_of_an_unknown_cell_is_an_error() -> None:
     with pytest.raises(
         KeyError, match=r"no table for 'rectangle' after 3 episodes; allowed: .*'corridor', 1"
     ):
         appendix_a.table_of("rectangle", 3)
 
 
-def test_a_penalty_that_the_thesis_lacks() -> None:
+def test_unknown_penalty_is_an_error() -> None:
     text = "table,line,arena,episodes,file_id,correct,total,percent,penalty,score\nA.1,1,corridor,1,g1,1,2,50,-7,43\n"
     with pytest.raises(ValueError, match=r"x.csv:2: penalty is '-7'; allowed: -, -5 or -20"):
         parse_rows(text, "x.csv", appendix_a.PrintedRecall)

@@ -1,4 +1,4 @@
-"""Every claim can come out either way, and stays undecided when the rows do not tell."""
+"""Every claim can be supported, not supported or undecided."""
 
 from collections.abc import Callable, Sequence
 from itertools import product
@@ -19,8 +19,7 @@ from khepera_forage.thesis.claims.claim import (
     percent_change,
     points,
 )
-from khepera_forage.thesis.claims.evidence import TRAINING_DISTANCE
-from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
+from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, TRAINING_DISTANCE
 from khepera_forage.thesis.statistics import UNKNOWN, Estimate
 from tests.thesis.synthetic import counts, failed, recall, training
 
@@ -36,8 +35,8 @@ NUMBER = {
     "areas rectangle": 8,
     "around corridor": 9,
     "around rectangle": 10,
-    "ghost corridor": 11,
-    "ghost rectangle": 12,
+    "orient without food corridor": 11,
+    "orient without food rectangle": 12,
     "failures": 13,
     "rest": 14,
     "losses": 15,
@@ -45,6 +44,7 @@ NUMBER = {
     "limit corridor": 17,
     "limit rectangle": 18,
 }
+"""Number of each claim in the report."""
 Level = Callable[[int], float]
 """A number for each replication."""
 SUPPORTED, NOT, UNDECIDED = Verdict.SUPPORTED, Verdict.NOT_SUPPORTED, Verdict.UNDECIDED
@@ -54,8 +54,8 @@ def always(value: float) -> Level:
     return lambda replication: value
 
 
-def now_and_then(low: float, high: float) -> Level:
-    """One in even replications and the other in odd ones."""
+def alternating(low: float, high: float) -> Level:
+    """`low` in even replications and `high` in odd ones."""
     return lambda replication: (low, high)[replication % 2]
 
 
@@ -69,7 +69,7 @@ def _judge(
 
 
 def _scores(arena: str, levels: dict[int, Level]) -> list[RecallRow]:
-    """One recall a replication and cell, with this score."""
+    """One recall with this score for each replication and cell."""
     return [
         recall(arena=arena, replication=i, episodes=episodes, steps=100, correct=int(level(i)))
         for episodes, level in levels.items()
@@ -78,7 +78,7 @@ def _scores(arena: str, levels: dict[int, Level]) -> list[RecallRow]:
 
 
 def _successes(distance: float, level: Level, each: int = 10, **changes: object) -> list[RecallRow]:
-    """Recalls with food so far from home, this share of them delivered."""
+    """Recalls with food at this distance from home; this share of them deliver it."""
     return [
         (recall if number < each * level(i) else failed)(
             replication=i, recall=number, food_x=(-distance,), **changes
@@ -88,7 +88,7 @@ def _successes(distance: float, level: Level, each: int = 10, **changes: object)
 
 
 def _attempts(noise: str, level: Level) -> list[TrainingRow]:
-    """Episodes that need this many attempts each."""
+    """Episodes that need this many attempts each, three for each replication."""
     return [
         training(
             replication=i,
@@ -104,10 +104,10 @@ def _attempts(noise: str, level: Level) -> list[TrainingRow]:
 
 @pytest.mark.parametrize("arena", ["corridor", "rectangle"])
 @pytest.mark.parametrize(
-    ("ten", "verdict"), [(always(70), SUPPORTED), (always(30), NOT), (now_and_then(30, 70), UNDECIDED)]
+    ("ten", "verdict"), [(always(70), SUPPORTED), (always(30), NOT), (alternating(30, 70), UNDECIDED)]
 )
-def test_more_episodes_improve(arena: str, ten: Level, verdict: Verdict) -> None:
-    claim = _judge(f"improves {arena}", _scores(arena, {1: now_and_then(45, 55), 10: ten}))
+def test_claim_that_more_episodes_improve(arena: str, ten: Level, verdict: Verdict) -> None:
+    claim = _judge(f"improves {arena}", _scores(arena, {1: alternating(45, 55), 10: ten}))
     assert claim.verdict is verdict
     assert arena in claim.name
 
@@ -116,12 +116,12 @@ def test_more_episodes_improve(arena: str, ten: Level, verdict: Verdict) -> None
 @pytest.mark.parametrize(
     ("levels", "verdict"),
     [
-        ((always(40), always(60), now_and_then(61, 62), always(65)), SUPPORTED),
-        ((always(40), always(41), now_and_then(42, 43), always(90)), NOT),
-        ((now_and_then(20, 60), always(45), always(45), always(50)), UNDECIDED),
+        ((always(40), always(60), alternating(61, 62), always(65)), SUPPORTED),
+        ((always(40), always(41), alternating(42, 43), always(90)), NOT),
+        ((alternating(20, 60), always(45), always(45), always(50)), UNDECIDED),
     ],
 )
-def test_the_gain_shrinks(arena: str, levels: tuple[Level, ...], verdict: Verdict) -> None:
+def test_claim_that_the_gain_shrinks(arena: str, levels: tuple[Level, ...], verdict: Verdict) -> None:
     rows = _scores(arena, dict(zip((1, 3, 5, 10), levels, strict=True)))
     assert _judge(f"shrinks {arena}", rows).verdict is verdict
 
@@ -131,17 +131,17 @@ def test_the_gain_shrinks(arena: str, levels: tuple[Level, ...], verdict: Verdic
     [
         (always(0.6), always(0.1), SUPPORTED),
         (always(0.1), always(0.3), NOT),
-        (now_and_then(0.1, 0.3), always(0.2), UNDECIDED),
+        (alternating(0.1, 0.3), always(0.2), UNDECIDED),
     ],
 )
-def test_it_generalises(learner: Level, chance: Level, verdict: Verdict) -> None:
+def test_claim_that_the_learner_generalises(learner: Level, chance: Level, verdict: Verdict) -> None:
     rows = _successes(40, learner, arena="rectangle") + _successes(
         40, chance, arena="rectangle", learner=RANDOM
     )
     assert _judge("generalises", rows).verdict is verdict
 
 
-def test_without_a_random_policy_generalising_is_undecided() -> None:
+def test_claim_of_generalising_without_a_random_policy_is_undecided() -> None:
     claim = _judge("generalises", _successes(40, always(0.6), arena="rectangle"))
     assert claim.verdict is UNDECIDED
     assert claim.effect == "-"
@@ -150,14 +150,14 @@ def test_without_a_random_policy_generalising_is_undecided() -> None:
 @pytest.mark.parametrize(
     ("corridor", "verdict"),
     [
-        (now_and_then(60, 64), SUPPORTED),
+        (alternating(60, 64), SUPPORTED),
         (always(80), NOT),
         (always(30), NOT),
-        (now_and_then(60, 80), UNDECIDED),
+        (alternating(60, 80), UNDECIDED),
     ],
 )
-def test_the_arenas_compare(corridor: Level, verdict: Verdict) -> None:
-    rows = _scores("corridor", {10: corridor}) + _scores("rectangle", {10: now_and_then(59, 61)})
+def test_claim_that_the_arenas_are_comparable(corridor: Level, verdict: Verdict) -> None:
+    rows = _scores("corridor", {10: corridor}) + _scores("rectangle", {10: alternating(59, 61)})
     assert _judge("comparable", rows).verdict is verdict
 
 
@@ -168,19 +168,23 @@ def test_the_arenas_compare(corridor: Level, verdict: Verdict) -> None:
         (always(0.9), always(0.2), SUPPORTED),
         (always(0.2), always(0.9), SUPPORTED),
         (always(0.5), always(0.5), NOT),
-        (now_and_then(0.2, 1.0), always(0.5), UNDECIDED),
+        (alternating(0.2, 1.0), always(0.5), UNDECIDED),
     ],
 )
-def test_success_depends_on_the_area(arena: str, near: Level, far: Level, verdict: Verdict) -> None:
+def test_claim_that_success_depends_on_the_area(
+    arena: str, near: Level, far: Level, verdict: Verdict
+) -> None:
     rows = _successes(25, near, arena=arena) + _successes(70, far, arena=arena)
     assert _judge(f"areas {arena}", rows).verdict is verdict
 
 
 @pytest.mark.parametrize("arena", ["corridor", "rectangle"])
 @pytest.mark.parametrize(
-    ("there", "verdict"), [(always(0.9), SUPPORTED), (always(0.1), NOT), (now_and_then(0.1, 0.9), UNDECIDED)]
+    ("there", "verdict"), [(always(0.9), SUPPORTED), (always(0.1), NOT), (alternating(0.1, 0.9), UNDECIDED)]
 )
-def test_success_where_food_lay_in_training(arena: str, there: Level, verdict: Verdict) -> None:
+def test_claim_that_success_is_best_at_the_training_distance(
+    arena: str, there: Level, verdict: Verdict
+) -> None:
     rows = _successes(TRAINING_DISTANCE + 5.9, there, arena=arena)
     for elsewhere in (TRAINING_DISTANCE - 6.1, TRAINING_DISTANCE + 6.1):
         rows += _successes(elsewhere, always(0.5), arena=arena)
@@ -189,20 +193,20 @@ def test_success_where_food_lay_in_training(arena: str, there: Level, verdict: V
 
 @pytest.mark.parametrize("arena", ["corridor", "rectangle"])
 @pytest.mark.parametrize(
-    ("ghosts", "verdict"), [(always(0.5), SUPPORTED), (always(0.0), NOT), (now_and_then(0.0, 0.3), UNDECIDED)]
+    ("share", "verdict"), [(always(0.5), SUPPORTED), (always(0.0), NOT), (alternating(0.0, 0.3), UNDECIDED)]
 )
-def test_orient_is_executed_where_no_food_is(arena: str, ghosts: Level, verdict: Verdict) -> None:
+def test_claim_that_orient_is_executed_without_food(arena: str, share: Level, verdict: Verdict) -> None:
     rows = [
-        recall(arena=arena, replication=i, recall=number, orient_ghost=3 * (number < 10 * ghosts(i)))
+        recall(arena=arena, replication=i, recall=number, orient_without_food=3 * (number < 10 * share(i)))
         for i, number in product(range(REPLICATIONS), range(10))
     ]
-    assert _judge(f"ghost {arena}", rows).verdict is verdict
+    assert _judge(f"orient without food {arena}", rows).verdict is verdict
 
 
 @pytest.mark.parametrize(
-    ("share", "verdict"), [(always(0.8), SUPPORTED), (always(0.2), NOT), (now_and_then(0.2, 0.8), UNDECIDED)]
+    ("share", "verdict"), [(always(0.8), SUPPORTED), (always(0.2), NOT), (alternating(0.2, 0.8), UNDECIDED)]
 )
-def test_failures_by_an_orient_that_was_not_executed(share: Level, verdict: Verdict) -> None:
+def test_claim_that_failures_are_missed_orients(share: Level, verdict: Verdict) -> None:
     rows = [
         failed(
             replication=i,
@@ -220,10 +224,10 @@ def test_failures_by_an_orient_that_was_not_executed(share: Level, verdict: Verd
 
 
 @pytest.mark.parametrize(
-    ("wrong", "verdict"), [(always(2), SUPPORTED), (always(30), NOT), (now_and_then(2, 18), UNDECIDED)]
+    ("wrong", "verdict"), [(always(2), SUPPORTED), (always(30), NOT), (alternating(2, 18), UNDECIDED)]
 )
-def test_after_orient_all_is_correct(wrong: Level, verdict: Verdict) -> None:
-    """Of 100 rounds with food in hand so many are wrong; being wrong in search does not matter."""
+def test_claim_that_all_is_correct_after_orient(wrong: Level, verdict: Verdict) -> None:
+    """`wrong` of 100 rounds with food in hand are wrong; wrong rounds of SEARCH do not count."""
     rows = [
         recall(
             replication=i,
@@ -237,9 +241,9 @@ def test_after_orient_all_is_correct(wrong: Level, verdict: Verdict) -> None:
 
 
 @pytest.mark.parametrize(
-    ("laboratory", "verdict"), [(always(3), SUPPORTED), (always(1), NOT), (now_and_then(1, 3), UNDECIDED)]
+    ("laboratory", "verdict"), [(always(3), SUPPORTED), (always(1), NOT), (alternating(1, 3), UNDECIDED)]
 )
-def test_losses_cost_attempts(laboratory: Level, verdict: Verdict) -> None:
+def test_claim_that_losses_cost_attempts(laboratory: Level, verdict: Verdict) -> None:
     rows = _attempts(LABORATORY, laboratory) + _attempts(NO_LOSSES, always(2))
     claim = _judge("losses", trainings=rows)
     assert claim.verdict is verdict
@@ -247,9 +251,9 @@ def test_losses_cost_attempts(laboratory: Level, verdict: Verdict) -> None:
 
 
 @pytest.mark.parametrize(
-    ("attempts", "verdict"), [(always(1), SUPPORTED), (always(3), NOT), (now_and_then(1, 3), UNDECIDED)]
+    ("attempts", "verdict"), [(always(1), SUPPORTED), (always(3), NOT), (alternating(1, 3), UNDECIDED)]
 )
-def test_without_losses_episodes_are_often_complete(attempts: Level, verdict: Verdict) -> None:
+def test_claim_that_episodes_are_often_complete_without_losses(attempts: Level, verdict: Verdict) -> None:
     rows = _attempts(NO_LOSSES, attempts) + _attempts(LABORATORY, always(5))
     assert _judge("frequent", trainings=rows).verdict is verdict
 
@@ -259,8 +263,8 @@ def test_without_losses_episodes_are_often_complete(attempts: Level, verdict: Ve
     ("over", "verdict"),
     [(always(0), SUPPORTED), (always(400), NOT), (lambda replication: replication == 1, UNDECIDED)],
 )
-def test_limits_against_the_teacher(arena: str, limit: int, over: Level, verdict: Verdict) -> None:
-    """Undecided: one forage of eight took a step more, so that it depends on the resample."""
+def test_claim_that_the_limit_is_enough(arena: str, limit: int, over: Level, verdict: Verdict) -> None:
+    """Undecided if one forage of eight took a step more than the limit: the quantile depends on the resample."""
     steps = [limit + int(over(i)) for i in range(REPLICATIONS)]
     rows = [
         recall(arena=arena, learner=TEACHER, episodes=0, replication=i, steps=s, correct=s, limit=3000)
@@ -269,14 +273,14 @@ def test_limits_against_the_teacher(arena: str, limit: int, over: Level, verdict
     assert _judge(f"limit {arena}", teachers=rows).verdict is verdict
 
 
-def test_a_teacher_that_fails_needs_more_than_any_limit() -> None:
+def test_claim_of_the_limit_is_not_supported_if_the_teacher_fails() -> None:
     rows = [failed(learner=TEACHER, episodes=0, replication=i, steps=400, limit=400) for i in range(5)]
     claim = _judge("limit corridor", teachers=rows)
     assert claim.verdict is NOT
     assert claim.effect == "∞ [∞, ∞] steps"
 
 
-def test_without_rows_all_is_undecided() -> None:
+def test_claims_without_rows_are_undecided() -> None:
     judged = claims([], [], [], np.random.default_rng(1))
     assert {claim.verdict for claim in judged} == {UNDECIDED}
     assert {claim.effect for claim in judged} == {"-"}
@@ -284,14 +288,14 @@ def test_without_rows_all_is_undecided() -> None:
     assert all("nan" not in claim.sentence for claim in judged)
 
 
-def test_one_replication_gives_effects_and_no_verdicts() -> None:
+def test_claims_from_one_replication_have_an_effect_and_are_undecided() -> None:
     rows = [row for row in _scores("corridor", {1: always(40), 10: always(70)}) if row.replication == 0]
     claim = _judge("improves corridor", rows)
     assert claim.effect == "+30.0 points"
     assert claim.verdict is UNDECIDED
 
 
-def test_noise_conditions_are_not_mixed() -> None:
+def test_claims_from_two_noise_conditions_are_an_error() -> None:
     rows = [recall(), recall(noise="none", recall=1)]
     with pytest.raises(ValueError, match=r"noise conditions \['laboratory', 'none'\]; allowed: one"):
         claims(rows, [], [], np.random.default_rng(1))
@@ -314,11 +318,11 @@ def test_noise_conditions_are_not_mixed() -> None:
         *((rule, UNKNOWN, UNDECIDED) for rule in (Above(0), AtMost(0), Within(1), Beyond(1))),
     ],
 )
-def test_rules(rule: Rule, estimate: Estimate, verdict: Verdict) -> None:
+def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict) -> None:
     assert rule.judge(estimate) is verdict
 
 
-def test_rules_and_effects_in_words() -> None:
+def test_rules_and_effects_have_a_text() -> None:
     assert Above(0.5).text(percent) == "supported above 50 %, not supported below"
     assert (
         Within(10.0).text(points) == "supported between -10.0 points and +10.0 points, not supported beyond"

@@ -1,4 +1,4 @@
-"""The design of the experiments is that of the thesis' tables."""
+"""The design of the experiments equals that of the thesis's tables."""
 
 from collections import Counter
 
@@ -23,7 +23,7 @@ from khepera_forage.thesis.design import (
     list(zip(THESIS, appendix_a.tables(), strict=True)),
     ids=[t.table for t in appendix_a.tables()],
 )
-def test_a_cell_is_a_table(cell: Cell, table: appendix_a.PrintedTable) -> None:
+def test_cell_equals_its_table(cell: Cell, table: appendix_a.PrintedTable) -> None:
     assert (cell.arena, cell.episodes) == (table.arena, table.episodes)
     assert (cell.foods, cell.limit, cell.available) == (table.foods, table.limit, table.available)
     recalls = Counter(row.file_id for row in appendix_a.rows_of(table))
@@ -38,26 +38,31 @@ def test_subsets_are_distinct_files_of_the_ten(cell: Cell) -> None:
         assert set(subset.files) <= set(range(1, FILES + 1))
 
 
-def test_names_run_together_as_in_the_thesis() -> None:
+def test_subset_name_joins_the_file_numbers() -> None:
     assert Subset((6, 7, 8, 9, 10)).name == "g678910"
 
 
-def test_one_replication_is_106_recalls() -> None:
+def test_replication_has_106_recalls() -> None:
     assert sum(cell.size for cell in THESIS) == len(appendix_a.recalls()) == 106
 
 
-def test_noise_conditions_switch_what_they_name() -> None:
+def test_noise_conditions_contain_the_sources_in_their_names() -> None:
     conditions = noise_conditions()
     assert conditions[NO_NOISE] == Noise.none()
     assert conditions[LABORATORY] == Noise.laboratory()
     assert conditions["only wheels"] == Noise.only("wheels")
-    silent, loud = conditions[NO_LOSSES], Noise.laboratory()
-    differing = {n for names in SOURCES.values() for n in names if getattr(silent, n) != getattr(loud, n)}
+    no_losses, laboratory = conditions[NO_LOSSES], Noise.laboratory()
+    differing = {
+        name
+        for names in SOURCES.values()
+        for name in names
+        if getattr(no_losses, name) != getattr(laboratory, name)
+    }
     assert differing == set(SOURCES["tracking losses"])
-    assert all(getattr(silent, name) == 0 for name in differing)
+    assert all(getattr(no_losses, name) == 0 for name in differing)
 
 
-def test_no_two_noise_conditions_are_the_same() -> None:
-    """Cables alone would be: they multiply losses and do nothing else."""
+def test_noise_conditions_are_distinct() -> None:
+    """Cables alone would equal no noise, because they only multiply the rate of losses."""
     conditions = noise_conditions()
     assert len(set(conditions.values())) == len(conditions) == len(SOURCES) + 3

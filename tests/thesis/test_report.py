@@ -1,4 +1,4 @@
-"""Tables, figures and the page, from synthetic rows."""
+"""Tables, figures and the page of the report, from synthetic rows."""
 
 import csv
 import math
@@ -12,9 +12,16 @@ from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.cells import CellResult, cell_results
-from khepera_forage.thesis.claims.evidence import TRAINING_DISTANCE, gather
-from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, NO_NOISE, THESIS, noise_conditions
-from khepera_forage.thesis.figure_places import BIN, fig_5_4, food_places, success_by_distance
+from khepera_forage.thesis.claims.evidence import gather
+from khepera_forage.thesis.design import (
+    LABORATORY,
+    NO_LOSSES,
+    NO_NOISE,
+    THESIS,
+    TRAINING_DISTANCE,
+    noise_conditions,
+)
+from khepera_forage.thesis.figure_5_4 import BIN, fig_5_4, food_places, success_by_distance
 from khepera_forage.thesis.figures import fig_5_2, fig_5_3, fig_5_5, fig_5_6, noise_figure
 from khepera_forage.thesis.measured_tables import (
     noise_table,
@@ -26,8 +33,7 @@ from khepera_forage.thesis.measured_tables import (
 from khepera_forage.thesis.report import PAGE, write_report
 from khepera_forage.thesis.statistics import UNKNOWN, Estimate
 from khepera_forage.thesis.tables import Column, Table
-from khepera_forage.thesis.thesis_tables import cell_table, slip_table
-
+from khepera_forage.thesis.thesis_tables import cell_table, errata_table
 from tests.thesis import synthetic
 from tests.thesis.synthetic import counts, failed, recall, training
 
@@ -75,9 +81,7 @@ def results(recalls: list[RecallRow]) -> list[CellResult]:
     return cell_results(recalls, np.random.default_rng(5))
 
 
-def test_cell_results_can_be_recomputed_from_the_rows(
-    recalls: list[RecallRow], results: list[CellResult]
-) -> None:
+def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], results: list[CellResult]) -> None:
     third = results[2]
     rows = [r for r in recalls if (r.arena, r.episodes) == ("corridor", 5)]
     assert third.recalls == len(rows) == 20 * REPLICATIONS
@@ -89,21 +93,21 @@ def test_cell_results_can_be_recomputed_from_the_rows(
     assert (third.thesis_printed, third.thesis_score, third.thesis_food) == (68.2, 68.2, 12)
 
 
-def test_another_policy_is_no_part_of_a_cell(recalls: list[RecallRow], results: list[CellResult]) -> None:
+def test_cell_results_ignore_other_policies(recalls: list[RecallRow], results: list[CellResult]) -> None:
     last = results[6]
     assert last.recalls == 12 * REPLICATIONS
     assert any(row.learner == RANDOM and row.arena == "rectangle" for row in recalls)
 
 
-def test_an_unfinished_replication_is_no_experiment_of_the_same_size(recalls: list[RecallRow]) -> None:
+def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
     last = max(i for i, r in enumerate(recalls) if (r.arena, r.episodes) == ("corridor", 10))
     short = recalls[:last] + recalls[last + 1 :]
     result = cell_results(short, np.random.default_rng(1))[3]
     assert result.recalls == 10 * REPLICATIONS - 1
-    assert len(result.scores) == result.score_standing.experiments == REPLICATIONS - 1
+    assert len(result.scores) == result.score_rank.experiments == REPLICATIONS - 1
 
 
-def test_the_cell_table_shows_print_and_recomputation(results: list[CellResult]) -> None:
+def test_cell_table_has_printed_and_recomputed_scores(results: list[CellResult]) -> None:
     table = cell_table(results)
     second = dict(zip((column.name for column in table.columns), table.rows[1], strict=True))
     assert second["thesis: score (%)"] == 66.75
@@ -112,7 +116,7 @@ def test_the_cell_table_shows_print_and_recomputation(results: list[CellResult])
     assert [row[:2] for row in table.rows] == [(t.arena, t.episodes) for t in appendix_a.tables()]
 
 
-def test_markdown_and_csv_of_a_table() -> None:
+def test_table_as_markdown_and_csv() -> None:
     table = Table(
         "stem",
         "Title",
@@ -131,27 +135,29 @@ def test_markdown_and_csv_of_a_table() -> None:
     assert (
         table.csv() == "what,share,share: low,share: high,hidden,count\na | b,0.5,0.25,0.75,x,3\nc,0.5,,,y,\n"
     )
-    with pytest.raises(ValueError, match="stem: a row of 1 values; allowed: 4"):
+    with pytest.raises(ValueError, match="stem: a row has 1 values; allowed: 4"):
         Table("stem", "Title", "Note.", table.columns, [("a",)])
 
 
-def test_noise_costs_score(noise_rows: list[RecallRow], trainings: list[TrainingRow]) -> None:
+def test_noise_table_has_the_cost_of_each_condition(
+    noise_rows: list[RecallRow], trainings: list[TrainingRow]
+) -> None:
     evidence = gather([], trainings, [], np.random.default_rng(1))
     table = noise_table(noise_rows, evidence)
     names = list(noise_conditions())
     assert [row[0] for row in table.rows] == names * 2
     score = {row[0]: row[2] for row in table.rows if row[1] == "corridor, 10"}
     cost = {row[0]: row[3] for row in table.rows if row[1] == "corridor, 10"}
-    quiet, loud, difference = score[NO_NOISE], score[LABORATORY], cost[LABORATORY]
-    assert isinstance(quiet, Estimate)
-    assert isinstance(loud, Estimate)
+    noiseless, noisy, difference = score[NO_NOISE], score[LABORATORY], cost[LABORATORY]
+    assert isinstance(noiseless, Estimate)
+    assert isinstance(noisy, Estimate)
     assert isinstance(difference, Estimate)
-    assert difference.value == pytest.approx(quiet.value - loud.value)
+    assert difference.value == pytest.approx(noiseless.value - noisy.value)
     assert 0 < difference.low < difference.value < difference.high
     assert repr(cost[NO_NOISE]) == repr(UNKNOWN)
 
 
-def test_training_table() -> None:
+def test_training_table_counts_attempts_by_noise() -> None:
     rows = [
         training(reason="separated"),
         training(attempt=2),
@@ -166,7 +172,7 @@ def test_training_table() -> None:
     assert laboratory[-1] == "separated: 1"
 
 
-def test_teacher_table() -> None:
+def test_teacher_table_has_quantiles_of_steps() -> None:
     rows = [recall(steps=s, correct=s, limit=2000, recall=s, ties=0, conflicts=0) for s in range(41, 61)]
     rows.append(failed(steps=2000, limit=2000))
     corridor, rectangle = teacher_table(gather([], [], rows, np.random.default_rng(1))).rows
@@ -175,7 +181,7 @@ def test_teacher_table() -> None:
     assert rectangle[1] == 0
 
 
-def test_ties_and_states_are_shares_of_steps() -> None:
+def test_tables_of_ties_and_states_are_shares_of_steps() -> None:
     rows = [
         recall(steps=100, correct=100, ties=30, conflicts=10),
         recall(
@@ -198,11 +204,11 @@ def test_ties_and_states_are_shares_of_steps() -> None:
     assert (visited.value, wrong.value) == (20.0, 75.0)
 
 
-def test_slip_table_is_the_list() -> None:
-    assert len(slip_table().rows) == 29
+def test_errata_table_has_all_errata() -> None:
+    assert len(errata_table().rows) == 29
 
 
-def test_success_by_distance() -> None:
+def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     rows = [
         recall(food_x=(-30.0,), food_y=(1.0,)),
         failed(food_x=(0.0,), food_y=(30.0,)),
@@ -215,8 +221,8 @@ def test_success_by_distance() -> None:
     assert BIN * 4 <= TRAINING_DISTANCE < BIN * 5
 
 
-def test_figures_show_the_thesis_beside_ours(results: list[CellResult]) -> None:
-    """The thesis' points, as they stand in figures 5.2, 5.3, 5.5 and 5.6, and our means."""
+def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> None:
+    """The thesis's values are those of its figures 5.2, 5.3, 5.5 and 5.6."""
     for figure, arena, values, scale in (
         (fig_5_2(results), "corridor", [52.7, 67.55, 68.2, 73.8], None),
         (fig_5_3(results), "corridor", [8, 11, 12, 14], 20),
@@ -236,13 +242,13 @@ def test_figures_show_the_thesis_beside_ours(results: list[CellResult]) -> None:
             assert axes.get_ylim()[1] >= scale
 
 
-def test_figures_of_nothing() -> None:
+def test_figures_without_rows_can_be_drawn() -> None:
     results = cell_results([], np.random.default_rng(1))
     for figure in (fig_5_2(results), fig_5_3(results), fig_5_4([])):
         figure.draw_without_rendering()
 
 
-def test_the_noise_figure_has_a_panel_a_cell(
+def test_noise_figure_has_a_panel_for_each_cell(
     noise_rows: list[RecallRow], trainings: list[TrainingRow]
 ) -> None:
     table = noise_table(noise_rows, gather([], trainings, [], np.random.default_rng(1)))
@@ -250,11 +256,11 @@ def test_the_noise_figure_has_a_panel_a_cell(
     assert labels == [
         "score (%)\ncorridor, 10 episodes",
         "score (%)\nrectangle, 10 episodes",
-        "attempts for one complete\ntraining episode",
+        "attempts per complete\ntraining episode",
     ]
 
 
-def test_the_whole_report(
+def test_report_has_page_tables_and_figures(
     tmp_path: Path,
     recalls: list[RecallRow],
     trainings: list[TrainingRow],
@@ -272,7 +278,7 @@ def test_the_whole_report(
         assert f"({picture})" in page
         with Image.open(folder / picture) as image:
             assert min(image.size) > 400
-    assert "6 replications, 636 recall episodes of the imitator, noise: laboratory, physics: pymunk." in page
+    assert "6 replications, 636 recall episodes of the imitator, noise: laboratory, backend: pymunk." in page
     assert "nan" not in page
     with open(folder / "table_claims.csv", encoding="utf-8", newline="") as file:
         claims = list(csv.DictReader(file))
@@ -281,17 +287,17 @@ def test_the_whole_report(
     assert float(claims[0]["value: low"]) <= float(claims[0]["value"]) <= float(claims[0]["value: high"])
 
 
-def test_a_report_on_one_replication(tmp_path: Path) -> None:
+def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path) -> None:
     rows = synthetic.reproduction(1, np.random.default_rng(7))
     write_report(tmp_path, rows, [], [], [], np.random.default_rng(8), resamples=200)
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "1 replication, 106 recall episodes" in page
     assert "| undecided |" in page
     assert "| supported |" not in page
-    assert "What each of the laboratory's troubles costs" not in page
+    assert "Effect of each source of noise" not in page
 
 
-def test_the_same_generator_gives_the_same_report(tmp_path: Path, recalls: list[RecallRow]) -> None:
+def test_report_with_the_same_generator_is_the_same(tmp_path: Path, recalls: list[RecallRow]) -> None:
     pages = []
     for name in ("a", "b"):
         write_report(tmp_path / name, recalls, [], [], [], np.random.default_rng(9), resamples=200)

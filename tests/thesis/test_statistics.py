@@ -1,4 +1,4 @@
-"""Intervals over replications, and standings among experiments."""
+"""Intervals over replications, and percentile ranks among experiments."""
 
 import math
 from typing import NamedTuple
@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from khepera_forage.thesis.statistics import (
-    FEWEST,
+    MIN_REPLICATIONS,
     Floats,
     bootstrap,
     bootstrap_quantile,
     contrast,
+    percentile_rank,
     ratio,
     replications,
-    standing,
-    tally,
+    sums_by_replication,
     wilson,
 )
 
@@ -39,17 +39,17 @@ def _rows(rng: np.random.Generator, count: int, each: int, between: float, withi
 
 
 def _sums(rows: list[Row]) -> Floats:
-    return tally(rows, replications(rows), _value, _one)
+    return sums_by_replication(rows, replications(rows), _value, _one)
 
 
-def test_tally_adds_up_by_replication() -> None:
+def test_sums_are_by_replication() -> None:
     rows = [Row(7, 1.0), Row(2, 10.0), Row(7, 2.0)]
     assert replications(rows) == [2, 7]
     np.testing.assert_array_equal(_sums(rows), [[10.0, 1.0], [3.0, 2.0]])
 
 
-def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    """Also when rows of a replication resemble each other, which an interval over rows would not survive."""
+def test_bootstrap_intervals_have_their_nominal_coverage() -> None:
+    """Rows of a replication are correlated here; intervals over rows would be too narrow."""
     rng = np.random.default_rng(5)
     covered = 0
     for _ in range(300):
@@ -58,8 +58,8 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
     assert 0.89 <= covered / 300 <= 0.98
 
 
-def test_the_interval_is_over_replications_and_not_rows() -> None:
-    """Repeating every row a hundred times makes nothing more certain."""
+def test_bootstrap_interval_does_not_depend_on_repeated_rows() -> None:
+    """The interval is over replications: a hundred copies of every row do not make it narrower."""
     rng = np.random.default_rng(6)
     rows = _rows(rng, 12, 3, between=1.0, within=1.0)
     once = bootstrap(_sums(rows), ratio, np.random.default_rng(1))
@@ -67,7 +67,7 @@ def test_the_interval_is_over_replications_and_not_rows() -> None:
     assert often == pytest.approx(once)
 
 
-def test_a_shared_shift_of_replications_cancels_in_a_difference() -> None:
+def test_contrast_cancels_differences_between_replications() -> None:
     rng = np.random.default_rng(7)
     first = _rows(rng, 15, 4, between=5.0, within=0.01)
     second = [Row(row.replication, row.value + 1.0) for row in first]
@@ -75,13 +75,13 @@ def test_a_shared_shift_of_replications_cancels_in_a_difference() -> None:
     assert estimate == pytest.approx((1.0, 1.0, 1.0))
 
 
-def test_contrast_weighs_means() -> None:
+def test_contrast_is_a_weighted_sum_of_means() -> None:
     sums = np.array([30.0, 3.0, 8.0, 2.0])
     assert contrast(1, -0.5)(sums) == pytest.approx(10.0 - 2.0)
 
 
-@pytest.mark.parametrize("count", [1, FEWEST - 1])
-def test_few_replications_have_a_value_and_no_interval(count: int) -> None:
+@pytest.mark.parametrize("count", [1, MIN_REPLICATIONS - 1])
+def test_bootstrap_of_few_replications_has_no_interval(count: int) -> None:
     rows = [Row(i, value) for i in range(count) for value in (1.0, 3.0)]
     estimate = bootstrap(_sums(rows), ratio, np.random.default_rng(1))
     assert estimate.value == 2.0
@@ -90,12 +90,12 @@ def test_few_replications_have_a_value_and_no_interval(count: int) -> None:
 
 
 @pytest.mark.parametrize("sums", [np.zeros((0, 2)), np.zeros((5, 2))])
-def test_nothing_to_tell_from(sums: Floats) -> None:
+def test_bootstrap_without_data_is_nan(sums: Floats) -> None:
     assert all(map(math.isnan, bootstrap(sums, ratio, np.random.default_rng(1))))
 
 
-def test_no_interval_when_it_is_mostly_undefined() -> None:
-    """Two replications of twenty hold all that is counted, one each: two resamples of five have both of them."""
+def test_bootstrap_of_a_mostly_undefined_statistic_has_no_interval() -> None:
+    """Each mean has rows in only one of twenty replications, so that only 40 % of the resamples contain both."""
     first, second = np.zeros((20, 2)), np.zeros((20, 2))
     first[3] = second[11] = 1.0
     rng = np.random.default_rng(1)
@@ -105,13 +105,13 @@ def test_no_interval_when_it_is_mostly_undefined() -> None:
     assert math.isnan(both.low)
 
 
-def test_the_same_generator_gives_the_same_interval() -> None:
+def test_bootstrap_with_the_same_generator_is_the_same() -> None:
     sums = _sums(_rows(np.random.default_rng(8), 10, 5, 1.0, 1.0))
     a, b, c = (bootstrap(sums, ratio, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert a == b != c
 
 
-def test_quantile_is_the_value_that_the_share_does_not_exceed() -> None:
+def test_quantile_is_not_exceeded_by_its_share_of_the_rows() -> None:
     rows = [Row(i % 5, float(i)) for i in range(1, 101)]
     estimate = bootstrap_quantile(rows, _value, 0.95, np.random.default_rng(1))
     assert estimate.value == 95.0
@@ -124,38 +124,38 @@ def test_quantile_may_be_infinite() -> None:
     assert bootstrap_quantile(rows, _value, 0.5, np.random.default_rng(1)) == (100.0, 100.0, 100.0)
 
 
-def test_quantile_without_replications() -> None:
+def test_quantile_of_few_replications_has_no_interval() -> None:
     alone = bootstrap_quantile([Row(0, 3.0)], _value, 0.95, np.random.default_rng(1))
     assert alone.value == 3.0
     assert math.isnan(alone.low)
     assert all(map(math.isnan, bootstrap_quantile([], _value, 0.95, np.random.default_rng(1))))
 
 
-def test_standing() -> None:
+def test_percentile_rank_counts_experiments_below_the_value() -> None:
     experiments = [float(i) for i in range(1, 20)]
-    middle, low, beyond = (standing(v, experiments) for v in (10.0, 2.0, 25.0))
+    middle, low, beyond = (percentile_rank(v, experiments) for v in (10.0, 2.0, 25.0))
     assert middle == (50.0, 1.0, 19)
     assert low == pytest.approx((100 * 1.5 / 19, 2 * 3 / 20, 19))
     assert beyond == pytest.approx((100.0, 2 / 20, 19))
 
 
-def test_tails_are_as_frequent_as_they_say() -> None:
-    """A value that is one more experiment falls into the outer tenth a tenth of the time, or less."""
+def test_percentile_rank_tail_has_its_nominal_frequency() -> None:
+    """One more experiment has a tail of at most 0.1 in at most a tenth of all cases."""
     rng = np.random.default_rng(9)
-    outer = sum(standing(v[0], v[1:].tolist()).tail <= 0.1 for v in rng.normal(size=(4000, 40)))
+    outer = sum(percentile_rank(v[0], v[1:].tolist()).tail <= 0.1 for v in rng.normal(size=(4000, 40)))
     assert 0.08 <= outer / 4000 <= 0.11
 
 
 @pytest.mark.parametrize("experiments", [[], [3.0]])
-def test_no_standing_among_fewer_than_two(experiments: list[float]) -> None:
-    percentile, tail, count = standing(3.0, experiments)
+def test_percentile_rank_among_fewer_than_two_is_nan(experiments: list[float]) -> None:
+    percentile, tail, count = percentile_rank(3.0, experiments)
     assert math.isnan(percentile)
     assert math.isnan(tail)
     assert count == len(experiments)
 
 
-def test_wilson() -> None:
-    """Against the example of Newcombe (1998): 81 of 263."""
+def test_wilson_equals_a_published_example() -> None:
+    """Newcombe (1998): 81 of 263."""
     assert wilson(81, 263) == pytest.approx((0.3080, 0.2553, 0.3662), abs=5e-5)
     assert wilson(0, 10) == pytest.approx((0.0, 0.0, 0.2775), abs=5e-5)
     assert all(map(math.isnan, wilson(0, 0)))

@@ -1,18 +1,17 @@
-"""The thesis' claims, each with a measured effect, an interval and a verdict that can come out either way."""
+"""The claims of the thesis, each with a measured effect, its interval and a verdict."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.claims import behaviour, learning, time
 from khepera_forage.thesis.claims.claim import Claim, Verdict
 from khepera_forage.thesis.claims.evidence import gather
 from khepera_forage.thesis.statistics import RESAMPLES
 
 __all__ = ["Claim", "Verdict", "claims"]
-
-ARENAS = ("corridor", "rectangle")
 
 
 def claims(
@@ -25,14 +24,14 @@ def claims(
     """Measure and judge every claim.
 
     Args:
-        recalls: The imitator's, of one noise condition; with them those of a random policy, if there are any.
+        recalls: Recalls of the imitator, under one noise condition, and of a random policy if available.
         trainings: Attempts at training episodes, with and without tracking losses.
-        teachers: Forages of the teacher alone, best with a limit well above the thesis'.
+        teachers: Forages of the teacher alone, with a time limit well above the thesis's.
         rng: Draws the resamples.
-        resamples: How many.
+        resamples: Resamples for each interval.
 
     Raises:
-        ValueError: The imitator's rows are of several noise conditions.
+        ValueError: The recalls of the imitator have several noise conditions.
     """
     evidence = gather(recalls, trainings, teachers, rng, resamples)
     return [
@@ -42,7 +41,7 @@ def claims(
         learning.comparable(evidence),
         *(behaviour.areas(evidence, arena) for arena in ARENAS),
         *(behaviour.around_training(evidence, arena) for arena in ARENAS),
-        *(behaviour.ghost_orient(evidence, arena) for arena in ARENAS),
+        *(behaviour.orient_without_food(evidence, arena) for arena in ARENAS),
         behaviour.failures_by_orient(evidence),
         behaviour.rest_is_correct(evidence),
         time.losses_cost_attempts(evidence),

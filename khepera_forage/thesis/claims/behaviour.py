@@ -1,4 +1,4 @@
-"""Claims about what the learner does: where food must lie, and the behaviour 'orient with food' (5.4.1.2)."""
+"""Claims about the learner's success by the food's place, and about 'orient with food' (5.4.1.2)."""
 
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.states import State
@@ -11,24 +11,19 @@ from khepera_forage.thesis.claims.claim import (
     percent,
     percent_change,
 )
-from khepera_forage.thesis.claims.evidence import (
-    NEAR_TRAINING,
-    TRAINING_DISTANCE,
-    Evidence,
-    Sample,
-    food_share,
-    of_arena,
-)
+from khepera_forage.thesis.claims.evidence import NEAR_TRAINING, Evidence, Sample, food_share, of_arena
 from khepera_forage.thesis.claims.learning import SECTION
+from khepera_forage.thesis.design import TRAINING_DISTANCE
 
 AREA_MARGIN = 0.10
-"""Difference in success up to which two areas count as equal; the thesis: "most of the times", "rarely"."""
-GHOSTS = 0.10
-"""Share of recalls beyond which a behaviour out of place counts as something that the learner does."""
+"""Largest difference in success between equal areas; the thesis says "most of the times" and "rarely"."""
+OFTEN = 0.10
+"""Share of recalls above which the learner executes a behaviour where it does not belong."""
 MOST = 0.5
+"""Share of failures above which a reason explains most of them."""
 ALL_CORRECT = 0.9
-"""Share of correct rounds from which "all the consequent behaviours are correctly executed" may be said."""
-_fine = Unit("%", ".1f", 100.0)
+"""Share of correct rounds above which "all the consequent behaviours are correctly executed"."""
+_fine_percent = Unit("%", ".1f", 100.0)
 AFTER_ORIENT = (
     State.ORIENTED_WITH_FOOD,
     State.READY_TO_PICK_UP_FOOD,
@@ -38,7 +33,10 @@ AFTER_ORIENT = (
 
 
 def areas(evidence: Evidence, arena: str) -> Claim:
-    """Success depends on the side of the training place on which the food lies, whichever is area 1."""
+    """Success depends on whether the food lies nearer to home than in training, or further.
+
+    The thesis calls the two sides area 1 and area 2, but does not say clearly which is which.
+    """
     rows = of_arena(evidence.recalls, arena)
     nearer = food_share(rows, lambda distance: distance < TRAINING_DISTANCE)
     further = food_share(rows, lambda distance: distance >= TRAINING_DISTANCE)
@@ -60,54 +58,54 @@ def around_training(evidence: Evidence, arena: str) -> Claim:
     near = food_share(rows, lambda distance: abs(distance - TRAINING_DISTANCE) <= NEAR_TRAINING)
     other = food_share(rows, lambda distance: abs(distance - TRAINING_DISTANCE) > NEAR_TRAINING)
     return judged(
-        f"It succeeds best where food lies as far from home as in training ({arena})",
+        f"The learner succeeds best where food lies as far from home as in training ({arena})",
         SECTION[arena],
         evidence.difference(near, other),
         Above(0.0),
         percent_change,
-        "trained in one set-up, it fails where food lies otherwise",
+        "trained in one set-up, it fails where food lies elsewhere",
         f"Brought home: {_share(near)} within {NEAR_TRAINING:.0f} pixels of the training distance, "
         f"{_share(other)} elsewhere.",
     )
 
 
-def ghost_orient(evidence: Evidence, arena: str) -> Claim:
-    """'Orient with food' is executed where no food is."""
+def orient_without_food(evidence: Evidence, arena: str) -> Claim:
+    """'Orient with food' is executed although no food is near."""
     rows = of_arena(evidence.recalls, arena)
-    with_ghost = Sample(rows, lambda row: row.orient_ghost > 0)
-    rounds = Sample(rows, lambda row: row.orient_ghost, lambda row: row.steps)
+    recalls = Sample(rows, lambda row: row.orient_without_food > 0)
+    rounds = Sample(rows, lambda row: row.orient_without_food, lambda row: row.steps)
     return judged(
-        f"'Orient with food' is executed where no food is ({arena})",
+        f"'Orient with food' is executed where there is no food ({arena})",
         SECTION[arena],
-        evidence.mean(with_ghost),
-        Above(GHOSTS),
+        evidence.mean(recalls),
+        Above(OFTEN),
         percent,
         "observed in area 2",
-        f"In {percent(with_ghost.value)} of {len(rows)} recalls it oriented at least once with no candidate "
-        f"food close by; {_fine(rounds.value)} of all rounds were such.",
+        f"In {percent(recalls.value)} of {len(rows)} recalls the learner oriented at least once without food within "
+        f"the close threshold, in {_fine_percent(rounds.value)} of all rounds.",
     )
 
 
 def failures_by_orient(evidence: Evidence) -> Claim:
-    """Most failures are an 'orient' that was not executed."""
+    """Most failures happen because 'orient with food' was not executed."""
     failed = [row for row in of_arena(evidence.recalls, "corridor") if row.failed]
     reached = [row for row in failed if row.orient_wanted > 0]
     missed = Sample(reached, lambda row: row.orient_missed, lambda row: row.orient_wanted)
     return judged(
-        "Most failures are an 'orient with food' that was not executed",
+        "Most failures happen because 'orient with food' was not executed",
         "5.4.1.2",
         evidence.mean(Sample(failed, lambda row: row.failure_mode == State.NEXT_TO_FOOD)),
         Above(MOST),
         percent,
         "the reason for the few failures in area 2",
-        f"The share of {len(failed)} failed recalls in the corridor that went wrong most often next to food. "
-        f"{len(reached)} of them came next to food at all, and there missed {percent(missed.value)} of the "
-        "rounds in which the teacher would orient.",
+        f"The effect is the share of failed recalls in the corridor, {len(failed)} in total, that had most of their "
+        f"wrong rounds next to food. {len(reached)} of them reached food; there they missed {percent(missed.value)} "
+        "of the rounds in which the teacher would orient.",
     )
 
 
 def rest_is_correct(evidence: Evidence) -> Claim:
-    """When 'orient with food' succeeded, all that follows is executed correctly."""
+    """After a successful 'orient with food', all following behaviours are correct."""
     rows = of_arena(evidence.recalls, "corridor")
     correct = Sample(
         rows,
@@ -115,13 +113,13 @@ def rest_is_correct(evidence: Evidence) -> Claim:
         lambda row: sum(row.rounds_by_state[s] for s in AFTER_ORIENT),
     )
     return judged(
-        "Once oriented, all the consequent behaviours are executed correctly",
+        "After 'orient with food', all consequent behaviours are executed correctly",
         "5.4.1.2",
         evidence.mean(correct),
         Above(ALL_CORRECT),
         percent,
         "all",
-        f"Share of correct rounds in the corridor with food between the fingers or in hand: "
+        "The effect is the share of correct rounds in the corridor in the states "
         f"{', '.join(state.name for state in AFTER_ORIENT)}.",
     )
 

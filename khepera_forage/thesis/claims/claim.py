@@ -1,4 +1,4 @@
-"""A claim of the thesis, its measured effect, and the rule that turns one into a verdict."""
+"""A claim of the thesis, its measured effect, and the rule that gives the verdict."""
 
 import math
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from khepera_forage.thesis.statistics import Estimate
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """How an effect is written.
+    """A unit of measurement, and the format of numbers in it.
 
     Attributes:
-        suffix: The unit.
-        form: Of the number, as in `format`.
-        scale: What the number is multiplied with.
+        suffix: Name of the unit.
+        form: Format specification of the number.
+        scale: Factor by which a number is multiplied before it is written.
     """
 
     suffix: str
@@ -28,7 +28,7 @@ class Unit:
         return number if number == "-" else f"{number} {self.suffix}"
 
     def estimate(self, estimate: Estimate) -> str:
-        """A value with its interval in brackets, or without if there is none."""
+        """A value with its interval in brackets, if it has one."""
         value, low, high = map(self._number, estimate)
         return self(estimate.value) if low == "-" else f"{value} [{low}, {high}] {self.suffix}"
 
@@ -43,13 +43,13 @@ class Unit:
 points = Unit("points", "+.1f")
 """Percentage points of the score."""
 percent = Unit("%", scale=100.0)
-"""A share."""
+"""A share, in percent."""
 percent_change = Unit("points", "+.0f", 100.0)
 """A difference of two shares, in percentage points."""
 
 
 class Verdict(StrEnum):
-    """What the measurement says of a claim."""
+    """The result of measuring a claim."""
 
     SUPPORTED = "supported"
     NOT_SUPPORTED = "not supported"
@@ -57,10 +57,10 @@ class Verdict(StrEnum):
 
 
 class Rule(Protocol):
-    """Turns an estimate into a verdict; fixed before there are data."""
+    """Gives the verdict on an estimate; fixed before any data exist."""
 
     def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict; undecided without an interval."""
+        """The verdict; undecided if the estimate has no interval."""
         ...
 
     def text(self, show: Unit) -> str:
@@ -133,16 +133,16 @@ class Claim:
     """One claim of the thesis, measured.
 
     Attributes:
-        name: What is claimed.
-        thesis_section: Where.
+        name: The claim in words.
+        thesis_section: Section of the thesis that makes it.
         effect: The measured effect with its unit and interval.
         value: The effect as a number; nan if there are no rows for it.
         low: Lower end of its 95 % interval; nan if there is none.
-        high: Upper end.
-        thesis: The same effect in the thesis' own figures, or what it says in words.
-        rule: What makes the verdict; an interval that reaches across is undecided.
+        high: Upper end of the interval.
+        thesis: The same effect in the thesis: its figure, or its words.
+        rule: The rule of the verdict; a claim whose interval contains the threshold is undecided.
         verdict: Supported, not supported or undecided.
-        sentence: What was measured, with the figures behind it.
+        sentence: The measurement in words, with its figures.
     """
 
     name: str
@@ -160,7 +160,17 @@ class Claim:
 def judged(
     name: str, section: str, estimate: Estimate, rule: Rule, show: Unit, thesis: str, sentence: str
 ) -> Claim:
-    """A claim with the verdict of its rule on an estimate."""
+    """Make a claim with the verdict of its rule on an estimate.
+
+    Args:
+        name: The claim in words.
+        section: Section of the thesis that makes it.
+        estimate: The measured effect.
+        rule: Gives the verdict.
+        show: The unit of the effect.
+        thesis: The same effect in the thesis: its figure, or its words.
+        sentence: The measurement in words, with its figures.
+    """
     effect = show.estimate(estimate)
     return Claim(name, section, effect, *estimate, thesis, rule.text(show), rule.judge(estimate), sentence)
 
@@ -174,7 +184,7 @@ def _beyond(estimate: Estimate, margin: float) -> bool:
 
 
 def _verdict(supported: bool, not_supported: bool) -> Verdict:
-    """Comparisons with nan are false, so that no interval means undecided."""
+    """The verdict from two comparisons; both are false, and the claim is undecided, if the interval is nan."""
     if supported:
         return Verdict.SUPPORTED
     return Verdict.NOT_SUPPORTED if not_supported else Verdict.UNDECIDED

@@ -1,4 +1,4 @@
-"""The rows that claims are measured on, and the measures they share."""
+"""The rows that claims are measured on, and measures that several claims share."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,7 +8,6 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.thesis.statistics import (
     RESAMPLES,
     Estimate,
@@ -18,29 +17,26 @@ from khepera_forage.thesis.statistics import (
     contrast,
     ratio,
     replications,
-    tally,
+    sums_by_replication,
 )
-from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _R = TypeVar("_R", bound=Replicated)
 
-TRAINING_DISTANCE = math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL
-"""Pixels between food and home in training, always in the corridor (figure 5.1)."""
 NEAR_TRAINING = 6.0
-"""Pixels on either side within which food counts as lying where it lay in training: nearly its own width."""
+"""Pixels on either side of the training distance that count as the same distance: nearly the width of a food object."""
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """All rows of a reproduction under one noise condition, and a generator for the resamples.
+    """The rows of a reproduction, and a generator for the resamples.
 
     Attributes:
-        recalls: The imitator's.
-        chance: Those of a policy that draws every behaviour uniformly; may be empty.
+        recalls: Recalls of the imitator, under one noise condition.
+        chance: Recalls of a policy that draws every behaviour uniformly; may be empty.
         trainings: Attempts at training episodes, under any noise conditions.
-        teachers: Forages of the teacher alone, best run with a limit well above the thesis'.
+        teachers: Forages of the teacher alone, with a time limit well above the thesis's.
         rng: Draws the resamples.
-        resamples: How many.
+        resamples: Resamples for each interval.
     """
 
     recalls: Sequence[RecallRow]
@@ -53,24 +49,24 @@ class Evidence:
     def cell_scores(self, weights: Mapping[tuple[str, int], float]) -> Estimate:
         """A weighted sum of the mean scores of cells (arena, episodes), in percentage points."""
         columns = [measure for cell in weights for measure in _score_in(*cell)]
-        sums = tally(self.recalls, replications(self.recalls), *columns)
+        sums = sums_by_replication(self.recalls, replications(self.recalls), *columns)
         return bootstrap(sums, contrast(*weights.values()), self.rng, self.resamples)
 
     def mean(self, sample: "Sample[_R]") -> Estimate:
-        """A mean or a share."""
-        sums = tally(sample.rows, replications(sample.rows), sample.top, sample.bottom)
+        """The mean or share of a sample, with its interval."""
+        sums = sums_by_replication(sample.rows, replications(sample.rows), sample.top, sample.bottom)
         return bootstrap(sums, ratio, self.rng, self.resamples)
 
     def difference(self, sample: "Sample[_R]", other: "Sample[_R]") -> Estimate:
-        """One mean less another, replications kept together."""
+        """The difference of two means, with resamples of the same replications for both."""
         numbers = replications(sample.rows, other.rows)
-        sums = np.hstack([tally(s.rows, numbers, s.top, s.bottom) for s in (sample, other)])
+        sums = np.hstack([sums_by_replication(s.rows, numbers, s.top, s.bottom) for s in (sample, other)])
         return bootstrap(sums, contrast(1.0, -1.0), self.rng, self.resamples)
 
 
 @dataclass(frozen=True, slots=True)
 class Sample(Generic[_R]):
-    """The sum of one measure over that of another; by default a mean over the rows."""
+    """The sum of one measure divided by the sum of another; by default a mean over the rows."""
 
     rows: Sequence[_R]
     top: Measure[_R]
@@ -78,7 +74,7 @@ class Sample(Generic[_R]):
 
     @property
     def value(self) -> float:
-        """Over all rows; nan where there are none."""
+        """The value over all rows; nan without rows."""
         bottom = sum(map(self.bottom, self.rows))
         return sum(map(self.top, self.rows)) / bottom if bottom else math.nan
 
@@ -90,16 +86,16 @@ def gather(
     rng: np.random.Generator,
     resamples: int = RESAMPLES,
 ) -> Evidence:
-    """Sort the rows of a reproduction by what they are evidence of.
+    """Separate the recalls of the imitator from those of a random policy.
 
     Raises:
-        ValueError: The imitator's rows are of several noise conditions.
+        ValueError: The recalls of the imitator have several noise conditions.
     """
     rows = list(recalls)
     imitator = [row for row in rows if row.learner == IMITATOR]
     conditions = sorted({row.noise for row in imitator})
     if len(conditions) > 1:
-        raise ValueError(f"recalls of noise conditions {conditions}; allowed: one condition at a time")
+        raise ValueError(f"recalls have noise conditions {conditions}; allowed: one condition at a time")
     chance = [row for row in rows if row.learner == RANDOM]
     return Evidence(imitator, chance, list(trainings), list(teachers), rng, resamples)
 
@@ -112,7 +108,7 @@ def of_arena(rows: Iterable[RecallRow], arena: str) -> list[RecallRow]:
 def food_share(
     rows: Sequence[RecallRow], inside: Callable[[float], bool] = lambda distance: True
 ) -> Sample[RecallRow]:
-    """Success: the share of food delivered, of the food whose distance from home in pixels is such."""
+    """The share of food delivered, of the food whose distance from home in pixels is `inside`."""
 
     def delivered(row: RecallRow) -> float:
         places = zip(row.food_home_distances, row.food_delivered, strict=True)
@@ -122,7 +118,7 @@ def food_share(
 
 
 def _score_in(arena: str, episodes: int) -> tuple[Measure[RecallRow], Measure[RecallRow]]:
-    """The score of a row of this cell, and whether it is one."""
+    """Two measures of a row: its score, and 1; both are 0 for a row of another cell."""
 
     def inside(row: RecallRow) -> bool:
         return (row.arena, row.episodes) == (arena, episodes)

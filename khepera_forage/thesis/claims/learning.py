@@ -1,4 +1,4 @@
-"""Claims about learning: more training helps, ever less, also in another arena (5.4.1.2, 5.4.2.2, 5.5)."""
+"""Claims about learning: the effect of more training, and of another arena (5.4.1.2, 5.4.2.2, 5.5)."""
 
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.claims.claim import (
@@ -15,14 +15,14 @@ from khepera_forage.thesis.claims.evidence import Evidence, Sample, food_share, 
 
 SECTION = {"corridor": "5.4.1.2", "rectangle": "5.4.2.2"}
 FIRST = {"corridor": 3, "rectangle": 5}
-"""Episodes after which the early gain is measured: the second cell of each arena."""
+"""Episodes of the second cell of each arena, which ends the early gain."""
 COMPARABLE = 10.0
-"""Points of score up to which two arenas compare; the thesis' own arenas are 7 to 9 points apart."""
+"""Largest difference in score of comparable arenas; in the thesis the arenas differ by 7 to 9 points."""
 _percent = Unit("%", ".4g")
 
 
 def improves(evidence: Evidence, arena: str) -> Claim:
-    """More episodes improve the learner: ten against one."""
+    """More episodes improve the learner: ten compared with one."""
     estimate = evidence.cell_scores({(arena, 10): 1.0, (arena, 1): -1.0})
     return judged(
         f"More episodes improve the learner ({arena})",
@@ -38,7 +38,7 @@ def improves(evidence: Evidence, arena: str) -> Claim:
 
 
 def gain_shrinks(evidence: Evidence, arena: str) -> Claim:
-    """The gain shrinks: points per episode early on less points per episode from five to ten."""
+    """The gain shrinks: the early points per episode minus the points per episode from five to ten."""
     first = FIRST[arena]
     early, late = 1.0 / (first - 1), 1.0 / 5
     weights = {(arena, 1): -early, (arena, first): early}
@@ -55,30 +55,30 @@ def gain_shrinks(evidence: Evidence, arena: str) -> Claim:
         Above(0.0),
         points,
         points(sum(weight * _thesis(*cell) for cell, weight in weights.items())),
-        f"From 1 to {first} episodes an episode brings {points(gains[0])}, from 5 to 10 {points(gains[1])}; "
-        "the effect is the difference.",
+        f"Each episode from 1 to {first} adds {points(gains[0])}, each from 5 to 10 {points(gains[1])}; the effect is "
+        "the difference.",
     )
 
 
 def generalises(evidence: Evidence) -> Claim:
-    """Trained in the corridor only, the learner forages in the rectangle: better than chance."""
+    """Trained in the corridor, the learner forages in the rectangle better than chance."""
     learner = [row for row in of_arena(evidence.recalls, "rectangle") if row.episodes == 10]
     learned, chance = food_share(learner), food_share(of_arena(evidence.chance, "rectangle"))
     table = appendix_a.table_of("rectangle", 10)
     return judged(
-        "It generalises: trained in the corridor, it forages in the rectangle",
+        "The learner generalises: trained in the corridor, it forages in the rectangle",
         "5.4.2, 5.5",
         evidence.difference(learned, chance),
         Above(0.0),
         percent_change,
         f"{percent(table.collected / table.available)} of the food, chance not measured",
-        f"After ten episodes in the corridor it brings home {percent(learned.value)} of the food; "
-        f"behaviours drawn at random bring {percent(chance.value)}.",
+        f"After ten episodes in the corridor the learner brings home {percent(learned.value)} of the food; "
+        f"behaviours drawn at random bring home {percent(chance.value)}.",
     )
 
 
 def comparable(evidence: Evidence) -> Claim:
-    """Performance in the rectangle is comparable to that in the corridor."""
+    """The scores in the rectangle and in the corridor are comparable."""
     estimate = evidence.cell_scores({("corridor", 10): 1.0, ("rectangle", 10): -1.0})
     return judged(
         "Performance in the rectangle is comparable to the corridor's",
@@ -93,7 +93,7 @@ def comparable(evidence: Evidence) -> Claim:
 
 
 def _thesis(arena: str, episodes: int) -> float:
-    """The mean of the scores that the thesis prints for a cell."""
+    """The mean of the scores that the thesis prints in the lines of a cell."""
     return appendix_a.mean_score(appendix_a.rows_of(appendix_a.table_of(arena, episodes)))
 
 

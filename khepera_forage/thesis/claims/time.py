@@ -1,4 +1,4 @@
-"""Claims about time: attempts for a complete training episode (5.3.1), and the limits of a recall (5.4)."""
+"""Claims about time: attempts per complete training episode (5.3.1), and time limits of recalls (5.4)."""
 
 import math
 
@@ -10,24 +10,24 @@ from khepera_forage.thesis.statistics import bootstrap_quantile
 
 SECTION = {"corridor": "5.4.1.1", "rectangle": "5.4.2.1"}
 FREQUENT = 0.5
-"""Share of attempts from which complete episodes are achieved "quite frequently"."""
+"""Share of complete attempts above which episodes are achieved "quite frequently"."""
 ENOUGH = 0.95
-"""Share of the teacher's forages that must end within a limit for it to be enough."""
+"""Share of the teacher's forages that must end within a sufficient limit."""
 
 
 def attempts_per_episode(evidence: Evidence, noise: str) -> Sample[TrainingRow]:
-    """Attempts for each complete training episode under one noise condition."""
+    """Attempts per complete training episode under one noise condition."""
     rows = [row for row in evidence.trainings if row.noise == noise]
     return Sample(rows, lambda row: 1.0, lambda row: row.complete)
 
 
 def losses_cost_attempts(evidence: Evidence) -> Claim:
-    """Whether an episode becomes complete is mainly a matter of tracking."""
+    """Tracking losses are the main reason for incomplete training episodes."""
     laboratory = attempts_per_episode(evidence, LABORATORY)
     without = attempts_per_episode(evidence, NO_LOSSES)
-    show = Unit("attempts in 100 episodes", ".2f", 100.0)
+    show = Unit("attempts per 100 episodes", ".2f", 100.0)
     return judged(
-        "Tracking losses cost attempts at a complete training episode",
+        "Tracking losses make more training attempts necessary",
         "5.3.1",
         evidence.difference(laboratory, without),
         Above(0.0),
@@ -38,7 +38,7 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
 
 
 def frequent_without_losses(evidence: Evidence) -> Claim:
-    """Complete episodes are frequent, provided that there are no tracking losses."""
+    """Complete training episodes are frequent without tracking losses."""
     rows = [row for row in evidence.trainings if row.noise == NO_LOSSES]
     complete = Sample(rows, lambda row: row.complete)
     laboratory = Sample([r for r in evidence.trainings if r.noise == LABORATORY], lambda row: row.complete)
@@ -55,7 +55,7 @@ def frequent_without_losses(evidence: Evidence) -> Claim:
 
 
 def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
-    """The time limit, an empirical estimate in the thesis, is enough for the teacher."""
+    """The time limit, an estimate in the thesis, is enough for the teacher."""
     limit = next(cell.limit for cell in THESIS if cell.arena == arena)
     rows = of_arena(evidence.teachers, arena)
     estimate = bootstrap_quantile(rows, steps_needed, ENOUGH, evidence.rng, evidence.resamples)
@@ -70,8 +70,8 @@ def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
         AtMost(limit),
         show,
         "an estimate; not measured",
-        f"The steps within which the teacher ends 95 % of its forages. Of {len(rows)}, half ended within "
-        f"{show(median)} and {percent(within.value)} within {limit}.",
+        f"The effect is the number of steps in which the teacher completes 95 % of its forages. Of {len(rows)} "
+        f"forages, half ended within {show(median)}, and {percent(within.value)} within {limit}.",
     )
 
 

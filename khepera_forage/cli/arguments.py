@@ -1,0 +1,78 @@
+"""Arguments that several commands share, and checks of their values."""
+
+import argparse
+from pathlib import Path
+
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.states import FoodType
+
+VIRTUAL_LAB = "virtual"
+"""Value of `--lab` for the virtual laboratory."""
+
+
+def add_seed_argument(
+    parser: argparse.ArgumentParser, help_text: str = "the same seed gives the same results"
+) -> None:
+    """Add `--seed`, 0 by default."""
+    parser.add_argument("--seed", type=int, default=0, help=f"{help_text} (0)")
+
+
+def add_out_argument(parser: argparse.ArgumentParser, default: str, help_text: str) -> None:
+    """Add `--out`: the file or folder to write."""
+    parser.add_argument("--out", type=Path, default=Path(default), help=f"{help_text} ({default})")
+
+
+def add_episodes_argument(parser: argparse.ArgumentParser, default: int, help_text: str) -> None:
+    """Add `--episodes`: how many."""
+    parser.add_argument("--episodes", type=int, default=default, help=f"{help_text} ({default})")
+
+
+def add_arena_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--arena`: one of the thesis's arenas (3.1)."""
+    default = next(iter(ARENAS))
+    parser.add_argument("--arena", choices=tuple(ARENAS), default=default, help=f"({default})")
+
+
+def add_food_type_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--food-type`: the type of all food objects."""
+    *others, last = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
+    default = FoodType.PICKABLE.name
+    parser.add_argument("--food-type", default=default, help=f"{', '.join(others)} or {last} ({default})")
+
+
+def add_num_learners_argument(parser: argparse.ArgumentParser, help_text: str) -> None:
+    """Add `--num-learners`, 1 by default."""
+    parser.add_argument("--num-learners", type=int, default=1, help=help_text)
+
+
+def add_lab_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--lab`: the laboratory to use instead of a simulation."""
+    parser.add_argument(
+        "--lab",
+        metavar="FILE",
+        help=f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated robots "
+        "behind the real drivers",
+    )
+
+
+def require_at_least_one(option: str, value: int) -> None:
+    """Check the value of an option that counts something.
+
+    Raises:
+        ValueError: It is below 1.
+    """
+    if value < 1:
+        raise ValueError(f"{option} is {value}; allowed: at least 1")
+
+
+def new_experience_paths(folder: Path, episodes: int) -> list[Path]:
+    """Paths of the experience files g1.csv, g2.csv, ... in a folder.
+
+    Raises:
+        FileExistsError: One of the files is there already.
+    """
+    paths = [folder / f"g{number}.csv" for number in range(1, episodes + 1)]
+    for path in paths:
+        if path.exists():
+            raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
+    return paths

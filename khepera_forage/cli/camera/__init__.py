@@ -1,0 +1,1 @@
+"""`khepera-forage camera`: its subcommands, their window and their picture sources."""

@@ -1,0 +1,209 @@
+"""`khepera-forage camera calibrate`: compute a calibration from points in the picture and on the floor."""
+
+import argparse
+import math
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.cli.arguments import add_out_argument
+from khepera_forage.cli.camera.preview import described
+from khepera_forage.cli.camera.source import add_source_arguments, open_source
+from khepera_forage.cli.camera.window import PictureWindow
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+
+if TYPE_CHECKING:
+    from khepera_forage.vision.calibration import Calibration
+    from khepera_forage.vision.video import FrameSource
+
+Point = tuple[float, float]
+_POINT_FORMAT = "u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
+_PAUSE = 0.02
+"""Seconds between two pictures of the window."""
+_CROSS_COLOUR = (255, 60, 60)
+"""Red, of the cross at each clicked point."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_source_arguments(parser)
+    given = parser.add_mutually_exclusive_group(required=True)
+    given.add_argument(
+        "--points",
+        nargs="+",
+        metavar="U,V=X,Y",
+        help="four or more points: pixels from the picture's upper left corner = mm on the floor",
+    )
+    given.add_argument(
+        "--places",
+        nargs="+",
+        metavar="X,Y",
+        help="four or more places on the floor in mm, which you then click in a window in this order",
+    )
+    parser.add_argument(
+        "--camera",
+        metavar="X,Y,HEIGHT",
+        help="position of the camera in mm, to correct the shift of markers above the floor (no correction)",
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="take a picture and print the regions found in it, in mm"
+    )
+    add_out_argument(parser, "calibration.toml", "file")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Calibrate, print how well the points fit, and write the file.
+
+    Raises:
+        ValueError: Points cannot be read or fit no camera, or the window was closed before the last click.
+        OSError: The camera cannot be opened, or the file cannot be written.
+        ImportError: OpenCV is not installed.
+    """
+    camera = _numbers("--camera", arguments.camera, 3) if arguments.camera else None
+    source = open_source(arguments, paced=False) if arguments.places or arguments.check else None
+    try:
+        if arguments.places:
+            floor = [_point("--places", text) for text in arguments.places]
+            _check_count("--places", len(floor))
+            assert source is not None
+            picture = _clicked_points(source, floor)
+        else:
+            picture, floor = _points(arguments.points)
+        calibration = fitted(picture, floor, camera)
+        _print_residuals(calibration, picture, floor)
+        if arguments.check:
+            assert source is not None
+            _print_regions(source, calibration)
+    finally:
+        if source is not None:
+            source.close()
+    calibration.save(arguments.out)
+    print(f"written to {arguments.out}")
+    return 0
+
+
+def fitted(picture: Sequence[Point], floor: Sequence[Point], camera: Sequence[float] | None) -> "Calibration":
+    """The calibration that fits the points: exactly for four points, by least squares for more.
+
+    Args:
+        picture: Pixels (u, v).
+        floor: The same points in mm.
+        camera: Position x, y and height of the camera in mm, or None.
+
+    Raises:
+        ValueError: The points fit no camera.
+        ImportError: OpenCV is not installed.
+    """
+    from khepera_forage.vision.calibration import Calibration
+
+    place = None if camera is None else (camera[0], camera[1], camera[2])
+    if len(picture) == 4:
+        return Calibration(tuple(picture), tuple(floor), place)
+    import cv2
+
+    matrix, _ = cv2.findHomography(np.array(picture, float), np.array(floor, float))
+    if matrix is None:
+        raise ValueError(
+            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
+        )
+    # A calibration file holds four points: the corners of the picture, placed on the floor by the fit.
+    corners = ((0.0, 0.0), (PICTURE_WIDTH, 0.0), (PICTURE_WIDTH, PICTURE_HEIGHT), (0.0, PICTURE_HEIGHT))
+    places = cv2.perspectiveTransform(np.array([corners]), matrix)[0].tolist()
+    return Calibration(corners, tuple((x, y) for x, y in places), place)
+
+
+def residuals(calibration: "Calibration", picture: Sequence[Point], floor: Sequence[Point]) -> list[float]:
+    """Distance in mm between each point on the floor and the calibration's estimate of it."""
+    found = [calibration.to_region(u, v) for u, v in picture]
+    return [
+        math.hypot(x * MM_PER_PIXEL - place[0], y * MM_PER_PIXEL - place[1])
+        for (x, y), place in zip(found, floor, strict=True)
+    ]
+
+
+def _print_residuals(calibration: "Calibration", picture: Sequence[Point], floor: Sequence[Point]) -> None:
+    errors = residuals(calibration, picture, floor)
+    for (u, v), (x, y), error in zip(picture, floor, errors, strict=True):
+        print(f"pixel ({u:.1f}, {v:.1f}) is ({x:.0f}, {y:.0f}) mm: {error:.1f} mm off")
+    note = "; four points always fit: give more to measure the error" if len(errors) == 4 else ""
+    mean = math.sqrt(sum(error * error for error in errors) / len(errors))
+    print(f"residual {mean:.1f} mm (root mean square), {max(errors):.1f} mm at most{note}")
+    middle = calibration.jacobian(PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
+    print(f"a pixel in the middle is {MM_PER_PIXEL * math.sqrt(middle.area):.2f} mm wide")
+
+
+def _print_regions(source: "FrameSource", calibration: "Calibration") -> None:
+    from khepera_forage.vision.tracker import Tracker
+
+    scene = Tracker(calibration=calibration).update(source.newest()[0])
+    print(f"seen now: {described(scene)}")
+
+
+def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
+    """The pixel that the user clicks for each place on the floor."""
+    title = "khepera-forage camera calibrate"
+    window = PictureWindow.open(title, int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+    if window is None:
+        raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
+    points: list[Point] = []
+    try:
+        frame = source.newest()[0]
+        while len(points) < len(floor):
+            x, y = floor[len(points)]
+            window.title(f"click the place at ({x:g}, {y:g}) mm")
+            points += window.show(_with_crosses(frame, points))[: len(floor) - len(points)]
+            if window.closed:
+                raise ValueError(
+                    f"window closed after {len(points)} clicks; allowed: one click for each of --places"
+                )
+            time.sleep(_PAUSE)
+            frame = source.newest()[0]
+    finally:
+        window.close()
+    return points
+
+
+def _with_crosses(frame: NDArray[np.uint8], points: Sequence[Point]) -> NDArray[np.uint8]:
+    """A frame in colour with a cross at each clicked point."""
+    picture = np.repeat(frame[:, :, None], 3, axis=2)
+    for u, v in points:
+        row, column = int(v), int(u)
+        picture[row, max(0, column - 6) : column + 7] = _CROSS_COLOUR
+        picture[max(0, row - 6) : row + 7, column] = _CROSS_COLOUR
+    return picture
+
+
+def _points(texts: Sequence[str]) -> tuple[list[Point], list[Point]]:
+    picture, floor = [], []
+    for text in texts:
+        pixels, equals, mm = text.partition("=")
+        if not equals:
+            raise ValueError(f"--points has {text!r}; allowed: {_POINT_FORMAT}")
+        picture.append(_point("--points", pixels))
+        floor.append(_point("--points", mm))
+    _check_count("--points", len(picture))
+    return picture, floor
+
+
+def _check_count(name: str, count: int) -> None:
+    if count < 4:
+        raise ValueError(f"{name} has {count} points; allowed: four or more")
+
+
+def _point(name: str, text: str) -> Point:
+    x, y = _numbers(name, text, 2)
+    return x, y
+
+
+def _numbers(name: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise ValueError(f"{name} has {text!r}; allowed: {count} numbers with commas between")
+    return values

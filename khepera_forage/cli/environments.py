@@ -1,0 +1,86 @@
+"""The environments that commands run: simulated, or with `--lab` in a laboratory."""
+
+import argparse
+from typing import Any
+
+from khepera_forage.cli.arguments import VIRTUAL_LAB
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.noise import Noise
+from khepera_forage.rollouts import recall as recall_rollouts
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.world import World
+
+
+def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
+    """The paired corridors. In a laboratory, print its robots and its camera.
+
+    Args:
+        arguments: With `lab`, `num_learners` and `food_type`.
+        **kwargs: Further arguments of the environment.
+    """
+    learners, kwargs = arguments.num_learners, {"food_types": arguments.food_type, **kwargs}
+    if arguments.lab is None:
+        return TrainingEnv(num_learners=learners, **kwargs)
+    world = _laboratory(arguments.lab, "corridor", learners + 1)
+    try:
+        return TrainingEnv(num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
+    except BaseException:
+        world.close()
+        raise
+
+
+def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
+    """A recall environment. In a laboratory, print its robot and its camera.
+
+    Args:
+        arguments: With `lab`, `arena` and `food_type`.
+        **kwargs: Further arguments of the environment.
+    """
+    kwargs = {"food_types": arguments.food_type, **kwargs}
+    if arguments.lab is None:
+        return recall_rollouts.recall_env(arguments.arena, **kwargs)
+    world = _laboratory(arguments.lab, arguments.arena, 1)
+    try:
+        arena = world.arenas[0]
+        if arena.name in ARENAS:
+            return recall_rollouts.recall_env(arena.name, world=world, **kwargs)
+        return BehavioursEnv(foods=len(arena.foods), world=world, **kwargs)
+    except BaseException:
+        world.close()
+        raise
+
+
+def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
+    """Print how many rounds of a laboratory took longer than a control step; print nothing for a simulation."""
+    clock = getattr(env.world, "clock", None)
+    if clock is not None and clock.rounds:
+        worst = f", the worst by {1000 * clock.worst_overrun:.0f} ms" if clock.overruns else ""
+        print(f"{clock.rounds} rounds, {clock.overruns} over their time{worst}")
+
+
+def _laboratory(lab: str, arena: str, robots: int) -> World:
+    """Open the laboratory that `--lab` names; one robot means the one that forages in a recall.
+
+    Raises:
+        ValueError: The file has a mistake.
+        OSError: The file, a port or the camera cannot be opened, or a robot does not answer.
+    """
+    if lab == VIRTUAL_LAB:
+        from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+
+        virtual = VirtualLaboratory.from_arena(arena, robots)
+        print(f"virtual laboratory: robots at {', '.join(virtual.port_urls)}, a tracker on rendered frames")
+        return virtual
+    from khepera_forage.lab.laboratory import Laboratory
+    from khepera_forage.lab.settings_file import load
+
+    settings = load(lab)
+    if robots == 1:
+        settings = settings.for_recall()
+    elif len(settings.robots) < 2:
+        raise ValueError(f"{lab}: robots has one entry; allowed: a teacher and at least one learner")
+    for robot in settings.robots:
+        print(f"robot {robot.name} at {robot.port}, {robot.baud} baud")
+    print(f"camera {settings.camera.source}; arena {settings.arena.name}")
+    return Laboratory(settings)

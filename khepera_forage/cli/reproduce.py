@@ -1,0 +1,57 @@
+"""`khepera-forage reproduce`: the thesis's experiments, repeated, and a report on them."""
+
+import argparse
+from importlib.util import find_spec
+
+from khepera_forage.cli.arguments import add_out_argument, add_seed_argument, require_at_least_one
+from khepera_forage.thesis.jobs import BACKENDS, COMPILED, PYMUNK
+from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument(
+        "--backend",
+        choices=BACKENDS,
+        help=f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time "
+        f"({COMPILED} if numba is installed)",
+    )
+    parser.add_argument(
+        "--replications",
+        type=int,
+        help="repetitions of the whole design "
+        f"({REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK})",
+    )
+    add_seed_argument(parser)
+    add_out_argument(parser, "results/thesis", "folder for the report, its tables, figures and rows")
+    parser.add_argument(
+        "--jobs", type=int, default=-1, help=f"processes with {PYMUNK}; -1 uses all cores (-1)"
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="a small version of all experiments, under a minute"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the experiments and print the report.
+
+    Raises:
+        ValueError: Fewer than one replication.
+        ImportError: `--backend compiled` without numba.
+    """
+    backend = arguments.backend or (COMPILED if find_spec("numba") is not None else PYMUNK)
+    replications = arguments.replications
+    if replications is None:
+        replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]
+    require_at_least_one("--replications", replications)
+    page = reproduce(
+        arguments.seed,
+        replications,
+        arguments.out,
+        n_jobs=arguments.jobs,
+        quick=arguments.quick,
+        backend=backend,
+    )
+    print(page.read_text(encoding="utf-8"))
+    print(f"Tables, figures and rows are in {arguments.out}")
+    return 0

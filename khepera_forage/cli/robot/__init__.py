@@ -1,0 +1,1 @@
+"""`khepera-forage robot`: its subcommands, for a robot at a serial port."""

@@ -1,0 +1,99 @@
+"""`khepera-forage robot drive` and `grip`: move the wheels or the gripper for a limited time."""
+
+import argparse
+import math
+import time
+
+from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+
+_MAX_SECONDS = 60.0
+"""Longest drive of one command: an operator does not watch a robot for longer."""
+_REST_TIMEOUT = 4.0
+"""Seconds to wait for the gripper: an arm needs 1 s and a jaw 0.6 s (KNET); the rest is margin."""
+_REST_READINGS = 3
+"""Equal readings in a row, 0.1 s apart, that count as standing still."""
+_GRIPPER_COMMANDS = {
+    "open": ("T,1,D", 0),
+    "close": ("T,1,D", 1),
+    "raise": ("T,1,E", ARM_RAISED),
+    "lower": ("T,1,E", ARM_DOWN),
+}
+
+
+def add_drive_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `drive`."""
+    add_port_arguments(parser)
+    unit = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
+    parser.add_argument("--left", type=int, default=3, help=f"left wheel, {unit} (3)")
+    parser.add_argument("--right", type=int, default=3, help=f"right wheel, {unit} (3)")
+    parser.add_argument("--seconds", type=float, default=2.0, help=f"duration, at most {_MAX_SECONDS:g} (2)")
+
+
+def drive(arguments: argparse.Namespace) -> int:
+    """Turn the wheels, stop them, and print how far they turned; the gripper does not move.
+
+    Raises:
+        ValueError: A speed or the duration is out of range.
+        OSError: The port cannot be opened, or the robot is lost.
+    """
+    for name in ("left", "right"):
+        if not -MAX_SPEED <= getattr(arguments, name) <= MAX_SPEED:
+            raise ValueError(f"--{name} is {getattr(arguments, name)}; allowed: -{MAX_SPEED}..{MAX_SPEED}")
+    if not 0 < arguments.seconds <= _MAX_SECONDS:
+        raise ValueError(
+            f"--seconds is {arguments.seconds:g}; allowed: more than 0, at most {_MAX_SECONDS:g}"
+        )
+    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+        left, right = counters(robot)
+        robot.request("D", arguments.left, arguments.right)
+        end = time.monotonic() + arguments.seconds
+        while (rest := end - time.monotonic()) > 0:
+            time.sleep(min(rest, CONTROL_PERIOD))
+            counters(robot)  # raises an error if the robot was lost
+        robot.stop()
+        left, right = (after - before for after, before in zip(counters(robot), (left, right), strict=True))
+    print(f"left {left} pulses, {left * PULSE:.0f} mm; right {right} pulses, {right * PULSE:.0f} mm")
+    return 0
+
+
+def add_grip_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `grip`."""
+    add_port_arguments(parser)
+    parser.add_argument("action", choices=tuple(_GRIPPER_COMMANDS), help="the movement")
+
+
+def grip(arguments: argparse.Namespace) -> int:
+    """Move the arm or the jaw, wait until it stands still, and print its position.
+
+    Raises:
+        OSError: The port cannot be opened, the robot is lost, or it has no gripper.
+    """
+    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+        command, value = _GRIPPER_COMMANDS[arguments.action]
+        robot.request(command, value)
+        is_arm = command == "T,1,E"
+        position = wait_for_rest(robot, is_arm)
+        (barrier,) = robot.request("T,1,G")
+        print(f"{'arm' if is_arm else 'jaw'} at {position}, barrier {barrier}")
+    return 0
+
+
+def wait_for_rest(robot: SerialKhepera, is_arm: bool) -> int:
+    """Wait until the arm or the jaw stands still, at most 4 s; returns its position."""
+    end = time.monotonic() + _REST_TIMEOUT
+    last, equal = math.nan, 0
+    while True:
+        time.sleep(CONTROL_PERIOD)
+        (position,) = robot.request("T,1,H", int(is_arm))
+        equal = equal + 1 if position == last else 0
+        last = position = int(position)
+        if equal >= _REST_READINGS or time.monotonic() > end:
+            return position
+
+
+def counters(robot: SerialKhepera) -> tuple[int, int]:
+    """The encoder counts of the left and right wheel, in pulses."""
+    left, right = robot.request("H")
+    return int(left), int(right)

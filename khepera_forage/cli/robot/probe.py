@@ -1,0 +1,80 @@
+"""`khepera-forage robot probe`: a robot's versions, sensor readings and response times."""
+
+import argparse
+import statistics
+import time
+
+from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.robots.serial.errors import RequestRejected
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+
+_ROUND_TRIPS = 10
+"""Measurements of each response time."""
+_TIMED_COMMANDS = (("B", ()), ("N", ()), ("H", ()), ("T,1,G", ()), ("T,1,H", (1,)))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_port_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Query the robot and print its answers; nothing moves, and turning wheels are stopped.
+
+    Raises:
+        OSError: The port cannot be opened, or no robot answers.
+    """
+    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+        print(f"port       {robot.port}, {robot.baud} baud")
+        bios, protocol = robot.request("B")
+        print(f"robot      BIOS {bios}, protocol {protocol}")
+        print(f"gripper    {_gripper(robot)}")
+        print(
+            f"proximity  {_numbers(robot.request('N'))}   (left 90, 45, 10, right 10, 45, 90, back right, left)"
+        )
+        print(f"light      {_numbers(robot.request('O'))}   (about 500 is dark)")
+        print(f"counters   {_numbers(robot.request('H'))}   (left, right; 0.08 mm each)")
+        for command, values in _TIMED_COMMANDS:
+            try:
+                print(f"{_name(command, values):10s} {_round_trips(robot, command, values)}")
+            except RequestRejected:
+                continue
+        counts = robot.statistics
+        print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
+    return 0
+
+
+def _gripper(robot: SerialKhepera) -> str:
+    """The gripper's version and state, or why it does not answer."""
+    try:
+        version, revision = robot.request("T,1,B")
+        (jumpers,) = robot.request("T,1,J")
+        (arm,) = robot.request("T,1,H", 1)
+        (barrier,) = robot.request("T,1,G")
+        (jaw,) = robot.request("T,1,H", 0)
+    except RequestRejected as error:
+        return f"none: {error.reason}"
+    return (
+        f"version {version}.{revision}, jumpers {jumpers}; arm {arm} (255 down), jaw {jaw} (200 open), "
+        f"barrier {barrier} (above 100: an object)"
+    )
+
+
+def _round_trips(robot: SerialKhepera, command: str, values: tuple[int, ...]) -> str:
+    """Median and range of the response time of one command."""
+    taken = []
+    for _ in range(_ROUND_TRIPS):
+        # Alternate with another command: the driver sends a query of its own before it repeats a command.
+        robot.request("E")
+        begin = time.perf_counter()
+        robot.request(command, *values)
+        taken.append(1000 * (time.perf_counter() - begin))
+    return f"{statistics.median(taken):.1f} ms round trip [{min(taken):.1f}, {max(taken):.1f}]"
+
+
+def _name(command: str, values: tuple[int, ...]) -> str:
+    return ",".join((command, *map(str, values)))
+
+
+def _numbers(values: tuple[int | str, ...]) -> str:
+    return " ".join(f"{value:>4}" for value in values)

@@ -1,0 +1,198 @@
+"""`khepera-forage robot selftest`: test every part of a robot with small movements."""
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from khepera_forage.cli.robot.move import counters, wait_for_rest
+from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    CONTROL_PERIOD,
+    JAW_CLOSED,
+    JAW_OPEN,
+    PULSE,
+    SPEED_UNIT,
+    Motors,
+)
+from khepera_forage.robots.proximity import MAX_READING
+from khepera_forage.robots.serial.errors import RequestRejected
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+
+_SPEED, _SECONDS = 4, 0.5
+"""Speed in units and duration of the wheel test: 16 mm each way."""
+_LOWERED = ARM_DOWN - 15
+"""Arm position near the floor, above any object that may lie there."""
+_ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
+"""Largest deviation of a position that passes."""
+_ROUNDS = 10
+
+
+class CheckError(Exception):
+    """A check failed; the message says what was measured."""
+
+
+class Check(NamedTuple):
+    """A part, and a function that tests it: it returns what it measured, or raises `CheckError`."""
+
+    name: str
+    run: Callable[[SerialKhepera], str]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_port_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Test every part in turn, and print a line for each.
+
+    Returns:
+        0 if all checks passed, otherwise 1.
+
+    Raises:
+        OSError: The port cannot be opened, or the robot is lost.
+    """
+    failed = 0
+    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+        print("Keep 30 mm free around the robot: wheels, arm and jaw will move a little.", flush=True)
+        for check in CHECKS:
+            try:
+                verdict, measured = "pass", check.run(robot)
+            except CheckError as failure:
+                verdict, measured = "FAIL", str(failure)
+            except RequestRejected as refusal:
+                verdict, measured = "FAIL", f"{refusal.command}: {refusal.reason}"
+            failed += verdict == "FAIL"
+            print(f"{check.name:18s} {verdict}   {measured}", flush=True)
+    print(f"{len(CHECKS) - failed} of {len(CHECKS)} passed")
+    return 1 if failed else 0
+
+
+def _versions(robot: SerialKhepera) -> str:
+    bios, protocol = robot.request("B")
+    return f"BIOS {bios}, protocol {protocol}"
+
+
+def _lamps(robot: SerialKhepera) -> str:
+    for lamp in (0, 1):
+        for action in (1, 0):
+            robot.request("L", lamp, action)
+            time.sleep(CONTROL_PERIOD)
+    return "both were switched on and off; check that you saw them"
+
+
+def _infra_reds(robot: SerialKhepera) -> str:
+    rounds = [_readings(robot, "N") for _ in range(5)]
+    if any(len(set(readings)) == 1 and readings[0] == MAX_READING for readings in rounds):
+        raise CheckError(f"all eight read {rounds[0][0]}")
+    medians = [int(statistics.median(column)) for column in zip(*rounds, strict=True)]
+    return f"proximity {' '.join(map(str, medians))}"
+
+
+def _light(robot: SerialKhepera) -> str:
+    light = _readings(robot, "O")
+    if max(light) == 0:
+        raise CheckError("all eight read 0, the value of the brightest light")
+    return f"{min(light)}..{max(light)} (about 500 is dark)"
+
+
+def _wheels(robot: SerialKhepera) -> str:
+    start = counters(robot)
+    forth = _travel(robot, _SPEED)
+    back = _travel(robot, -_SPEED)
+    off = [b - a for a, b in zip(start, counters(robot), strict=True)]
+    if max(map(abs, off)) > 0.3 * _SPEED * SPEED_UNIT / PULSE * _SECONDS:
+        raise CheckError(f"forward {forth} and back {back} pulses end {off} pulses from the start")
+    return f"forward {forth}, back {back} pulses, {off} from the start"
+
+
+def _travel(robot: SerialKhepera, speed: int) -> list[int]:
+    """Turn both wheels and return their pulses; half to one and a half times the expected number passes.
+
+    The range is wide because a low supply voltage slows the motors. A wheel that turns the wrong way fails.
+    """
+    before = counters(robot)
+    begin = time.monotonic()
+    robot.request("D", speed, speed)
+    time.sleep(_SECONDS)
+    robot.stop()
+    expected = speed * SPEED_UNIT / PULSE * (time.monotonic() - begin)
+    time.sleep(2 * CONTROL_PERIOD)
+    gone = [after - b for after, b in zip(counters(robot), before, strict=True)]
+    if any(not 0.5 < pulses / expected < 1.5 for pulses in gone):
+        raise CheckError(f"{gone} pulses at speed {speed}; expected: about {expected:.0f}")
+    return gone
+
+
+def _arm(robot: SerialKhepera) -> str:
+    positions = []
+    for target in (ARM_RAISED, _LOWERED, ARM_RAISED):
+        robot.request("T,1,E", target)
+        positions.append(wait_for_rest(robot, True))
+        if abs(positions[-1] - target) > _ARM_TOLERANCE:
+            raise CheckError(f"sent to {target}, it stopped at {positions[-1]}")
+    return f"at {', '.join(map(str, positions))}"
+
+
+def _jaw(robot: SerialKhepera) -> str:
+    positions = []
+    for closed, target in ((1, JAW_CLOSED), (0, JAW_OPEN)):
+        robot.request("T,1,D", closed)
+        positions.append(wait_for_rest(robot, False))
+        if abs(positions[-1] - target) > _JAW_TOLERANCE:
+            raise CheckError(
+                f"{'closed' if closed else 'opened'}, it stopped at {positions[-1]}; expected: about {target}"
+            )
+    return f"closed at {positions[0]}, open at {positions[1]}"
+
+
+def _barrier(robot: SerialKhepera) -> str:
+    (barrier,) = robot.request("T,1,G")
+    if int(barrier) > 100:
+        raise CheckError(f"{barrier} with nothing between the fingers")
+    return f"{barrier} with nothing between the fingers"
+
+
+def _rounds(robot: SerialKhepera) -> str:
+    taken = []
+    for _ in range(_ROUNDS):
+        begin = time.monotonic()
+        robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
+        robot.transmit()
+        robot.receive()
+        taken.append(1000 * (time.monotonic() - begin))
+    limit = 1000 * CONTROL_PERIOD
+    measured = f"{statistics.median(taken):.0f} ms, the longest {max(taken):.0f}; allowed: {limit:.0f}"
+    if statistics.median(taken) > limit:
+        raise CheckError(measured)
+    return measured
+
+
+def _line(robot: SerialKhepera) -> str:
+    counts = robot.statistics
+    if counts.timeouts + counts.garbled + counts.rejected + counts.restarts:
+        raise CheckError(f"{counts}")
+    return f"{counts.sent} requests, all answered"
+
+
+def _readings(robot: SerialKhepera, command: str) -> list[int]:
+    return [int(value) for value in robot.request(command)]
+
+
+CHECKS = (
+    Check("versions", _versions),
+    Check("lamps", _lamps),
+    Check("arm", _arm),
+    Check("jaw", _jaw),
+    Check("optical barrier", _barrier),
+    Check("infra-reds", _infra_reds),
+    Check("ambient light", _light),
+    Check("wheels", _wheels),
+    Check("a round", _rounds),
+    Check("line", _line),
+)
+"""The arm comes before the infra-reds: raised, it does not cover them."""

@@ -1,0 +1,131 @@
+"""`khepera-forage robot virtual`: a simulated Khepera at a serial port, for programs that control a real one."""
+
+import argparse
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from khepera_forage.cli.arguments import add_seed_argument
+from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument(
+        "--tcp",
+        type=int,
+        metavar="PORT",
+        help="listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
+    )
+    bauds = ", ".join(map(str, BAUD_RATES))
+    parser.add_argument(
+        "--baud", type=int, default=38400, help=f"speed of the line: {bauds}, or 0 for no limit (38400)"
+    )
+    for fault in FAULTS:
+        parser.add_argument(
+            f"--{fault}",
+            type=float,
+            default=0.0,
+            metavar="RATE",
+            help="share of replies with this fault (0)",
+        )
+    parser.add_argument(
+        "--lateness",
+        type=float,
+        nargs=2,
+        default=Faults().lateness,
+        metavar=("FROM", "TO"),
+        help="range of the delay of a delayed reply, in seconds (0.3 1.0)",
+    )
+    add_seed_argument(parser, "seed of the simulation and of the faults")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve the virtual robot until an interrupt, a termination, or an unplugged cable (a simulated fault).
+
+    Raises:
+        ValueError: A baud or a fault rate is out of range.
+        OSError: The TCP port is taken.
+    """
+    faults = Faults(
+        **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
+    )
+    world_rng, fault_rng = np.random.default_rng(arguments.seed).spawn(2)
+    world = PymunkWorld([CORRIDOR])
+    world.reset(world_rng, Layout((CORRIDOR.start,), CORRIDOR.foods))
+    lock = threading.RLock()
+    firmware = Firmware(world.robots[0], lock)
+    with (
+        _collected_signals() as signals,
+        VirtualKhepera(
+            firmware, tcp=arguments.tcp, baud=arguments.baud or None, faults=faults, rng=fault_rng
+        ) as khepera,
+    ):
+        print(f"a virtual Khepera at {khepera.url}; Ctrl-C ends it", flush=True)
+        overruns = _advance_in_real_time(world, firmware, lock, khepera, signals)
+        print("stopped" if khepera.connected else "unplugged", flush=True)
+    world.close()
+    print(_summary(khepera.fault_counts))
+    if overruns:
+        print(f"{overruns} rounds began late")
+    return 0
+
+
+def _advance_in_real_time(
+    world: PymunkWorld,
+    firmware: Firmware,
+    lock: threading.RLock,
+    khepera: VirtualKhepera,
+    signals: list[int],
+) -> int:
+    """Advance the world once every 0.1 s until the robot is unplugged or a signal arrives.
+
+    Returns:
+        How many rounds began more than a whole round late.
+    """
+    due, overruns = time.monotonic(), 0
+    while khepera.connected and not signals:
+        due += CONTROL_PERIOD
+        late = time.monotonic() - due
+        if late > CONTROL_PERIOD:
+            # Skip the missed rounds: a robot does not drive faster because its computer was busy.
+            due += late
+            overruns += 1
+        else:
+            time.sleep(max(0.0, -late))
+        with lock:
+            world.advance()
+            firmware.tick()
+    return overruns
+
+
+@contextmanager
+def _collected_signals() -> Iterator[list[int]]:
+    """Append SIGINT and SIGTERM to a list instead of raising them: a handler must not take the world's lock."""
+    signals: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _: signals.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield signals
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _summary(counts: FaultCounts) -> str:
+    requests = f"{counts.replies} requests"
+    faults = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
+    return ", ".join([requests, *faults])

@@ -1,0 +1,119 @@
+"""The jobs of a reproduction: independent parts of the experiments, for either backend."""
+
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+from khepera_forage.rollouts.rows import RANDOM, TEACHER
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.thesis.design import (
+    LABORATORY,
+    NO_LOSSES,
+    NO_NOISE,
+    THESIS,
+    Cell,
+    noise_conditions,
+)
+from khepera_forage.thesis.replication import Baseline, Outcome, Replication
+from khepera_forage.thesis.statistics import MIN_REPLICATIONS
+
+PYMUNK, COMPILED = "pymunk", "compiled"
+BACKENDS = (COMPILED, PYMUNK)
+NOISE_CELLS: tuple[Cell, ...] = tuple(cell for cell in THESIS if cell.episodes == 10)
+"""Cells that are repeated under each noise condition: ten training episodes, recalls in both arenas."""
+
+
+class Job(Protocol):
+    """A part of the experiments that runs independently of the others."""
+
+    def run(self) -> Outcome:
+        """Run the experiments and return their rows."""
+        ...
+
+
+class JobCounts(NamedTuple):
+    """How often each part of the experiments is repeated.
+
+    Attributes:
+        replications: Of the whole design under the laboratory's noise.
+        noise_replications: Of `NOISE_CELLS` under each other noise condition.
+        noise_conditions: Names of these conditions.
+        baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena.
+        block_forages: Forages of the teacher in a block; a random policy has a fifth of them.
+    """
+
+    replications: int
+    noise_replications: int
+    noise_conditions: tuple[str, ...]
+    baseline_blocks: int
+    block_forages: int
+
+
+def job_counts(replications: int, backend: str, quick: bool = False) -> JobCounts:
+    """The repetitions that belong to a number of replications.
+
+    Args:
+        replications: Of the whole design; each other noise condition has a share of them, and at least as many as an
+            interval needs.
+        backend: `pymunk` or `compiled`.
+        quick: Run every part of the experiments, but only a few times.
+    """
+    if quick:
+        return JobCounts(replications, 1, (NO_NOISE,), 2, 5)
+    conditions = tuple(name for name in noise_conditions() if name != LABORATORY)
+    divisor = 3 if backend == PYMUNK else 10
+    return JobCounts(replications, max(MIN_REPLICATIONS, replications // divisor), conditions, 20, 25)
+
+
+def pymunk_jobs(seed: int, counts: JobCounts) -> list[Job]:
+    """All jobs for pymunk, those that take longest first."""
+    jobs: list[Job] = [Replication(seed, i) for i in range(counts.replications)]
+    for noise in counts.noise_conditions:
+        jobs += [Replication(seed, i, noise, NOISE_CELLS) for i in range(counts.noise_replications)]
+    # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
+    if NO_LOSSES in counts.noise_conditions:
+        jobs += [
+            Replication(seed, i, NO_LOSSES, cells=())
+            for i in range(counts.noise_replications, counts.replications)
+        ]
+    for arena, learner, forages in _baselines(counts):
+        jobs += [Baseline(seed, i, learner, arena, forages) for i in range(counts.baseline_blocks)]
+    return jobs
+
+
+def compiled_jobs(seed: int, counts: JobCounts) -> list[Job]:
+    """All jobs for the compiled backend.
+
+    Raises:
+        ImportError: numba is not installed.
+    """
+    try:
+        from khepera_forage.thesis.compiled_replications import (
+            GROUP_SIZE,
+            CompiledBaseline,
+            CompiledReplications,
+        )
+    except ImportError as missing:
+        raise ImportError(
+            "--backend compiled needs numba: pip install 'khepera-forage[fast]', or choose --backend pymunk"
+        ) from missing
+
+    def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
+        return [
+            CompiledReplications(seed, first, min(GROUP_SIZE, count - first), noise, cells)
+            for first in range(0, count, GROUP_SIZE)
+        ]
+
+    jobs = groups(counts.replications, LABORATORY, THESIS)
+    for noise in counts.noise_conditions:
+        jobs += groups(counts.noise_replications, noise, NOISE_CELLS)
+    return jobs + [
+        CompiledBaseline(seed, counts.baseline_blocks, learner, arena, forages)
+        for arena, learner, forages in _baselines(counts)
+    ]
+
+
+def _baselines(counts: JobCounts) -> Iterator[tuple[str, str, int]]:
+    """Arena, policy and forages in a block of every baseline."""
+    for arena in ARENAS:
+        yield arena, TEACHER, counts.block_forages
+        yield arena, RANDOM, counts.block_forages // 5

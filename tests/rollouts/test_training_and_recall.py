@@ -1,0 +1,63 @@
+"""Rollouts of training and recall: experience files, attempts and rows."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.noise import Noise
+from khepera_forage.policies import NearestNeighbourImitator, Teacher
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.rows import TEACHER
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
+from khepera_forage.task.decisions import Decisions
+
+
+def test_training_writes_the_experience_that_it_returns(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    env = TrainingEnv()
+    experience, rows = train(env, np.random.SeedSequence(3), path=path)
+    assert Experience.load(path) == experience
+    assert len(experience) == rows[-1].vectors
+    assert rows[-1].complete
+    assert {row.complete for row in rows[:-1]} <= {False}
+    again, _ = train(env, np.random.SeedSequence(3))
+    assert again == experience
+    with pytest.raises(FileExistsError, match=r"g1\.csv"):
+        train(env, np.random.SeedSequence(3), path=path)
+
+
+def test_training_without_a_complete_attempt_is_an_error_and_leaves_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    attempts = Decisions().most_attempts
+    with pytest.raises(IncompleteTrainingError, match=f"none of {attempts} attempts"):
+        train(TrainingEnv(max_cycles=2), np.random.SeedSequence(0), path=path)
+    assert not path.exists()
+
+
+def test_arrays_of_several_files_are_those_of_their_sum() -> None:
+    env = TrainingEnv()
+    files = [train(env, seed)[0] for seed in np.random.SeedSequence(1).spawn(2)]
+    vectors, behaviours = arrays(files)
+    assert len(vectors) == len(behaviours) == sum(map(len, files))
+    assert (files[0] + files[1]).arrays()[0].tolist() == vectors.tolist()
+
+
+def test_recall_counts_ties_of_an_imitator_and_none_of_a_teacher() -> None:
+    env = recall_env("corridor")
+    files = [train(TrainingEnv(), seed)[0] for seed in np.random.SeedSequence(2).spawn(3)]
+    imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(*arrays(files))
+    row = recall(env, imitator, 7)
+    assert 0 < row.ties <= row.steps
+    assert 0 <= row.conflicts <= row.ties
+    teacher = recall(env, Teacher(), 7, learner=TEACHER)
+    assert (teacher.ties, teacher.conflicts, teacher.score) == (0, 0, 100.0)
+    assert (teacher.food_x, teacher.start_x) == (row.food_x, row.start_x), "the seed determines the places"
+
+
+def test_recall_row_names_its_noise_condition() -> None:
+    env = recall_env("rectangle", Noise.none())
+    assert recall(env, Teacher(), 1, learner=TEACHER, noise="none").noise == "none"
+    assert env.limit == 700

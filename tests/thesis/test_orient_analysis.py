@@ -1,0 +1,59 @@
+"""The orient analysis: an imitator's confidence levels when a robot arrives next to food."""
+
+import numpy as np
+import pytest
+
+from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.task.states import Behaviour
+from khepera_forage.thesis.orient_analysis import (
+    PIXELS_BEYOND,
+    arrival_vectors,
+    imitator_levels,
+    orient_rows,
+    orient_table,
+)
+
+TRAINING = [((0, 36 + food, 0, 215, food), Behaviour.SEARCH_FOR_FOOD) for food in range(56, 30, -1)]
+TRAINING += [((0, 36 + food, 0, 215, food), Behaviour.MOVE_SLOWLY) for food in range(30, 20, -1)]
+TRAINING += [((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD)]
+"""An episode without noise on the line of training, up to the first ORIENT WITH FOOD."""
+
+
+@pytest.fixture(scope="module")
+def imitator() -> NearestNeighbourImitator:
+    vectors, behaviours = zip(*TRAINING, strict=True)
+    return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array(behaviours))
+
+
+def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImitator) -> None:
+    vectors = arrival_vectors()
+    levels = imitator_levels(imitator, vectors)
+    assert levels.shape == (*vectors.shape[:-1], 10)
+    for place in np.ndindex(vectors.shape[:-1]):
+        expected = imitator.confidence_levels(tuple(vectors[place].tolist()))
+        assert dict(enumerate(levels[place])) == pytest.approx(
+            {behaviour: expected.get(Behaviour(behaviour), 0.0) for behaviour in range(10)}
+        )
+
+
+def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestNeighbourImitator) -> None:
+    rows = {row.beyond: row for row in orient_rows(imitator_levels(imitator, arrival_vectors()), 0, 1, "g1")}
+    assert set(rows) == set(PIXELS_BEYOND)
+    assert rows[-10].orient == rows[0].orient == 1.0
+    for beyond in (10, 20, 40, 60):
+        assert 0 < rows[beyond].orient < 0.2
+        assert rows[beyond].orient + rows[beyond].move_slowly + rows[beyond].search == pytest.approx(1.0)
+    # 10 pixels beyond training and 20 from the food, all vectors recorded at 20 to 30 pixels are equally near: ten
+    # MOVE SLOWLY and one ORIENT WITH FOOD.
+    assert rows[10].search == 0.0
+
+
+def test_orient_table_has_a_line_per_place_and_a_column_per_amount_of_training(
+    imitator: NearestNeighbourImitator,
+) -> None:
+    levels = imitator_levels(imitator, arrival_vectors())
+    rows = [row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1")]
+    table = orient_table(rows, np.random.default_rng(0))
+    assert len(table.rows) == len(PIXELS_BEYOND)
+    assert [column.name for column in table.columns] == ["pixels beyond", "1 episodes", "3 episodes"]
+    assert orient_table([], np.random.default_rng(0)).rows == []

@@ -1,0 +1,44 @@
+"""Replications, baselines and the jobs of a reproduction, on pymunk."""
+
+from khepera_forage.rollouts.rows import RANDOM, TEACHER
+from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
+from khepera_forage.thesis.jobs import PYMUNK, job_counts, pymunk_jobs
+from khepera_forage.thesis.replication import Baseline, Replication
+
+SMALL = (Cell("corridor", 2, (Subset((1, 2)),), 2, foods=1, limit=500),)
+
+
+def test_replication_depends_only_on_seed_and_number() -> None:
+    first, second = (Replication(5, 2, cells=SMALL).run() for _ in range(2))
+    assert first == second
+    assert first != Replication(5, 3, cells=SMALL).run()
+    assert [row.file_id for row in first.recalls] == ["g12", "g12"]
+    assert len({row.file for row in first.trainings}) == 2
+    assert {row.experience_size for row in first.recalls} == {
+        sum(row.vectors for row in first.trainings if row.complete)
+    }
+
+
+def test_replication_without_cells_trains_all_files() -> None:
+    outcome = Replication(0, 0, NO_LOSSES, cells=()).run()
+    assert not outcome.recalls
+    assert {row.noise for row in outcome.trainings} == {"no losses"}
+    assert {row.file for row in outcome.trainings} == set(range(1, 11))
+
+
+def test_baseline_of_the_teacher_has_three_times_the_limit() -> None:
+    rows = Baseline(0, 0, TEACHER, "corridor", 3).run().recalls
+    assert [row.delivered for row in rows] == [1, 1, 1]
+    assert {row.limit for row in rows} == {1500}
+    chance = Baseline(0, 0, RANDOM, "corridor", 1).run().recalls
+    assert {row.limit for row in chance} == {500}
+
+
+def test_jobs_contain_the_whole_design() -> None:
+    jobs = pymunk_jobs(0, job_counts(6, PYMUNK))
+    designs = [job for job in jobs if isinstance(job, Replication) and job.noise == "laboratory"]
+    assert len(designs) == 6
+    assert all(job.cells == THESIS for job in designs)
+    conditions = {job.noise for job in jobs if isinstance(job, Replication)}
+    assert {"none", "only wheels", "only camera jitter", "no losses"} <= conditions
+    assert sum(isinstance(job, Baseline) and job.learner == TEACHER for job in jobs) == 40
