@@ -7,7 +7,14 @@ import numpy as np
 
 from _virtual_lab.episodes import ARENAS, LEARNERS, PYMUNK, VIRTUAL, WORLDS, Outcome
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.thesis.statistics import Estimate, bootstrap, contrast, ratio, replications, tally
+from khepera_forage.thesis.statistics import (
+    Estimate,
+    bootstrap,
+    contrast,
+    ratio,
+    replications,
+    sums_by_replication,
+)
 
 RESAMPLE_SEED = 20010
 """Of the bootstrap's own draws: the same rows give the same intervals."""
@@ -100,7 +107,7 @@ def recalls(outcomes: Sequence[Outcome]) -> list[Compared]:
 
 def _compared(who: str, arena: str, measure: Measure, rows: dict[str, list[Any]]) -> Compared:
     numbers = replications(*rows.values())
-    sums = {world: tally(own, numbers, measure.of, measure.by) for world, own in rows.items()}
+    sums = {world: sums_by_replication(own, numbers, measure.of, measure.by) for world, own in rows.items()}
     both = np.hstack([sums[VIRTUAL], sums[PYMUNK]])
 
     def rng() -> np.random.Generator:

@@ -25,7 +25,7 @@ from khepera_forage.rollouts.compiled.pairing import drive_pair, judge, keep_com
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import TrainingRow
-from khepera_forage.rollouts.training import HopelessTraining, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.sim.arena import CORRIDOR, Pose, copies
 from khepera_forage.sim.compiled import rows as body
 from khepera_forage.sim.compiled.rows import LANES
@@ -288,7 +288,7 @@ def test_the_experience_of_a_learner_is_experience(tmp_path: Any) -> None:
 def test_what_never_gets_complete_is_hopeless() -> None:
     with pytest.raises(RuntimeError, match="none of 3 attempts") as batch:
         train_learners(2, max_cycles=9, attempts=3)
-    with pytest.raises(HopelessTraining) as single:
+    with pytest.raises(IncompleteTrainingError) as single:
         train(TrainingEnv(max_cycles=9), np.random.SeedSequence(0), attempts=3)
     assert str(batch.value) == str(single.value)
 
