@@ -10,7 +10,7 @@ from khepera_forage.envs.forager import floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.layout_checks import check_robot
+from khepera_forage.sim.layout_checks import check_layout, check_robot
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
@@ -151,10 +151,15 @@ def training_layout(arenas: Sequence[Arena], noise: Noise, key: int) -> Layout:
 
 def no_room_on_marks(arena: Arena, noise: Noise) -> ValueError:
     """The error of training marks on which nothing stands free."""
-    return ValueError(
+    message = (
         f"{arena.name}: start or food too near a wall for a placement error of {noise.placement_error:g} mm; move the "
         "marks, or make the error smaller"
     )
+    try:
+        check_layout((arena,), Layout((arena.start,), arena.foods))
+    except ValueError as wrong:
+        message += f" (exactly on the marks: {wrong})"
+    return ValueError(message)
 
 
 def tracker_of(places: Sequence[Point]) -> FoodTracker:
