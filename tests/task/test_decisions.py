@@ -42,9 +42,9 @@ def test_field_has_section_reason_and_unit(name: str) -> None:
 @pytest.mark.parametrize("name", NUMBERS)
 def test_default_number_is_in_its_range(name: str) -> None:
     field = FIELDS[name]
-    default: Any = getattr(Decisions(), name)
-    assert type(default) is field.kind
+    default = getattr(Decisions(), name)
     assert field.least <= default <= field.most
+    assert type(default) is field.kind
 
 
 @pytest.mark.parametrize("name", CHOICES)

@@ -1,0 +1,227 @@
+"""Each decision changes what its rule does. Decisions about worlds: `tests/envs/test_decisions.py`."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from khepera_forage.robots.khepera import ARM_RAISED, Motors
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.decisions import Decisions, DecisionValues
+from khepera_forage.task.episode import DecisionCounts, count_decision
+from khepera_forage.task.following import follow, recover, separated
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour, State, StateVector, classify
+from tests.task.raw_data import OPEN_FLOOR, placed
+
+B = Behaviour
+HOME_RADIUS = 20
+ARM_DOWN_RAW = OPEN_FLOOR._replace(arm=255)
+
+
+def changed_to(**changes: Any) -> DecisionValues:
+    return Decisions.from_changes(changes).values()
+
+
+def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
+    """Raw data with food at a distance and bearing, on an open floor."""
+    x = OPEN_FLOOR.x + distance * math.cos(math.radians(degrees))
+    y = OPEN_FLOOR.y + distance * math.sin(math.radians(degrees))
+    return placed(OPEN_FLOOR, food_x=x, food_y=y, **changes)
+
+
+def check_boundary(
+    name: str, values: tuple[float, ...], rule: Callable[[float, DecisionValues], Any]
+) -> None:
+    """A rule gives one result below the decision's value and another above, wherever the value is."""
+    results = set()
+    for value in values:
+        decisions = changed_to(**{name: value})
+        below, above = rule(value - 0.01, decisions), rule(value + 0.01, decisions)
+        assert below != above, value
+        results.add((below, above))
+    assert len(results) == 1
+
+
+# ---------------------------------------------------------------- states
+
+
+def state_at(food_distance: float, decisions: DecisionValues, home: float = 50) -> State:
+    return classify(StateVector(0, int(home), 0, ARM_RAISED, food_distance), HOME_RADIUS, decisions)  # type: ignore[arg-type]
+
+
+def test_next_to_food_moves_the_boundary_of_that_state() -> None:
+    check_boundary("next_to_food", (10.0, 17.0, 29.0), state_at)
+    assert state_at(17, changed_to(next_to_food=17)) == State.NEXT_TO_FOOD
+    assert state_at(18, changed_to(next_to_food=17)) == State.CLOSE_TO_FOOD
+
+
+def test_close_to_food_moves_the_boundary_of_that_state() -> None:
+    check_boundary("close_to_food", (21.0, 40.0, 60.0), state_at)
+    assert state_at(40, changed_to(close_to_food=40)) == State.CLOSE_TO_FOOD
+    assert state_at(41, changed_to(close_to_food=40)) == State.SEARCH
+
+
+def test_close_to_food_decides_which_orienting_was_without_food() -> None:
+    def without_food(distance: float, decisions: DecisionValues) -> int:
+        counts = DecisionCounts()
+        count_decision(counts, State.SEARCH, B.ORIENT_WITH_FOOD, distance, decisions)
+        return counts.orient_without_food
+
+    check_boundary("close_to_food", (21.0, 40.0), without_food)
+
+
+def test_equal_distance_moves_ties_to_the_farther_state() -> None:
+    near, far = changed_to(), changed_to(equal_distance="farther state")
+    assert [state_at(20, near), state_at(20, far)] == [State.NEXT_TO_FOOD, State.CLOSE_TO_FOOD]
+    assert [state_at(30, near), state_at(30, far)] == [State.CLOSE_TO_FOOD, State.SEARCH]
+    assert state_at(50, near, home=HOME_RADIUS) == State.AT_HOME_NO_FOOD
+    assert state_at(50, far, home=HOME_RADIUS) == State.SEARCH
+
+
+def test_carry_margin_moves_the_height_from_which_food_is_in_hand() -> None:
+    def state(arm: float, decisions: DecisionValues) -> State:
+        return classify(StateVector(1, 50, 1, arm, 9), HOME_RADIUS, decisions)  # type: ignore[arg-type]
+
+    for margin in (0.0, 10.0, 30.0):
+        decisions = changed_to(carry_margin=margin)
+        assert state(ARM_RAISED + margin, decisions) == State.FOOD_IN_HAND
+        assert state(ARM_RAISED + margin + 0.01, decisions) == State.READY_TO_PICK_UP_FOOD
+
+
+# ---------------------------------------------------------------- speeds of behaviours
+
+SPEEDS = {
+    "search_speed": (B.SEARCH_FOR_FOOD, OPEN_FLOOR, 1, 1),
+    "home_speed": (B.GO_HOME, OPEN_FLOOR._replace(jaw=126), 1, 1),
+    "push_speed": (B.PUSH_FOOD, ARM_DOWN_RAW._replace(jaw=126), 1, 1),
+    "orient_speed": (B.ORIENT_WITH_FOOD, food_at(19, arm=255), 1, 1),
+    "retreat_speed": (B.SEARCH_FOR_FOOD, ARM_DOWN_RAW, -1, -1),
+    "turn_speed": (B.SEARCH_FOR_FOOD, food_at(40, degrees=60), -1, 1),
+    "quick_turn_speed": (B.SEARCH_FOR_FOOD, food_at(40, degrees=80), -1, 1),
+}
+"""Behaviour, raw data, and the sign of the speed on the left and right wheel."""
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("speed", [4.0, 9.5, 12.0])
+def test_speed_is_what_the_behaviour_commands(name: str, speed: float) -> None:
+    behaviour, raw, left, right = SPEEDS[name]
+    motors = command(behaviour, raw, changed_to(**{name: speed}))
+    assert motors[:2] == pytest.approx((left * speed, right * speed))
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "raw", "sign"),
+    [
+        (B.MOVE_SLOWLY, OPEN_FLOOR, 1),
+        (B.AVOID_FOOD, OPEN_FLOOR, -1),
+        (B.AVOID_HOME, placed(OPEN_FLOOR, orientation=180), 1),
+        (B.RELEASE_FOOD, placed(ARM_DOWN_RAW, jaw=126, x=91.0), 1),
+    ],
+)
+def test_slow_speed_is_that_of_four_behaviours(behaviour: Behaviour, raw: RawData, sign: int) -> None:
+    for speed in (2.0, 6.5, 12.0):
+        assert command(behaviour, raw, changed_to(slow_speed=speed))[:2] == (sign * speed, sign * speed)
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "raw"),
+    [
+        (B.MOVE_SLOWLY, food_at(5)),
+        (B.ORIENT_WITH_FOOD, food_at(5, arm=255)),
+        (B.AVOID_HOME, OPEN_FLOOR),
+        (B.RELEASE_FOOD, placed(ARM_DOWN_RAW, x=100.0)),
+    ],
+)
+def test_retreat_speed_is_that_of_every_retreat(behaviour: Behaviour, raw: RawData) -> None:
+    for speed in (1.0, 7.5, 12.0):
+        assert command(behaviour, raw, changed_to(retreat_speed=speed))[:2] == (-speed, -speed)
+
+
+@pytest.mark.parametrize("speed", [0.0, 3.0, 5.0])
+def test_circle_speed_is_the_mean_speed_of_search_without_food(speed: float) -> None:
+    motors = command(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, food_seen=False), changed_to(circle_speed=speed))
+    assert motors[:2] == (speed - 5.0, speed + 5.0)
+
+
+# ---------------------------------------------------------------- distances and angles of behaviours
+
+
+def test_back_off_distance_moves_where_search_and_move_slowly_retreat() -> None:
+    for behaviour in (B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY):
+
+        def retreats(distance: float, decisions: DecisionValues, behaviour: Behaviour = behaviour) -> bool:
+            return command(behaviour, food_at(distance), decisions).left < 0
+
+        check_boundary("back_off_distance", (5.0, 13.0, 20.0), retreats)
+
+
+def test_aimed_moves_the_angle_from_which_orient_turns() -> None:
+    def turns(degrees: float, decisions: DecisionValues) -> bool:
+        return command(B.ORIENT_WITH_FOOD, food_at(19, degrees, arm=255), decisions).left < 0
+
+    check_boundary("aimed", (1.0, 5.0, 15.0), turns)
+
+
+def test_astray_moves_the_angle_from_which_orient_raises_the_arm() -> None:
+    def arm(degrees: float, decisions: DecisionValues) -> int:
+        return command(B.ORIENT_WITH_FOOD, food_at(19, degrees, arm=255), decisions).arm
+
+    check_boundary("astray", (10.0, 20.0, 90.0), arm)
+
+
+def test_missed_distance_moves_where_orient_gives_up_a_try() -> None:
+    def jaw(distance: float, decisions: DecisionValues) -> int:
+        return command(B.ORIENT_WITH_FOOD, food_at(distance, arm=255), decisions).jaw
+
+    check_boundary("missed_distance", (5.0, 10.0, 15.0), jaw)
+
+
+def test_release_depth_moves_the_place_in_the_home_where_food_is_released() -> None:
+    def jaw(depth: float, decisions: DecisionValues) -> int:
+        x = OPEN_FLOOR.home_x - OPEN_FLOOR.home_radius + depth
+        return command(B.RELEASE_FOOD, placed(ARM_DOWN_RAW, jaw=126, x=x), decisions).jaw
+
+    check_boundary("release_depth", (0.0, 7.0, 15.0), jaw)
+
+
+# ---------------------------------------------------------------- following
+
+AHEAD = Motors(8.0, 8.0, 215, 200)
+
+
+def test_separation_moves_the_distance_from_which_robots_are_separated() -> None:
+    def apart(distance: float, decisions: DecisionValues) -> bool:
+        return separated(10, 10, 10, 10 + distance, decisions)
+
+    check_boundary("separation", (5.0, 14.0, 40.0), apart)
+
+
+def test_same_place_moves_the_distance_from_which_the_learner_follows() -> None:
+    def bends(distance: float, decisions: DecisionValues) -> bool:
+        return follow(AHEAD, 50, 20, 0, 50, 20 + distance, 40, decisions) != AHEAD
+
+    check_boundary("same_place", (1.0, 2.0, 10.0), bends)
+
+
+def test_same_heading_moves_the_angle_from_which_the_learner_follows() -> None:
+    def bends(degrees: float, decisions: DecisionValues) -> bool:
+        return follow(AHEAD, 50, 20, 0, 50, 28, degrees, decisions) != AHEAD
+
+    check_boundary("same_heading", (1.0, 8.0, 45.0), bends)
+
+
+@pytest.mark.parametrize("gain", [0.01, 0.05, 0.08])
+def test_following_gain_is_the_turn_for_each_degree(gain: float) -> None:
+    led = follow(AHEAD, 50, 20, 0, 50, 28, 40, changed_to(following_gain=gain))
+    assert led[:2] == pytest.approx((8.0 - 90 * gain, 8.0 + 90 * gain))
+    recovering = recover(AHEAD, 50, 20, 0, 58, 28, changed_to(following_gain=gain))
+    assert recovering[:2] == pytest.approx((6.0 - 45 * gain, 6.0 + 45 * gain))
+
+
+@pytest.mark.parametrize("speed", [1.0, 6.0, 12.0])
+def test_recovery_speed_is_the_mean_speed_of_recovery(speed: float) -> None:
+    motors = recover(Motors(0, 0, 255, 0), 50, 20, 0, 58, 28, changed_to(recovery_speed=speed))
+    assert (motors.left + motors.right) / 2 == pytest.approx(speed)

@@ -1,0 +1,186 @@
+"""Random layouts and food types (5.4.1.1)."""
+
+import math
+from dataclasses import replace
+from itertools import combinations
+
+import pytest
+from hypothesis import given, reject, settings
+from hypothesis import strategies as st
+
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.forager import floor_of
+from khepera_forage.envs.layouts import random_layout
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point
+from khepera_forage.sim.layout_checks import check_layout, check_robot
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
+from khepera_forage.task.food_tracking import FoodObject
+from khepera_forage.task.placement import (
+    Place,
+    Start,
+    draw_food_types,
+    draw_layout,
+    food_type_key,
+    layout_key,
+)
+from khepera_forage.task.states import FoodType
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.geometry.shapes import star
+from tests.sim.stage import ELL, FIELD
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD, RECTANGLE.shifted(700.0, 400.0)]
+"""Convex, convex, not convex with an obstacle, wide, and at an offset."""
+RADII = st.lists(st.floats(50, 500), min_size=3, max_size=6)
+CENTRES = st.tuples(st.floats(-100, 2100), st.floats(-100, 2100))
+KEYS = st.integers(0, 2**64 - 1)
+
+
+def drawn(arena: Arena, foods: int, key: int, decisions: Decisions | None = None) -> Layout | None:
+    """A random layout; None where there is no room."""
+    start, places = Start(), [Place() for _ in range(foods)]
+    values = (Decisions() if decisions is None else decisions).values()
+    if not draw_layout(start, places, key, floor_of(arena), values):
+        return None
+    return random_layout(arena, foods, key, values)
+
+
+def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
+    """A random layout is one in which a robot can forage."""
+    check_layout((arena,), layout)
+    (start,) = layout.starts
+    assert -math.pi <= start.heading <= math.pi
+    assert math.dist(start[:2], arena.home) >= arena.home_radius + RADIUS
+    check_robot(arena, start)
+    for food in layout.foods:
+        assert arena.clearance(food) >= decisions.food_to_walls
+        assert math.dist(food, arena.home) >= arena.home_radius + FOOD_RADIUS
+        assert math.dist(food, start[:2]) > decisions.close_to_food * MM_PER_PIXEL
+    for one, other in combinations(layout.foods, 2):
+        assert math.dist(one, other) >= decisions.food_spacing
+
+
+# ---------------------------------------------------------------- random layouts
+
+
+@given(st.sampled_from(ARENAS), KEYS, st.integers(1, 3))
+@PROPERTY
+def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: int) -> None:
+    layout = drawn(arena, foods, key)
+    if foods == 1 or arena is not CORRIDOR:
+        assert layout is not None
+        assert len(layout.foods) == foods
+    if layout is not None:
+        check_random(arena, layout, Decisions())
+
+
+@st.composite
+def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
+    """A wide floor with obstacles, some of which reach through the outer wall."""
+    obstacles = tuple(
+        tuple(Point(*corner) for corner in star(radii, centre))
+        for radii, centre in draw(st.lists(st.tuples(RADII, CENTRES), min_size=1, max_size=4))
+    )
+    try:
+        return replace(FIELD, obstacles=obstacles)
+    except ValueError:  # on the home or a mark, or nowhere on the floor
+        reject()
+
+
+@given(arenas_with_obstacles(), KEYS)
+@PROPERTY
+def test_random_layout_avoids_obstacles(arena: Arena, key: int) -> None:
+    layout = drawn(arena, 3, key)
+    assert layout is not None
+    check_random(arena, layout, Decisions())
+
+
+@given(st.sampled_from(ARENAS), KEYS)
+@PROPERTY
+def test_random_layout_is_the_same_for_the_same_key(arena: Arena, key: int) -> None:
+    layout = drawn(arena, 1, key)
+    assert layout == drawn(arena, 1, key)
+    assert layout != drawn(arena, 1, key ^ 1)
+
+
+def test_random_layout_moves_along_with_its_arena() -> None:
+    here, there = drawn(RECTANGLE, 2, 5), drawn(RECTANGLE.shifted(700.0, 400.0), 2, 5)
+    assert here is not None
+    assert there is not None
+    assert there.starts[0] == pytest.approx(
+        (here.starts[0].x + 700.0, here.starts[0].y + 400.0, here.starts[0].heading)
+    )
+
+
+def test_random_starts_and_food_cover_the_floor() -> None:
+    layouts = [drawn(RECTANGLE, 1, key_of(seed)) for seed in range(300)]
+    for places in ([x.starts[0][:2] for x in layouts if x], [x.foods[0] for x in layouts if x]):
+        quarters = {(x > 325.0, y > 300.0) for x, y in places}
+        assert len(quarters) == 4
+    headings = [x.starts[0].heading for x in layouts if x]
+    assert abs(sum(map(math.cos, headings)) / 300) < 0.17  # four standard errors
+    assert abs(sum(map(math.sin, headings)) / 300) < 0.17
+
+
+def test_draw_layout_without_room_is_false() -> None:
+    assert not draw_layout(Start(), [Place() for _ in range(20)], 1, floor_of(CORRIDOR), DEFAULT_VALUES)
+    with pytest.raises(ValueError, match="corridor: no room for a robot and 20 food objects outside home"):
+        random_layout(CORRIDOR, 20, 1, DEFAULT_VALUES)
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [
+        Decisions(food_to_walls=90.0),
+        Decisions(food_spacing=200.0),
+        Decisions(close_to_food=50.0),
+        Decisions(food_to_walls=20.0, food_spacing=40.0, close_to_food=20.0),
+    ],
+    ids=lambda decisions: "-".join(decisions.changed()),
+)
+def test_decisions_move_the_limits_of_random_food(decisions: Decisions) -> None:
+    nearest_wall = nearest_food = nearest_robot = math.inf
+    for seed in range(200):
+        layout = drawn(RECTANGLE, 2, key_of(seed), decisions)
+        assert layout is not None
+        check_random(RECTANGLE, layout, decisions)
+        nearest_wall = min(nearest_wall, *(RECTANGLE.clearance(food) for food in layout.foods))
+        nearest_food = min(nearest_food, math.dist(*layout.foods))
+        nearest_robot = min(nearest_robot, *(math.dist(f, layout.starts[0][:2]) for f in layout.foods))
+    assert nearest_wall < decisions.food_to_walls + 10
+    assert nearest_food < decisions.food_spacing + 25
+    assert nearest_robot < decisions.close_to_food * MM_PER_PIXEL + 30
+
+
+# ---------------------------------------------------------------- keys and food types
+
+
+def test_keys_differ_between_seeds_episodes_and_purposes() -> None:
+    keys = [
+        purpose(key_of(seed), episode)
+        for purpose in (layout_key, food_type_key)
+        for seed in range(20)
+        for episode in range(20)
+    ]
+    assert len(set(keys)) == len(keys)
+    assert layout_key(key_of(3), 2) == layout_key(key_of(3), 2)
+
+
+def types_of(foods: int, key: int, pickable: float, pushable: float) -> list[int]:
+    objects = [FoodObject(0.0, 0.0) for _ in range(foods)]
+    draw_food_types(objects, key, pickable, pushable)
+    assert all(food.known == FoodType.UNKNOWN for food in objects)
+    return [food.type for food in objects]
+
+
+def test_food_types_have_their_odds() -> None:
+    types = types_of(4000, 12, 0.5, 0.3)
+    shares = [types.count(t) / 4000 for t in (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)]
+    assert shares == pytest.approx([0.5, 0.3, 0.2], abs=0.03)  # four standard errors
+
+
+def test_food_types_depend_on_key_and_number_alone() -> None:
+    assert types_of(5, 12, 0.4, 0.3)[:3] == types_of(3, 12, 0.4, 0.3)
+    assert types_of(50, 12, 0.4, 0.3) != types_of(50, 13, 0.4, 0.3)
