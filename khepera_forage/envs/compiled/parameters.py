@@ -139,7 +139,7 @@ def floor(task: TaskParameters) -> Floor:
 
 
 # One attribute a field of `Decisions`: written out here, since a compiled function cannot loop over names.
-_namespace: dict[str, Any] = {"DecisionValues": DecisionValues}
+_namespace: dict[str, Any] = {"DecisionValues": DecisionValues, "__name__": __name__}
 exec(
     "def decision_values(task):\n    record = task.decisions[0]\n    return DecisionValues("
     + ", ".join(f"record.{name}" for name in decisions_dtype.names or ())

@@ -9,7 +9,16 @@ from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-_NUMBERS = ("correct", "steps", "score", "delivered", "poison_home", "orient_ghost", "ties", "conflicts")
+_NUMBERS = (
+    "correct",
+    "steps",
+    "score",
+    "delivered",
+    "poison_home",
+    "orient_without_food",
+    "ties",
+    "conflicts",
+)
 _LISTS = ("food_delivered", "rounds_by_state", "wrong_by_state")
 
 

@@ -1,41 +1,34 @@
-"""Whole episodes inside the kernel: teacher, imitators and chance forage in thousands of worlds.
+"""Recalls in thousands of compiled worlds: teacher, imitators and chance forage.
 
-Every episode is a world of its own: what happens in episode i of a seed depends on who decides and on nothing beside.
+Every recall is a world of its own: what happens in recall i of a seed depends on its policy and on nothing else.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation.threads import share_out, threads_for
+from khepera_forage.counter_rng import keys_of
 from khepera_forage.envs.arguments import FoodOdds, whole_number
-from khepera_forage.envs.compiled.parameters import rules_of
+from khepera_forage.envs.compiled.batch import as_records
+from khepera_forage.envs.compiled.parameters import recall_parameters
 from khepera_forage.envs.compiled.worlds import empty_worlds
+from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
-from khepera_forage.policies.ballot import BEHAVIOURS, Memories
-from khepera_forage.policies.ballot_box import NO_MEMORIES
-from khepera_forage.rollouts.compiled.policy_kernel import (
-    CONFLICTS,
-    GHOSTS,
-    ROUNDS,
-    TEACHER,
-    TIES,
-    UNIFORM,
-    WRONG,
-    empty_decisions,
-)
-from khepera_forage.rollouts.compiled.rollout_kernel import ACCOUNT, Plan, empty_outcomes, play_out
+from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES, Memories
+from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, UNIFORM
+from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dtype
+from khepera_forage.rollouts.compiled.rollout_kernel import Outcomes, Plan, run_all
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.numbers import keys_of, keys_of_each
-from khepera_forage.sim.compiled.rows import LANES
-from khepera_forage.task.scoring import penalty
+from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.task.decisions import Decisions
 
 __all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
 
 
 class Episodes(NamedTuple):
-    """What became of episodes, one element or row each; in the words of `rollouts.rows.RecallRow`.
+    """What became of recalls, one element or row each; named as the fields of `rollouts.rows.RecallRow`.
 
     Attributes:
         score: Equation 5.1, percent.
@@ -50,7 +43,7 @@ class Episodes(NamedTuple):
         food_delivered: Whether each food object was delivered; shape (episodes, foods).
         rounds_by_state: Rounds in each of the ten states.
         wrong_by_state: Rounds of each in which the teacher would have done something else.
-        orient_ghost: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and no
+        orient_without_food: Rounds in which ORIENT WITH FOOD was executed although the teacher would not have, and no
             candidate food was within the close threshold.
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
@@ -68,7 +61,7 @@ class Episodes(NamedTuple):
     food_delivered: NDArray[np.bool_]
     rounds_by_state: NDArray[np.int64]
     wrong_by_state: NDArray[np.int64]
-    orient_ghost: NDArray[np.int64]
+    orient_without_food: NDArray[np.int64]
     ties: NDArray[np.int64]
     conflicts: NDArray[np.int64]
 
@@ -84,114 +77,105 @@ def run_recalls(
     noise: Noise | None = None,
     food_types: FoodOdds = None,
     wheel_speed: float = 1.0,
+    decisions: Decisions | None = None,
 ) -> Episodes:
-    """Recalls, start to end, from random places: those of `Corridor-v0` and `Rectangle-v0` (4.6, 5.4).
+    """Run recalls from random places: those of `Corridor-v0` and `Rectangle-v0` (4.6, 5.4).
 
     Args:
         arena: As for the environments.
-        memories: What the imitators have learned, from `policies.ballot_box.memories_of`; None where there are none.
-        memory_of_episode: Who decides in each episode: the number of a memory, `TEACHER`, or `UNIFORM`.
-        seed: Episode i of a seed has the same places, noise and draws whatever else is asked for. Or one seed an
-            episode: it is then what `gym.make(..., physics="batch")` plays after `reset(seed=...)` with it.
+        memories: What the imitators have learned, from `policies.nearest_neighbour.memories.memories_of`; None
+            without imitators.
+        memory_of_episode: The policy of each recall: the number of a memory, `TEACHER`, or `UNIFORM`.
+        seed: Recall i is the one that an environment on the backend "compiled" has after `reset(seed=seed + i)`. Or
+            one seed a recall.
         foods: Food objects in each, 1 to 16.
-        limit: Steps after which an episode ends.
-        noise: The laboratory's troubles.
+        limit: Steps after which a recall ends.
+        noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
         wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
+        decisions: Ours by default.
 
     Raises:
         ValueError: An argument out of range, or an arena with no room.
     """
-    setting, rules = rules_of(arena, foods, limit, noise, food_types, wheel_speed)
     memories = NO_MEMORIES if memories is None else memories
-    policies = _policies(memory_of_episode, len(memories.planes) - 1)
-    episodes = len(policies)
-    outcomes = empty_outcomes(episodes, foods)
-    # As few worlds at a time as keep all threads busy: the fewest are idle while the last episodes end.
-    threads = threads_for(-(-episodes // LANES))
-    plan = Plan(_keys(seed, episodes), policies, np.zeros(1, np.int64))
-    worlds, decisions = empty_worlds(threads, foods), empty_decisions(threads)
-    share_out(play_out, threads, worlds, setting, rules, memories, plan, decisions, outcomes)
-    if np.isnan(outcomes.places).any():
-        raise ValueError(
-            f"{arena}: no room for a robot and {foods} food objects outside home; make it larger"
-        )
-    sums = outcomes.sums.astype(np.int64)
-    steps, correct, delivered, poison_home, deliverable = sums.T[:ACCOUNT]
-    taken = np.array([[penalty(k, n) for n in range(foods + 1)] for k in range(foods + 1)])
-    penalties = taken[delivered, deliverable]
-    account = sums[:, ACCOUNT - 1 :]
+    policies = _checked_policies(memory_of_episode, len(memories.planes) - 1)
+    arena, _, parameters, task = recall_parameters(
+        arena, foods, limit, noise, food_types, decisions, wheel_speed
+    )
+    count = len(policies)
+    outcomes = Outcomes(
+        np.zeros(count, outcome_dtype),
+        np.zeros((count, foods, 2)),
+        np.zeros((count, foods), np.bool_),
+        np.ones(1, np.bool_),
+    )
+    # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
+    threads = threads_for(-(-count // LANES))
+    plan = Plan(_keys(seed, count), policies, np.zeros(1, np.int64), *as_records(None, None, foods))
+    worlds, state = empty_worlds(threads, foods), np.zeros((threads, LANES), decision_dtype)
+    share_out(run_all, threads, worlds, parameters, task, memories, plan, state, outcomes)
+    if not outcomes.free[0]:
+        raise no_room(arena, foods)
+
+    def whole(name: str) -> NDArray[np.int64]:
+        values: NDArray[Any] = outcomes.recalls[name]
+        return values.astype(np.int64)
+
     return Episodes(
-        100.0 * correct / steps - penalties,
-        steps,
-        correct,
-        delivered,
-        poison_home,
-        deliverable,
-        penalties,
-        outcomes.places[:, :3],
-        outcomes.places[:, 3:].reshape(episodes, foods, 2),
-        outcomes.brought,
-        account[:, ROUNDS : ROUNDS + BEHAVIOURS],
-        account[:, WRONG : WRONG + BEHAVIOURS],
-        account[:, GHOSTS],
-        account[:, TIES],
-        account[:, CONFLICTS],
+        score=outcomes.recalls["score"].copy(),
+        steps=whole("steps"),
+        correct=whole("correct"),
+        delivered=whole("delivered"),
+        poison_home=whole("poison_home"),
+        deliverable=whole("deliverable"),
+        penalty=outcomes.recalls["penalty"].copy(),
+        start=outcomes.recalls["start"].copy(),
+        foods=outcomes.foods,
+        food_delivered=outcomes.collected,
+        rounds_by_state=whole("by_state"),
+        wrong_by_state=whole("wrong_by_state"),
+        orient_without_food=whole("orient_without_food"),
+        ties=whole("ties"),
+        conflicts=whole("conflicts"),
     )
 
 
 def run_teacher(
-    arena: Arena | str = "corridor",
-    episodes: int = 4096,
-    seed: int = 0,
-    *,
-    foods: int = 1,
-    limit: int = 500,
-    noise: Noise | None = None,
-    food_types: FoodOdds = None,
-    wheel_speed: float = 1.0,
+    arena: Arena | str = "corridor", episodes: int = 4096, seed: int = 0, **kwargs: Any
 ) -> Episodes:
-    """Recalls under the teacher; see `run_recalls`.
+    """Run recalls under the teacher.
 
     Args:
         arena: As for the environments.
         episodes: How many.
-        seed: Episode i of a seed is the same whatever else is asked for.
-        foods: Food objects in each, 1 to 16.
-        limit: Steps after which an episode ends.
-        noise: The laboratory's troubles.
-        food_types: One type, or odds by type.
-        wheel_speed: Share of the commanded speed that wheels reach.
+        seed: As for `run_recalls`.
+        **kwargs: Further arguments of `run_recalls`.
 
     Raises:
         ValueError: An argument out of range, or an arena with no room.
     """
-    return run_recalls(
-        arena,
-        None,
-        np.full(whole_number("episodes", episodes, 1), TEACHER),
-        seed,
-        foods=foods,
-        limit=limit,
-        noise=noise,
-        food_types=food_types,
-        wheel_speed=wheel_speed,
-    )
+    return run_recalls(arena, None, np.full(whole_number("episodes", episodes, 1), TEACHER), seed, **kwargs)
 
 
-def _keys(seed: int | NDArray[np.int64], episodes: int) -> NDArray[np.uint64]:
+def _keys(seed: int | NDArray[np.int64], count: int) -> NDArray[np.uint64]:
     if not isinstance(seed, np.ndarray):
-        return keys_of(seed, np.arange(episodes))
-    if seed.shape != (episodes,) or seed.min() < 0:
+        first = np.uint64(whole_number("seed", seed, 0) & 0xFFFFFFFFFFFFFFFF)
+        return keys_of(first + np.arange(count, dtype=np.uint64))
+    if seed.shape != (count,) or seed.min() < 0:
         raise ValueError(
             f"seed is an array of shape {seed.shape}, the least {seed.min()}; allowed: one seed of at least 0 for each "
-            f"of {episodes} episodes"
+            f"of {count} episodes"
         )
-    return keys_of_each(seed.tolist())
+    return keys_of(seed.astype(np.uint64))
 
 
-def _policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
-    """Who decides in each episode, once it is found to be in range."""
+def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
+    """The policy of each recall.
+
+    Raises:
+        ValueError: A policy that does not exist.
+    """
     policies = np.asarray(given)
     if policies.ndim != 1 or policies.dtype.kind not in "iu" or not len(policies):
         raise ValueError(

@@ -1,170 +1,146 @@
-"""Whole episodes inside the kernel, whoever decides: no Python runs in between.
+"""The rollout kernel: whole recalls, without Python in between.
 
-A lane takes the next of all episodes whenever it has ended one: no thread waits for another before there are none left.
+A lane starts the next recall of all as soon as it has ended one, so that no thread waits for another.
 """
 
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
-from khepera_forage.envs.compiled import rows as at
-from khepera_forage.envs.compiled.parameters import Rules
-from khepera_forage.envs.compiled.rounds import begin_episode, carry_out, decide
-from khepera_forage.envs.compiled.task import drive
+from khepera_forage.envs.compiled.commands import drive_behaviours
+from khepera_forage.envs.compiled.parameters import TaskParameters
+from khepera_forage.envs.compiled.rounds import begin_steps, begin_world, carry_out
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
-from khepera_forage.policies.ballot import Memories
-from khepera_forage.rollouts.compiled.policy_kernel import (
-    ACCOUNT_ROWS,
-    ASKED,
-    POLICY,
-    TEACHER,
-    Decisions,
-    account,
-    choose,
-    decisions_of,
-)
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.sim.compiled.parameters import Setting
-from khepera_forage.sim.compiled.rows import LANES
-from khepera_forage.task.states import FoodType
-
-_POISONOUS = float(FoodType.POISONOUS)
-# Columns of `Outcomes.sums`; the last is the first of those of the account, but for who decides.
-STEPS, CORRECT, DELIVERED, POISON_HOME, DELIVERABLE, ACCOUNT = range(6)
-SUMS = ACCOUNT + ACCOUNT_ROWS - 1
+from khepera_forage.policies.nearest_neighbour.memories import Memories
+from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, decide
+from khepera_forage.sim.compiled.parameters import Parameters
+from khepera_forage.task.food_tracking import is_collected
 
 
 class Plan(NamedTuple):
-    """Which episodes are to be played, one element each.
+    """The recalls to run.
 
     Attributes:
-        keys: Of the world that each is.
-        policies: Who decides: `TEACHER`, `UNIFORM`, or the number of a memory.
-        begun: A single number: how many were taken by all threads.
+        keys: Of the world of each recall.
+        policies: Of each recall: `TEACHER`, `UNIFORM`, or the number of a memory.
+        taken: A single number: how many all threads have started.
+        start: `start_dtype`, shape (1,): not a number, since starts are random.
+        places: `place_dtype`, shape (foods,): not a number, since places are random.
     """
 
-    keys: NDArray[np.uint64]
-    policies: NDArray[np.int64]
-    begun: NDArray[np.int64]
+    keys: Any
+    policies: Any
+    taken: Any
+    start: Any
+    places: Any
 
 
 class Outcomes(NamedTuple):
-    """What became of the episodes, one row each.
+    """What became of the recalls.
 
     Attributes:
-        sums: `SUMS` columns.
-        places: The start's x, y and heading, then x and y of each food object; mm and radians.
-        brought: Whether each food object is home and not poisonous.
+        recalls: `outcome_dtype`, one record a recall.
+        foods: Where each food object lay, mm; shape (recalls, foods, 2).
+        collected: Whether each food object was brought home and is not poisonous; shape (recalls, foods).
+        free: A single flag: whether every recall had room.
     """
 
-    sums: NDArray[np.int32]
-    places: NDArray[np.float64]
-    brought: NDArray[np.bool_]
-
-
-def empty_outcomes(episodes: int, foods: int) -> Outcomes:
-    """Room for some episodes."""
-    return Outcomes(
-        np.zeros((episodes, SUMS), np.int32),
-        np.zeros((episodes, 3 + 2 * foods)),
-        np.zeros((episodes, foods), np.bool_),
-    )
+    recalls: Any
+    foods: Any
+    collected: Any
+    free: Any
 
 
 @sequence
-def _play(
+def _run(
     worlds: Worlds,
-    setting: Setting,
-    rules: Rules,
+    parameters: Parameters,
+    task: TaskParameters,
     memories: Memories,
     plan: Plan,
-    decisions: Decisions,
+    decisions: Any,
     outcomes: Outcomes,
 ) -> None:
-    """Play episodes in one block, until there are none left that no thread has taken."""
-    s, t = worlds.bodies.robots, worlds.tasks
-    diagonal = int(rules.place[4])
-    playing = 0
-    for i in range(LANES):
-        playing += _next(worlds, i, setting, rules, plan, decisions, outcomes)
-    while playing > 0:
-        choose(worlds, diagonal, memories, decisions)
-        account(worlds, decisions)
-        decide(t, s)
-        drive(s, t, rules.place)
-        carry_out(worlds, setting, rules)
-        for i in range(LANES):
-            if t[at.TERMINATED * LANES + i] == 0.0 and t[at.TRUNCATED * LANES + i] == 0.0:
-                continue
-            episode = int(t[at.EPISODE * LANES + i])
-            if episode >= 0:
-                _note(worlds, i, setting.foods, decisions.accounts, episode, outcomes)
-                playing -= 1
-            playing += _next(worlds, i, setting, rules, plan, decisions, outcomes)
+    """Run recalls in one block, until no thread finds another."""
+    lanes = worlds.bodies.robots.x.shape[0]
+    running = 0
+    for i in range(lanes):
+        running += _start_next(worlds, i, parameters, task, plan, decisions[i], outcomes)
+    while running > 0:
+        decide(worlds, task, memories, decisions)
+        begin_steps(worlds)
+        drive_behaviours(worlds.bodies.robots, worlds.tasks, task)
+        carry_out(worlds, parameters, task)
+        for i in range(lanes):
+            if worlds.episodes[i].terminated or worlds.episodes[i].truncated:
+                if decisions[i].recall >= 0:
+                    _record(worlds, i, decisions[i], outcomes)
+                    running -= 1
+                running += _start_next(worlds, i, parameters, task, plan, decisions[i], outcomes)
 
 
 @kernel
-def _next(
+def _start_next(
     worlds: Worlds,
     i: int,
-    setting: Setting,
-    rules: Rules,
+    parameters: Parameters,
+    task: TaskParameters,
     plan: Plan,
-    decisions: Decisions,
+    decision: Any,
     outcomes: Outcomes,
 ) -> int:
-    """Begin an episode in a lane, one that does not count when none is left; returns how many begin that count."""
-    s, f, last = worlds.bodies.robots, worlds.bodies.food, plan.keys.shape[0] - 1
-    episode = take(plan.begun)
-    counts = episode <= last
-    worlds.tasks[at.EPISODE * LANES + i] = episode if counts else -1
-    worlds.bodies.keys[body.KEY * LANES + i] = plan.keys[min(episode, last)]
-    worlds.bodies.keys[body.ROUND * LANES + i] = 0
-    begin_episode(worlds, i, setting, rules)
-    for row in range(ACCOUNT_ROWS):
-        decisions.accounts[row * LANES + i] = 0
-    decisions.ballots[i, ASKED] = -1
-    decisions.accounts[POLICY * LANES + i] = plan.policies[episode] if counts else TEACHER
+    """Start a recall in a lane, one that does not count if none is left; returns how many start that count."""
+    robot, last = worlds.bodies.robots, plan.keys.shape[0] - 1
+    recall = take(plan.taken)
+    counts = recall <= last
+    robot.key[i] = plan.keys[min(recall, last)]
+    robot.round[i] = 0
+    worlds.episodes[i].number = 0
+    worlds.episodes[i].terminated = worlds.episodes[i].truncated = False
+    if not begin_world(worlds, i, parameters, task, plan.start, plan.places):
+        outcomes.free[0] = False
+    decision.recall = recall if counts else -1
+    decision.policy = plan.policies[recall] if counts else TEACHER
+    decision.query = -1
+    decision.ties = decision.conflicts = decision.orient_without_food = 0
+    for state in range(decision.by_state.shape[0]):
+        decision.by_state[state] = decision.wrong_by_state[state] = 0
     if counts:
-        for k, row in enumerate((body.X, body.Y, body.HEADING)):
-            outcomes.places[episode, k] = s[row * LANES + i]
-        for food in range(setting.foods):
-            there = food * body.FOOD_ROWS * LANES + i
-            outcomes.places[episode, 3 + 2 * food] = f[there + body.FOOD_X * LANES]
-            outcomes.places[episode, 4 + 2 * food] = f[there + body.FOOD_Y * LANES]
+        start = outcomes.recalls[recall].start
+        start[0], start[1], start[2] = robot.x[i], robot.y[i], robot.heading[i]
+        for k in range(worlds.bodies.foods.shape[0]):
+            outcomes.foods[recall, k, 0] = worlds.bodies.foods[k].x[i]
+            outcomes.foods[recall, k, 1] = worlds.bodies.foods[k].y[i]
     return 1 if counts else 0
 
 
 @inline
-def _note(
-    worlds: Worlds, i: int, foods: int, accounts: NDArray[np.float64], episode: int, outcomes: Outcomes
-) -> None:
-    """What has become of an episode that is over."""
-    t, q, sums = worlds.tasks, worlds.registers, outcomes.sums
-    for column, row in enumerate((at.STEPS, at.CORRECT, at.DELIVERED, at.POISON_HOME, at.DELIVERABLE)):
-        sums[episode, column] = int(t[row * LANES + i])
-    for row in range(1, ACCOUNT_ROWS):
-        sums[episode, ACCOUNT + row - 1] = int(accounts[row * LANES + i])
-    for food in range(foods):
-        mine = food * at.TASK_FOOD_ROWS * LANES + i
-        poison = q[mine + at.KNOWN * LANES] == _POISONOUS
-        outcomes.brought[episode, food] = q[mine + at.HOME * LANES] != 0.0 and not poison
+def _record(worlds: Worlds, i: int, decision: Any, outcomes: Outcomes) -> None:
+    """Write down what became of the recall in a lane."""
+    outcome, episode, tracker = outcomes.recalls[decision.recall], worlds.episodes[i], worlds.trackers[i]
+    outcome.steps, outcome.correct = episode.steps, episode.correct
+    outcome.score, outcome.penalty = episode.score, episode.penalty
+    outcome.delivered, outcome.poison_home = tracker.delivered, tracker.poison_home
+    outcome.deliverable = tracker.deliverable
+    outcome.ties, outcome.conflicts = decision.ties, decision.conflicts
+    outcome.orient_without_food = decision.orient_without_food
+    for state in range(decision.by_state.shape[0]):
+        outcome.by_state[state] = decision.by_state[state]
+        outcome.wrong_by_state[state] = decision.wrong_by_state[state]
+    for k in range(worlds.foods.shape[1]):
+        outcomes.collected[decision.recall, k] = is_collected(worlds.foods[i, k])
 
 
 @entrance
-def play_out(
+def run_all(
     thread: int,
     worlds: Worlds,
-    setting: Setting,
-    rules: Rules,
+    parameters: Parameters,
+    task: TaskParameters,
     memories: Memories,
     plan: Plan,
-    decisions: Decisions,
+    decisions: Any,
     outcomes: Outcomes,
 ) -> None:
-    """Play episodes in the block of one thread, until all are taken."""
-    mine = worlds_of(worlds, thread, thread)
-    _play(mine, setting, rules, memories, plan, decisions_of(decisions, thread), outcomes)
+    """Run recalls in the block of one thread, until all are taken."""
+    _run(worlds_of(worlds, thread, thread), parameters, task, memories, plan, decisions[thread], outcomes)

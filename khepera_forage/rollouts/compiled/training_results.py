@@ -1,12 +1,12 @@
 """What comes of training many learners: their experience, and the account of every attempt."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.experience import Experience
-from khepera_forage.rollouts.compiled import pair_rows as pair
+from khepera_forage.rollouts.compiled.records import HEARD
 
 
 class Attempts(NamedTuple):
@@ -71,13 +71,13 @@ class Trained(NamedTuple):
         """
         rows = self.vectors_of(learner, episode).tolist()
         episodes = self.offsets.shape[1] - 1 if episode is None else 1
-        heard = [row[pair.HEARD] for row in rows]
-        return Experience([row[: pair.HEARD] for row in rows], heard, self.arena, self.seed, episodes)
+        heard = [row[HEARD] for row in rows]
+        return Experience([row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes)
 
 
-def put_together(
+def trained(
     vectors: NDArray[np.int16],
-    accounts: NDArray[np.int32],
+    attempts: NDArray[Any],
     tried: NDArray[np.int64],
     n: int,
     limit: int,
@@ -88,7 +88,7 @@ def put_together(
 
     Args:
         vectors: Of all complete episodes, one after the other.
-        accounts: One row an attempt, with the columns of `pair_rows`.
+        attempts: `attempt_dtype`, one record an attempt.
         tried: How many attempts there were at each episode.
         n: Learners.
         limit: Rounds after which an attempt was out of time.
@@ -98,9 +98,8 @@ def put_together(
     episodes = tried.size // n
     number = np.repeat(np.arange(tried.size), tried)
     attempt = np.arange(number.size) - np.repeat(np.cumsum(tried) - tried, tried) + 1
-    columns = accounts.astype(np.int64).T
-    rounds, complete = columns[pair.ACCOUNT_ROUNDS], columns[pair.ACCOUNT_COMPLETE] != 0
-    ends = np.cumsum(columns[pair.ACCOUNT_VECTORS][complete]).reshape(n, episodes)
+    rounds, complete = attempts["rounds"].astype(np.int64), attempts["complete"]
+    ends = np.cumsum(attempts["vectors"][complete]).reshape(n, episodes)
     starts = np.concatenate(([0], ends[:-1, -1]))
     return Trained(
         vectors,
@@ -111,8 +110,8 @@ def put_together(
             attempt,
             complete,
             rounds,
-            columns[pair.ACCOUNT_VECTORS],
-            columns[pair.ACCOUNT_SEPARATIONS],
+            attempts["vectors"].astype(np.int64),
+            attempts["separations"].astype(np.int64),
             np.where(complete, "", np.where(rounds < limit, "separated", "out of time")),
         ),
         arena,

@@ -36,6 +36,7 @@ def parameters_of(
     holes: int = 2,
     wheel_speed: float = 1.0,
     timing: Timing | None = None,
+    anchor: tuple[float, float] | None = None,
 ) -> Parameters:
     """The parameters of worlds in one arena.
 
@@ -46,10 +47,11 @@ def parameters_of(
         holes: Holes of the robots' marker, 1 or 2.
         wheel_speed: Share of the commanded speed that wheels reach.
         timing: Duration of a round, and speeds of arm and jaw.
+        anchor: Where the cable hangs from, mm; by default above the middle of the arena.
     """
     constants = np.zeros(1, constants_dtype)
     _write_noise(constants, Noise.laboratory() if noise is None else noise, holes)
-    constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena])
+    constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
     constants["wheel_speed"] = wheel_speed
     for name, value in (Timing() if timing is None else timing)._asdict().items():
         constants[name] = value
