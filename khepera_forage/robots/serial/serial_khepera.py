@@ -22,10 +22,10 @@ _STOP_TIMEOUT = 10.0
 class SerialKhepera:
     """A `Robot` over a serial port; `transmit` and `receive` exchange the data of one round.
 
-    `transmit` always sends the wheel speeds (D), so that a robot that was held, or that restarted unnoticed, moves again.
-    It sends the targets of arm and jaw (T,1,E and T,1,D) when they change. `receive` always requests proximity (N),
-    optical barrier (T,1,G) and counters (H). It requests the positions of arm and jaw (T,1,H) until they are at rest,
-    then every tenth round. An implausible reading is requested again; see `readings`.
+    `transmit` always sends the wheel speeds (D), so that a robot that was held, or that restarted unnoticed, moves
+    again. It sends the targets of arm and jaw (T,1,E and T,1,D) when they change. `receive` always requests proximity
+    (N), optical barrier (T,1,G) and counters (H). It requests the positions of arm and jaw (T,1,H) until they are at
+    rest, then every tenth round. An implausible reading is requested again; see `readings`.
 
     The wheels are stopped on every exit path: `close`, `with`, an exception, signals, the exit of the interpreter; see
     `emergency_stop`. The driver notices a restart of the robot (its power supply failed) by the banner or by the
