@@ -154,9 +154,9 @@ def test_close_closes_all_ports() -> None:
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "experience"
     assert main(["train", "--lab", "virtual", "--episodes", "1", "--out", str(folder), "--seed", "1"]) == 0
-    said = capsys.readouterr().out
-    assert "virtual laboratory: robots at /dev/" in said
-    assert "0 over their time" in said
+    output = capsys.readouterr().out
+    assert "virtual laboratory: robots at /dev/" in output
+    assert "0 over their time" in output
     rows = read_rows(folder / "attempts.csv", TrainingRow)
     experience = Experience.load(folder / "g1.csv")
     assert len(experience) == rows[-1].vectors
@@ -207,8 +207,8 @@ def test_errors_in_the_file_are_reported_in_one_line(
     path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nbaud = 1\n')
     for command in (["train", "--out", str(tmp_path)], ["recall", "--out", str(tmp_path / "r.csv")]):
         assert main([*command, "--episodes", "1", "--lab", str(path)]) == 2
-        said = capsys.readouterr().err
-        assert f"{path}: robots[0].baud is 1; allowed: 9600" in said
+        output = capsys.readouterr().err
+        assert f"{path}: robots[0].baud is 1; allowed: 9600" in output
     path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
     assert main(["train", "--out", str(tmp_path), "--episodes", "1", "--lab", str(path)]) == 2
     assert "robots has one entry; allowed: a teacher and at least one learner" in capsys.readouterr().err

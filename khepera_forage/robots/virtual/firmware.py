@@ -120,7 +120,7 @@ class Firmware:
         return b"".join(f"{line}\r\n".encode() for line in BANNER)
 
     def attach(self, robot: Robot) -> None:
-        """Replace the simulated body: a reset of a simulated world builds new ones, a real robot keeps its own.
+        """Connect another simulated body: a reset of a simulated world builds new bodies.
 
         The counters continue, and the new body receives the last command.
         """
