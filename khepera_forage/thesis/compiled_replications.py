@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arguments import the_arena
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.noise import Noise
 from khepera_forage.policies.nearest_neighbour.memories import memories_of
@@ -21,6 +21,7 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
     THESIS,
@@ -96,7 +97,7 @@ class CompiledReplications:
     def _recalls(
         self, cell: Cell, noise: Noise, trained: Trained, seeds: NDArray[np.int64]
     ) -> list[RecallRow]:
-        arena = the_arena(cell.arena)
+        arena = checked_arena(cell.arena, Decisions())
         experience = [_experience(trained, i, s) for i in range(self.count) for s in cell.subsets]
         imitators = np.repeat(np.arange(len(experience)), cell.recalls)
         played = run_recalls(
@@ -150,7 +151,8 @@ class CompiledBaseline:
 
     def run(self) -> Outcome:
         """Forage, and return the rows."""
-        arena, limit = the_arena(self.arena), baseline_limit(self.learner, self.arena)
+        arena = checked_arena(self.arena, Decisions())
+        limit = baseline_limit(self.learner, self.arena)
         seeds = np.concatenate(
             [
                 baseline_seeds(self.seed, block, self.learner, self.arena, self.forages)

@@ -65,7 +65,7 @@ def claim_table(claims: Sequence[Claim]) -> Table:
         "Claims of the thesis",
         "Each claim with its effect, a 95 % interval over replications, and a verdict. The next table lists the rule "
         "of each verdict, which was fixed before any data existed. A claim is undecided if its interval contains "
-        "the rule's threshold.",
+        "the rule's threshold, or if there are too few replications for an interval.",
         (
             Column("no."),
             Column("claim"),

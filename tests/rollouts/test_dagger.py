@@ -35,7 +35,7 @@ def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
 
 
 def test_learner_agrees_with_the_teacher_after_enough_rounds(env: BehavioursEnv) -> None:
-    out = dagger(make, env, 2_000, 7)
+    out = dagger(make, env, 2_000, 14)
     assert min(r.agreed for r in out.rounds[1:]) < 60, "the learner visits states without a record"
     assert min(r.agreed for r in out.rounds[-5:]) > 90
     assert sum(recall(env, out.policy, seed).delivered for seed in range(8)) >= 7
