@@ -1,7 +1,7 @@
-"""A reader of frames as plain as the thesis describes it: one threshold, contours, and the number of holes (3.5).
+"""A detector as simple as the thesis describes it: one threshold, contours, and the number of holes (3.5).
 
-Our tracker closes gaps as narrow as a cable and reads holes in the upright marker. This one does neither, and so shows
-what cables do to a picture in which nothing is mended.
+The tracker closes gaps as narrow as a cable, and reads holes in the upright marker. This detector does neither, and so
+shows what cables do to an image without such repairs.
 """
 
 import cv2
@@ -12,11 +12,11 @@ from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.shapes import FOOD_FEATURES, MARKER_FEATURES, PICTURE_HEIGHT
 
-_LOOK = CameraAppearance.laboratory()
-LEVEL = (_LOOK.floor + _LOOK.white) / 2
-"""Halfway between floor and white in the middle of the picture."""
+_APPEARANCE = CameraAppearance.laboratory()
+LEVEL = (_APPEARANCE.floor + _APPEARANCE.white) / 2
+"""Halfway between floor and white in the middle of the image."""
 _MARKER = 0.5 * MARKER_FEATURES[2].area
-"""Square pixels that a marker has at least."""
+"""Smallest marker, in square pixels."""
 _FOOD = (0.6 * FOOD_FEATURES.area, 1.6 * FOOD_FEATURES.area)
 _HOLE = 2.0
 """Square pixels below which a dark spot is noise."""
@@ -34,7 +34,7 @@ def regions(frame: NDArray[np.uint8]) -> list[Detection]:
     for i, contour in enumerate(contours):
         if parents[i] >= 0:
             continue
-        # A contour runs through the middles of its pixels: half a pixel is outside it all along.
+        # A contour runs through the middles of its pixels, so half a pixel lies outside it all along.
         length = cv2.arcLength(contour, True)
         area = areas[i] + length / 2 + 1
         holes = sum(parent == i and areas[j] >= _HOLE for j, parent in enumerate(parents))

@@ -1,1 +1,0 @@
-"""What `benchmarks/tracker.py` runs and shows."""

@@ -1,0 +1,1 @@
+"""The accuracy and speed of the tracker, measured by `benchmarks/tracker.py`."""
