@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
-from khepera_forage.policies.ballot_box import memories_of
+from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import arrays, train
 

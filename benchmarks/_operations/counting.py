@@ -22,7 +22,7 @@ from khepera_forage.envs.compiled import task
 from khepera_forage.envs.compiled.parameters import rules_of
 from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds
 from khepera_forage.geometry import angles
-from khepera_forage.policies.ballot_box import NO_MEMORIES
+from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.compiled import rollout_kernel as playing
 from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, empty_decisions

@@ -27,7 +27,7 @@ def job(episodes: int, seed: int) -> Job:
         episodes: Whole episodes a repeat.
         seed: Of trainings and worlds.
     """
-    from khepera_forage.policies.ballot_box import memories_of
+    from khepera_forage.policies.nearest_neighbour.memories import memories_of
     from khepera_forage.rollouts.compiled.recalls import run_recalls
 
     vectors, heard = experience(seed, 4 * VECTORS)

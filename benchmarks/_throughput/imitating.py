@@ -123,8 +123,8 @@ def _many(asked: list[Any], seed: int) -> Values:
 
 def _searching(imitator: NearestNeighbourImitator, asked: list[Any], seed: int) -> float:
     """Decisions a second with the memo emptied before every one of them."""
-    assert imitator._memo is not None
-    return _rate(imitator, asked, seed, imitator._memo.found.clear)
+    assert imitator._cache is not None
+    return _rate(imitator, asked, seed, imitator._cache.found.clear)
 
 
 def _rate(

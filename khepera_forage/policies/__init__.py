@@ -6,11 +6,11 @@ from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import NearestNeighbourImitator
 from khepera_forage.policies.k_nearest import KNearestImitator
 from khepera_forage.policies.listener import Listener
-from khepera_forage.policies.neighbours import Neighbours
+from khepera_forage.policies.nearest_neighbour.distance import distance
+from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
 from khepera_forage.policies.teacher import Teacher
 from khepera_forage.policies.uniform import UniformPolicy
-from khepera_forage.policies.votes import distance
 
 __all__ = [
     "AgentPolicy",

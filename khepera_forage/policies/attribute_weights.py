@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.utils import check_random_state
 
-from khepera_forage.policies.distinct import DistinctRows
-from khepera_forage.policies.measure import apart, checked_diagonal
+from khepera_forage.policies.brute_force_classifier import BruteForceClassifier
+from khepera_forage.policies.nearest_neighbour.distance import attribute_distances, checked_diagonal
 
 CHOICES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
 SWEEPS = 20
 """Rounds over all attributes, at most; the search ends when a round changes nothing, mostly after three."""
 
 
-class WeightedImitator(DistinctRows):
+class WeightedImitator(BruteForceClassifier):
     """The nearest vectors vote, by a distance whose attributes count with different weights.
 
     "The more significant attributes should be weighted more" (5.5): here the experience says which. The weights are
@@ -87,14 +87,15 @@ class WeightedImitator(DistinctRows):
         self._search(rows, codes, own)
         return self
 
-    def _shares(self, away: NDArray[np.float64]) -> NDArray[np.float64]:
-        distances = away @ np.array(self.weights_, np.float64)
-        shares: NDArray[np.float64] = self._counts[distances == distances.min()].sum(axis=0)
+    def _shares(self, distances: NDArray[np.float64], votes: NDArray[np.int64]) -> NDArray[Any]:
+        weighted = distances @ np.array(self.weights_, np.float64)
+        shares: NDArray[np.int64] = votes[weighted == weighted.min()].sum(axis=0)
         return shares
 
     def _search(self, rows: NDArray[np.float64], codes: NDArray[np.intp], own: NDArray[Any]) -> None:
         choices = self._whole("choices", self.choices)
-        pairs = np.stack([apart(rows, row, checked_diagonal(self.diagonal)) for row in rows])
+        diagonal = checked_diagonal(self.diagonal)
+        pairs = np.stack([attribute_distances(rows, row, diagonal) for row in rows])
         same, out = codes[:, None] == codes, own[:, None] == own
         asked = ~out.all(axis=1)  # nobody is left to vote on the others
 

@@ -7,7 +7,7 @@ CORRIDOR_DIAGONAL = 138
 
 
 def cloning(random_state: int = 0, **settings: Any) -> Any:
-    """scikit-learn's multi-layer perceptron on coded state vectors (`policies.measure.coded`), not fitted.
+    """scikit-learn's multi-layer perceptron on encoded state vectors (`policies.features.encoded`), not fitted.
 
     Args:
         random_state: Of the first weights and of the order of the vectors.
@@ -17,9 +17,9 @@ def cloning(random_state: int = 0, **settings: Any) -> Any:
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import FunctionTransformer
 
-    from khepera_forage.policies.measure import coded
+    from khepera_forage.policies.features import encoded
 
     return make_pipeline(
-        FunctionTransformer(coded, kw_args={"diagonal": CORRIDOR_DIAGONAL}),
+        FunctionTransformer(encoded, kw_args={"diagonal": CORRIDOR_DIAGONAL}),
         MLPClassifier(random_state=random_state, **settings),
     )

@@ -1,29 +1,63 @@
 """What environments show, as one row of numbers about -1..1 for learners that calculate; many rows at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.measure import CODED, FOOD_TYPES, coded
+from khepera_forage.policies.nearest_neighbour.distance import ARM_SPAN, STATE_WIDTH
+from khepera_forage.robots.khepera import ARM_RAISED
+from khepera_forage.task.states import FoodType
 
 SCALE = 138
 """Pixels by which distances are divided: the corridor's diagonal, in every arena."""
-BEHAVIOUR_FEATURES = CODED
+BEHAVIOUR_FEATURES = 9
 WHEELS_FEATURES = 25
 INFRA_REDS = 6
 MAX_PROXIMITY = 1023.0
 
 
+def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.float64]:
+    """State vectors for learners that calculate: categories one-hot at half weight, numbers scaled.
+
+    Between encoded vectors the Manhattan distance is that of section 4.6.1.
+
+    Args:
+        vectors: Of shape (n, 5).
+        diagonal: What the two distances are divided by, in pixels.
+
+    Returns:
+        Of shape (n, 9): two columns for ObjectPresence, four for FoodType (0 or 0.5 each), then ArmsHeight by 55,
+        RobotHomeDistance and RobotFoodDistance by the diagonal.
+
+    Raises:
+        ValueError: There are not five columns.
+    """
+    rows = np.asarray(vectors, np.float64)
+    if rows.ndim != 2 or rows.shape[1] != STATE_WIDTH:
+        raise ValueError(f"vectors have shape {rows.shape}; allowed: (n, {STATE_WIDTH})")
+    presence, home, food_type, arm, food = rows.T[..., None]
+    return np.concatenate(
+        (
+            0.5 * (presence == np.arange(2)),
+            0.5 * (food_type == np.arange(len(FoodType))),
+            (arm - ARM_RAISED) / ARM_SPAN,
+            home / diagonal,
+            food / diagonal,
+        ),
+        axis=1,
+    )
+
+
 def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """State vectors of `Corridor-v0` and its kind, coded.
+    """State vectors of `Corridor-v0` and its kind, encoded.
 
     Args:
         shown: One observation, or as many as a vector environment shows at a time.
 
     Returns:
-        Of shape (n, 9); see `policies.measure.coded`.
+        Of shape (n, 9); see `encoded`.
 
     Raises:
         ValueError: An attribute is missing.
@@ -33,7 +67,7 @@ def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
-    """State vectors in rows, coded.
+    """State vectors in rows, encoded.
 
     Args:
         vectors: Of shape (n, 5).
@@ -41,7 +75,7 @@ def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
     Returns:
         As `behaviour_features`.
     """
-    return coded(vectors, SCALE).astype(np.float32)
+    return encoded(vectors, SCALE).astype(np.float32)
 
 
 def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
@@ -69,7 +103,7 @@ def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
         _column(shown, "object_presence", 1),
         _column(shown, "tracked", 1),
         seen,
-        _column(shown, "food_type", 1) == np.arange(FOOD_TYPES),
+        _column(shown, "food_type", 1) == np.arange(len(FoodType)),
         _ahead(food - pose[:, :2], heading) * seen,
         home_part,
         wall[:, :1] / SCALE,

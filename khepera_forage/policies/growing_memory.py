@@ -5,15 +5,18 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import BaseEstimator, ClassifierMixin
-from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.policies.measure import STATE_VECTOR, apart, checked_diagonal
-from khepera_forage.policies.votes import ARM_SPAN
+from khepera_forage.policies.confidence_classifier import ConfidenceClassifier, checked_classes
+from khepera_forage.policies.nearest_neighbour.distance import (
+    STATE_WIDTH,
+    attribute_distances,
+    checked_diagonal,
+    unit,
+)
 
 
-class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class GrowingMemory(ConfidenceClassifier):
     """Nodes grow from experience; what is perceived often is remembered well, what is rare is slowly forgotten.
 
     Stimuli (state vectors) come one by one, in the order of the rows. The node nearest to a stimulus, by the distance
@@ -75,7 +78,7 @@ class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # sc
         Raises:
             ValueError: Parameters out of range, or data that is no classification problem.
         """
-        return self._perceive(X, y, None, anew=True)
+        return self._perceive(X, y, None, forget=True)
 
     def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
         """Perceive further stimuli.
@@ -88,32 +91,22 @@ class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # sc
         Raises:
             ValueError: As for `fit`; or a label that is not among `classes`.
         """
-        return self._perceive(X, y, classes, anew=not hasattr(self, "classes_"))
+        return self._perceive(X, y, classes, forget=not hasattr(self, "classes_"))
 
     def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
         """The share of each class of `classes_` in the node nearest to each row of `X`."""
         check_is_fitted(self)
         checked_diagonal(self.diagonal)
         rows = validate_data(self, X, reset=False, dtype=np.float64)
-        votes = np.array([self.votes_[self._away(row).argmin()] for row in rows])
+        votes = np.array([self.votes_[self._distances(row).argmin()] for row in rows])
         levels: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
         return levels
 
-    def predict(self, X: ArrayLike) -> NDArray[Any]:  # noqa: N803
-        """The class with the highest share, for each row of `X`."""
-        best = self.predict_proba(X).argmax(axis=1)
-        labels: NDArray[Any] = self.classes_[best]
-        return labels
-
-    def _perceive(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, anew: bool) -> Self:  # noqa: N803
+    def _perceive(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
         self._check()
-        rows, labels = validate_data(self, X, y, reset=anew, dtype=np.float64)
-        check_classification_targets(labels)
-        seen = np.unique(labels)
-        allowed = seen if classes is None else np.unique(classes)
-        if not np.isin(seen, allowed).all():
-            raise ValueError(f"labels are {seen.tolist()}; allowed: those among classes, {allowed.tolist()}")
-        if anew:
+        rows, labels = validate_data(self, X, y, reset=forget, dtype=np.float64)
+        allowed = checked_classes(labels, classes)
+        if forget:
             self.classes_ = allowed
             self.nodes_ = np.empty((0, rows.shape[1]))
             self.habituation_ = np.empty(0)
@@ -129,7 +122,7 @@ class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # sc
 
     def _take_up(self, row: NDArray[np.float64], code: int) -> None:
         self.habituation_ += self.recovery * (1 - self.habituation_)
-        away = self._away(row)
+        away = self._distances(row)
         node = int(away.argmin()) if len(away) else -1
         if node < 0 or away[node] > self.reach:
             node = len(self.nodes_)
@@ -146,10 +139,12 @@ class GrowingMemory(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # sc
             self.nodes_, self.votes_ = self.nodes_[kept], self.votes_[kept]
             self.habituation_ = self.habituation_[kept]
 
-    def _away(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _distances(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
         """The distance of each node; of rows that are no state vectors, the sum of the differences."""
-        unit = ARM_SPAN * self.diagonal if len(row) == STATE_VECTOR else 1
-        distances: NDArray[np.float64] = apart(self.nodes_, row, self.diagonal).sum(axis=1) / unit
+        scale = unit(len(row), self.diagonal) if len(row) == STATE_WIDTH else 1
+        distances: NDArray[np.float64] = (
+            attribute_distances(self.nodes_, row, self.diagonal).sum(axis=1) / scale
+        )
         return distances
 
     def _check(self) -> None:

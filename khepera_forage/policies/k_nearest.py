@@ -1,16 +1,17 @@
 """Variants of the imitator in which more than the nearest vectors vote."""
 
 from numbers import Integral
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.policies.distinct import DistinctRows
+from khepera_forage.policies.brute_force_classifier import BruteForceClassifier
 
 WEIGHTINGS = ("uniform", "distance")
 
 
-class KNearestImitator(DistinctRows):
+class KNearestImitator(BruteForceClassifier):
     """The `k` nearest experience vectors vote, by the distance of section 4.6.1.
 
     All vectors as near as the `k`-th vote too, so that the outcome does not depend on the order of the records;
@@ -36,17 +37,18 @@ class KNearestImitator(DistinctRows):
         self._check()
         return super()._learn(X, y)
 
-    def _shares(self, away: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _shares(self, distances: NDArray[np.float64], votes: NDArray[np.int64]) -> NDArray[Any]:
         self._check()
-        distances = away.sum(axis=1)
-        order = distances.argsort(kind="stable")
-        reached = self._counts.sum(axis=1)[order].cumsum()
+        away = distances.sum(axis=1)
+        order = away.argsort(kind="stable")
+        reached = votes.sum(axis=1)[order].cumsum()
         last = min(int(reached.searchsorted(self.k)), len(order) - 1)
-        chosen = (distances <= distances[order[last]]).nonzero()[0]
-        votes, near = self._counts[chosen], distances[chosen]
+        chosen = away <= away[order[last]]
+        near = away[chosen]
+        weights = np.ones(len(near))
         if self.weighting == "distance":
-            votes = votes * (near == 0 if near.min() == 0 else near.min() / near)[:, None]
-        shares: NDArray[np.float64] = votes.sum(axis=0)
+            weights = (near == 0) * 1.0 if near.min() == 0 else near.min() / near
+        shares: NDArray[np.float64] = (votes[chosen] * weights[:, None]).sum(axis=0)
         return shares
 
     def _check(self) -> None:

@@ -48,7 +48,7 @@ def state_vector_of(observation: Observation) -> StateVector:
     Raises:
         ValueError: A key is missing, the sequence is too short, or a value is not one integer.
     """
-    if isinstance(observation, Mapping):
+    if type(observation) is dict or isinstance(observation, Mapping):  # the first check is the faster one
         try:
             values: Sequence[Any] = (
                 observation["object_presence"],

@@ -10,7 +10,7 @@ from scipy import stats
 from khepera_forage.envs.compiled import rows as at
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
-from khepera_forage.policies.ballot_box import memories_of
+from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.compiled import rows as body

@@ -18,23 +18,23 @@ Y = np.array([0, 2, 3, 7])
 
 
 @parametrize_with_checks([NearestNeighbourImitator(), NearestNeighbourImitator(diagonal=177)])  # type: ignore[untyped-decorator]
-def test_scikit_learn_takes_it_for_a_classifier(estimator: Any, check: Any) -> None:
+def test_imitator_passes_check_estimator(estimator: Any, check: Any) -> None:
     check(estimator)
 
 
 @pytest.mark.parametrize("diagonal", [0, -138, 138.0, 137.9, "138", None, True])
-def test_diagonal_out_of_range(diagonal: Any) -> None:
+def test_diagonal_out_of_range_is_refused(diagonal: Any) -> None:
     with pytest.raises(ValueError, match=f"diagonal is {diagonal!r}; allowed: an integer above 0, in pixels"):
         NearestNeighbourImitator(diagonal=diagonal).fit(X, Y)
 
 
 @pytest.mark.parametrize("threshold", [-0.1, float("inf"), float("nan"), "0.1", None])
-def test_threshold_out_of_range(threshold: Any) -> None:
+def test_threshold_out_of_range_is_refused(threshold: Any) -> None:
     with pytest.raises(ValueError, match=f"threshold is {threshold!r}; allowed: a finite number, at least 0"):
         NearestNeighbourImitator(threshold=threshold).fit(X, Y)
 
 
-def test_parameters_set_after_fit_are_looked_at_too() -> None:
+def test_parameters_set_after_fit_are_checked() -> None:
     imitator = NearestNeighbourImitator().fit(X, Y).set_params(diagonal=0)
     with pytest.raises(ValueError, match="diagonal is 0"):
         imitator.act(X[0], np.random.default_rng())
@@ -42,14 +42,14 @@ def test_parameters_set_after_fit_are_looked_at_too() -> None:
         imitator.predict(X)
 
 
-def test_not_fitted() -> None:
+def test_imitator_without_experience_raises() -> None:
     with pytest.raises(NotFittedError):
         NearestNeighbourImitator().act(X[0], np.random.default_rng())
     with pytest.raises(NotFittedError):
         NearestNeighbourImitator().neighbours(X[0])
 
 
-def test_rows_that_are_no_state_vectors_cannot_be_acted_on() -> None:
+def test_act_refuses_rows_that_are_no_state_vectors() -> None:
     imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
     np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
     with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
@@ -57,14 +57,14 @@ def test_rows_that_are_no_state_vectors_cannot_be_acted_on() -> None:
 
 
 @pytest.mark.parametrize("labels", [["a", "b", "c", "d"], [0, 2, 3, 11]])
-def test_labels_that_are_no_behaviours_cannot_be_executed(labels: list[Any]) -> None:
+def test_act_refuses_labels_that_are_no_behaviours(labels: list[Any]) -> None:
     imitator = NearestNeighbourImitator().fit(X, labels)
     assert imitator.predict(X).tolist() == labels
     with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
         imitator.act(X[0], np.random.default_rng())
 
 
-def test_labels_that_are_not_among_the_classes_given() -> None:
+def test_labels_outside_classes_are_refused() -> None:
     imitator = NearestNeighbourImitator()
     with pytest.raises(
         ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"
@@ -75,13 +75,13 @@ def test_labels_that_are_not_among_the_classes_given() -> None:
     assert imitator.predict_proba(X[:1]).tolist() == [[1.0] + [0.0] * 9]
 
 
-def test_another_number_of_columns_later() -> None:
+def test_other_number_of_columns_is_refused() -> None:
     with pytest.raises(ValueError, match="3 features"):
         NearestNeighbourImitator().fit(X, Y).partial_fit(X[:, :3], Y)
 
 
 @pytest.mark.parametrize("again", [lambda i: pickle.loads(pickle.dumps(i)), copy.deepcopy])
-def test_a_copy_goes_on_learning_on_its_own(again: Any) -> None:
+def test_copy_learns_independently(again: Any) -> None:
     imitator = NearestNeighbourImitator().fit(X, Y)
     imitator.act(X[0], np.random.default_rng())
     twin = again(imitator)
@@ -92,7 +92,7 @@ def test_a_copy_goes_on_learning_on_its_own(again: Any) -> None:
     assert imitator.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1),)
 
 
-def test_what_was_remembered_is_not_pickled() -> None:
+def test_cache_is_not_pickled() -> None:
     imitator = NearestNeighbourImitator().fit(X, Y)
     small = len(pickle.dumps(imitator))
     for food in range(200):
@@ -101,7 +101,7 @@ def test_what_was_remembered_is_not_pickled() -> None:
     assert len(pickle.dumps(imitator)) == small
 
 
-def test_clone_knows_nothing() -> None:
+def test_clone_has_no_experience() -> None:
     imitator = NearestNeighbourImitator(diagonal=177, threshold=0.25).fit(X, Y)
     twin = clone(imitator)
     assert twin.get_params() == {"diagonal": 177, "threshold": 0.25}

@@ -1,4 +1,4 @@
-"""Who votes, against a second telling of section 4.6.1 in fractions, on experience of every shape."""
+"""The votes of the imitator, against section 4.6.1 in fractions, on experience of every shape."""
 
 from collections import Counter
 from fractions import Fraction
@@ -38,10 +38,10 @@ DIAGONALS = st.sampled_from([1, 5, CORRIDOR, RECTANGLE, 10**12])
 THRESHOLDS = st.sampled_from([0.0, 0.001, 0.1, 0.3, 1 / 3, 1.0, 5.0, 1e300])
 
 
-def told(
+def expected_neighbours(
     experience: list[tuple[StateVector, int]], query: StateVector, diagonal: int, threshold: float = 0.0
 ) -> Neighbours:
-    """Section 4.6.1 once more, one vector at a time."""
+    """Section 4.6.1 in fractions, one vector at a time."""
     away = []
     for vector, behaviour in experience:
         apart = Fraction(0)
@@ -54,7 +54,8 @@ def told(
     least = min(apart for apart, _ in away)
     reach = least + Fraction(repr(threshold))
     chosen = Counter(Behaviour(behaviour) for apart, behaviour in away if apart <= reach)
-    return Neighbours(tuple(sorted(chosen.items())), chosen.total(), float(least))
+    behaviours, counts = zip(*sorted(chosen.items()), strict=True)
+    return Neighbours(behaviours, counts, chosen.total(), float(least))
 
 
 def imitator_of(
@@ -74,15 +75,15 @@ def imitator_of(
     0.0,
 )
 @example([(StateVector(0, 0, 0, 215, d), d) for d in range(5)], [StateVector(0, 0, 0, 215, 0)], 10, 0.3)
-def test_votes(
+def test_neighbours_equal_section_4_6_1(
     experience: list[tuple[StateVector, int]], queries: list[StateVector], diagonal: int, threshold: float
 ) -> None:
     imitator = imitator_of(experience, diagonal, threshold)
     levels = imitator.predict_proba(queries)
     for query, level, label in zip(queries, levels, imitator.predict(queries), strict=True):
-        expected = told(experience, query, diagonal, threshold)
+        expected = expected_neighbours(experience, query, diagonal, threshold)
         assert imitator.neighbours(query) == expected
-        assert imitator.neighbours(query) == expected  # from memory
+        assert imitator.neighbours(query) == expected  # from the cache
         shares = {behaviour: count / expected.tied for behaviour, count in expected.votes}
         assert imitator.confidence_levels(query) == shares
         assert dict(zip(imitator.classes_[level > 0], level[level > 0], strict=True)) == shares
@@ -93,19 +94,19 @@ def test_votes(
 
 @settings(deadline=None)
 @given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), THRESHOLDS)
-def test_the_diagonal_and_the_threshold_change_after_fit(
+def test_diagonal_and_threshold_can_change_after_fit(
     experience: list[tuple[StateVector, int]], queries: list[StateVector], threshold: float
 ) -> None:
     imitator = imitator_of(experience)
     for diagonal, limit in [(CORRIDOR, 0.0), (RECTANGLE, 0.0), (RECTANGLE, threshold), (CORRIDOR, threshold)]:
         imitator.set_params(diagonal=diagonal, threshold=limit)
         for query in queries:
-            assert imitator.neighbours(query) == told(experience, query, diagonal, limit)
+            assert imitator.neighbours(query) == expected_neighbours(experience, query, diagonal, limit)
 
 
 @settings(deadline=None)
 @given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), st.data())
-def test_partial_fit_is_fit_on_all_of_it(
+def test_partial_fit_equals_fit_on_all_of_it(
     experience: list[tuple[StateVector, int]], queries: list[StateVector], data: st.DataObject
 ) -> None:
     shuffled = data.draw(st.permutations(experience))
@@ -114,8 +115,8 @@ def test_partial_fit_is_fit_on_all_of_it(
     for start, stop in zip([0, *cuts], cuts, strict=False):
         vectors, behaviours = zip(*shuffled[start:stop], strict=True)
         imitator.partial_fit(np.array(vectors), np.array(behaviours))
-        for query in queries:  # also what is asked in between must not be remembered too long
-            assert imitator.neighbours(query) == told(shuffled[:stop], query, CORRIDOR)
+        for query in queries:  # the cache must be emptied by what is learned
+            assert imitator.neighbours(query) == expected_neighbours(shuffled[:stop], query, CORRIDOR)
     once = imitator_of(experience)
     np.testing.assert_array_equal(imitator.classes_, once.classes_)
     np.testing.assert_array_equal(imitator.predict_proba(queries), once.predict_proba(queries))
@@ -123,19 +124,21 @@ def test_partial_fit_is_fit_on_all_of_it(
 
 @settings(deadline=None)
 @given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5))
-def test_fit_forgets(experience: list[tuple[StateVector, int]], queries: list[StateVector]) -> None:
+def test_fit_forgets_earlier_experience(
+    experience: list[tuple[StateVector, int]], queries: list[StateVector]
+) -> None:
     imitator = imitator_of([(query, 9) for query in queries])
     for query in queries:
         imitator.neighbours(query)
     vectors, behaviours = zip(*experience, strict=True)
     imitator.fit(vectors, behaviours)
     for query in queries:
-        assert imitator.neighbours(query) == told(experience, query, CORRIDOR)
+        assert imitator.neighbours(query) == expected_neighbours(experience, query, CORRIDOR)
 
 
 @settings(deadline=None)
 @given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5))
-def test_whole_floats_are_whole_numbers(
+def test_whole_floats_count_as_whole_numbers(
     experience: list[tuple[StateVector, int]], queries: list[StateVector]
 ) -> None:
     whole = imitator_of(experience)
@@ -163,7 +166,7 @@ def test_halves_of_pixels_are_compared_in_floats() -> None:
 
 
 @pytest.mark.parametrize("far", [2**40, 2**45])
-def test_numbers_far_beyond_any_arena(far: int) -> None:
+def test_numbers_far_beyond_any_arena_are_compared(far: int) -> None:
     imitator = NearestNeighbourImitator().fit([[0, 30, 0, 215, 40], [0, 60, 0, 215, 40]], [0, 1])
     assert imitator.neighbours((0, 60, 0, 215, far)).votes == ((1, 1),)
     assert imitator.neighbours((0, 60, 0, 215, far)).distance == pytest.approx(far / CORRIDOR)
@@ -183,7 +186,7 @@ def test_distance_is_a_metric(a: StateVector, b: StateVector, c: StateVector, di
     assert distance(a, c, diagonal) <= distance(a, b, diagonal) + distance(b, c, diagonal)
 
 
-def test_distance_of_section_4_6_1() -> None:
+def test_distance_equals_section_4_6_1() -> None:
     near = StateVector(0, 100, 0, 255, 20)
     far = StateVector(1, 31, 1, 215, 89)
     assert distance(near, far, CORRIDOR) == 2 + Fraction(40, 55) + Fraction(69, 138) + Fraction(69, 138)

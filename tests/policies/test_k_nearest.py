@@ -1,4 +1,4 @@
-"""The variants in which k vectors vote, against a second telling in fractions."""
+"""The variants in which k vectors vote, against fractions."""
 
 from collections import Counter
 from fractions import Fraction
@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, distance
-from khepera_forage.policies.measure import coded
+from khepera_forage.policies.features import encoded
 from khepera_forage.task.states import StateVector
 
 VECTORS = st.builds(
@@ -25,7 +25,7 @@ EXPERIENCE = st.lists(st.tuples(VECTORS, st.integers(0, 9)), min_size=1, max_siz
 DIAGONALS = st.sampled_from([1, 5, 138, 177])
 
 
-def told(
+def expected_shares(
     experience: list[tuple[StateVector, int]], query: StateVector, k: int, diagonal: int, weighting: str
 ) -> dict[int, Fraction]:
     """The share of each behaviour, one vector at a time."""
@@ -45,20 +45,20 @@ def told(
 
 
 @given(EXPERIENCE, VECTORS, st.integers(1, 12), DIAGONALS, st.sampled_from(["uniform", "distance"]))
-def test_votes(
+def test_confidence_levels_equal_shares_in_fractions(
     experience: list[tuple[StateVector, int]], query: StateVector, k: int, diagonal: int, weighting: str
 ) -> None:
     rows, heard = zip(*experience, strict=True)
     learner = KNearestImitator(k, weighting, diagonal).fit(rows, heard)
     levels = learner.predict_proba([query])[0]
-    expected = told(experience, query, k, diagonal, weighting)
+    expected = expected_shares(experience, query, k, diagonal, weighting)
     assert set(learner.classes_[levels > 0].tolist()) == set(expected)
     for label, level in zip(learner.classes_.tolist(), levels, strict=True):
         assert level == pytest.approx(float(expected.get(label, 0)), abs=1e-12)
 
 
 @given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), DIAGONALS)
-def test_one_nearest_is_the_imitator(
+def test_one_nearest_equals_the_imitator(
     experience: list[tuple[StateVector, int]], queries: list[StateVector], diagonal: int
 ) -> None:
     rows, heard = zip(*experience, strict=True)
@@ -68,26 +68,26 @@ def test_one_nearest_is_the_imitator(
 
 
 @given(VECTORS, VECTORS, DIAGONALS)
-def test_coded_vectors_are_as_far_apart_as_the_thesis_says(
+def test_encoded_vectors_have_the_distance_of_section_4_6_1(
     a: StateVector, b: StateVector, diagonal: int
 ) -> None:
-    first, second = coded([a, b], diagonal)
+    first, second = encoded([a, b], diagonal)
     assert np.abs(first - second).sum() == pytest.approx(float(distance(a, b, diagonal)), abs=1e-9)
 
 
 @pytest.mark.parametrize("k", [0, -1, 2.0, True, None])
-def test_k_out_of_range(k: Any) -> None:
+def test_k_out_of_range_is_refused(k: Any) -> None:
     with pytest.raises(ValueError, match=f"k is {k!r}; allowed: an integer, at least 1"):
         KNearestImitator(k=k).fit([[0, 1, 0, 215, 1]], [0])
 
 
-def test_unknown_weighting_and_diagonal() -> None:
+def test_unknown_weighting_and_diagonal_are_refused() -> None:
     with pytest.raises(ValueError, match="weighting is 'votes'; allowed: uniform, distance"):
         KNearestImitator(weighting="votes").fit([[0, 1, 0, 215, 1]], [0])
     with pytest.raises(ValueError, match="diagonal is 0; allowed: an integer above 0"):
         KNearestImitator(diagonal=0).fit([[0, 1, 0, 215, 1]], [0])
 
 
-def test_not_coded() -> None:
+def test_encoding_refuses_other_widths() -> None:
     with pytest.raises(ValueError, match=r"vectors have shape \(1, 3\); allowed: \(n, 5\)"):
-        coded([[1, 2, 3]], 138)
+        encoded([[1, 2, 3]], 138)

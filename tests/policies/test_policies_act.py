@@ -132,13 +132,13 @@ def test_one_number_is_drawn_whether_there_is_a_conflict_or_not() -> None:
         assert rng.bit_generator.state == other.bit_generator.state
 
 
-def test_a_full_memory_starts_over(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(imitator_module, "MEMO_SIZE", 3)
+def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(imitator_module, "CACHE_SIZE", 3)
     imitator = NearestNeighbourImitator().fit(X, Y)
     first = [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
     assert first == [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
-    assert imitator._memo is not None
-    assert len(imitator._memo.found) <= 3
+    assert imitator._cache is not None
+    assert len(imitator._cache.found) <= 3
 
 
 def test_a_model_is_asked_as_it_was_set_up() -> None:

@@ -10,7 +10,7 @@ from khepera_forage.policies.nearest_neighbour.distance import scaled_distance
 from khepera_forage.policies.nearest_neighbour.memories import plane_key
 from khepera_forage.policies.nearest_neighbour.votes import clear, draw_label, nearest_votes, search_plane
 
-__all__ = ["draw_label", "nearest_votes"]
+__all__ = ["clear", "draw_label", "nearest_votes"]
 
 _FEW = 16
 """Values among which looking at one after the other is faster than halving."""

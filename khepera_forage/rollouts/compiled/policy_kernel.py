@@ -8,7 +8,7 @@ from khepera_forage.compilation.decorators import kernel
 from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
-from khepera_forage.rollouts.compiled.nearest_neighbour import draw_label, nearest_votes
+from khepera_forage.rollouts.compiled.nearest_neighbour import clear, draw_label, nearest_votes
 from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper, word
 from khepera_forage.task.episode import count_decision
 
@@ -62,6 +62,7 @@ def _imitate(known: Any, i: int, diagonal: int, memories: Memories, decision: An
     query = (plane_key(presence, food_type, arm) * _BEYOND + home) * _BEYOND + food
     votes = decision.votes
     if decision.query != query:
+        clear(votes)
         _, decision.total = nearest_votes(memories, decision.policy, vector, diagonal, votes)
         decision.query = query
     behaviour = draw_label(votes, decision.total, chance)

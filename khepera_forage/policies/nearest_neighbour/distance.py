@@ -1,0 +1,88 @@
+"""The distance between two state vectors (section 4.6.1)."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.task.states import StateVector
+
+STATE_WIDTH = len(StateVector._fields)
+ARM_SPAN = 55
+"""Xmax of equation 4.2: the thesis' maximum difference of ArmsHeight, larger than the 40 really used."""
+
+
+def scaled_distance(differing: Any, arm: Any, pixels: Any, diagonal: Any) -> Any:
+    """The distance of section 4.6.1 times 55 * diagonal: a whole number, so that equal distances are equal exactly.
+
+    Kernels compile this function. It also works element by element on arrays.
+
+    Args:
+        differing: How many of ObjectPresence and FoodType differ.
+        arm: Difference of ArmsHeight.
+        pixels: Differences of RobotHomeDistance and RobotFoodDistance, added up.
+        diagonal: Of the arena foraged in now, in pixels.
+    """
+    return (ARM_SPAN * differing + arm) * diagonal + ARM_SPAN * pixels
+
+
+PIXEL: int = scaled_distance(0, 0, 1, 0)
+"""What a pixel of either distance contributes to a scaled distance."""
+
+
+def distance(a: StateVector, b: StateVector, diagonal: int) -> Fraction:
+    """The distance between two state vectors (section 4.6.1), exactly.
+
+    Args:
+        a: A state vector; distances in pixels.
+        b: Another one.
+        diagonal: Of the arena foraged in now, in pixels; above 0.
+    """
+    differing = (a.object_presence != b.object_presence) + (a.food_type != b.food_type)
+    arm = abs(a.arms_height - b.arms_height)
+    home = abs(a.robot_home_distance - b.robot_home_distance)
+    food = abs(a.robot_food_distance - b.robot_food_distance)
+    return Fraction(scaled_distance(differing, arm, home + food, diagonal), ARM_SPAN * diagonal)
+
+
+def attribute_distances(
+    rows: NDArray[Any], query: NDArray[Any] | Sequence[float], diagonal: int
+) -> NDArray[np.float64]:
+    """What each attribute contributes to the distance between each row and a query.
+
+    Floats hold sums of whole numbers exactly up to 2**53, so that equal distances of state vectors are equal here too.
+
+    Args:
+        rows: State vectors, one a row. Rows of any other width are taken for distances in pixels.
+        query: One vector of the same width.
+        diagonal: Of the arena foraged in now, in pixels.
+
+    Returns:
+        Of the shape of `rows`, in units of 1 / `unit(width, diagonal)`.
+    """
+    differences: NDArray[np.float64] = np.abs(rows - query).astype(np.float64, copy=False)
+    if rows.shape[1] == STATE_WIDTH:
+        category = scaled_distance(1, 0, 0, diagonal)
+        arm = scaled_distance(0, 1, 0, diagonal)
+        differences[:, [0, 2]] = differences[:, [0, 2]] != 0
+        differences *= (category, PIXEL, category, arm, PIXEL)
+    return differences
+
+
+def unit(width: int, diagonal: int) -> int:
+    """How many units of `attribute_distances` make up a distance of 1, for rows of this width."""
+    return ARM_SPAN * diagonal if width == STATE_WIDTH else diagonal
+
+
+def checked_diagonal(diagonal: Any) -> int:
+    """A diagonal in range.
+
+    Raises:
+        ValueError: The diagonal is not an integer above 0.
+    """
+    if not isinstance(diagonal, Integral) or isinstance(diagonal, bool) or diagonal < 1:
+        raise ValueError(f"diagonal is {diagonal!r}; allowed: an integer above 0, in pixels")
+    return int(diagonal)

@@ -1,0 +1,154 @@
+"""Memories in arrays give the same votes and draws as the imitator in Python; no numba is needed."""
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.policies.nearest_neighbour.brute_force import distinct_vectors
+from khepera_forage.policies.nearest_neighbour.memories import (
+    BEHAVIOURS,
+    NO_MEMORIES,
+    memories_of,
+    merged,
+    unpacked,
+)
+from khepera_forage.policies.nearest_neighbour.votes import draw_label, nearest_votes
+from khepera_forage.task.states import StateVector
+
+_vector = st.tuples(
+    st.integers(0, 1),
+    st.integers(0, 12) | st.integers(0, 177),
+    st.integers(0, 3),
+    st.sampled_from((215, 219, 220, 255)),
+    st.integers(0, 12) | st.integers(0, 177),
+)
+_experience = st.lists(st.tuples(_vector, st.integers(0, 9)), min_size=1, max_size=40)
+_uniform = st.floats(0, 1, exclude_max=True)
+
+
+class FixedGenerator:
+    """A generator that gives always the same number."""
+
+    def __init__(self, chance: float) -> None:
+        self.chance = chance
+
+    def random(self) -> float:
+        return self.chance
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(_experience, min_size=1, max_size=3),
+    st.lists(_vector, min_size=1, max_size=8),
+    st.sampled_from((138, 177, 1, 7)),
+    _uniform,
+)
+def test_votes_and_draws_equal_the_imitators(
+    experiences: Any, queries: Any, diagonal: int, chance: float
+) -> None:
+    parts = [([v for v, _ in e], [b for _, b in e]) for e in experiences]
+    memories = memories_of(parts)
+    votes = np.zeros(BEHAVIOURS, np.int64)
+    for number, part in enumerate(parts):
+        imitator = NearestNeighbourImitator(diagonal).fit(*part)
+        for query in [*queries, part[0][0]]:
+            neighbours = imitator.neighbours(StateVector(*query))
+            votes[:] = 0
+            nearest, total = nearest_votes(memories, number, query, diagonal, votes)
+            assert nearest / (55 * diagonal) == neighbours.distance
+            assert total == neighbours.tied == votes.sum()
+            assert {b: n for b, n in enumerate(votes.tolist()) if n} == dict(neighbours.votes)
+            rng: Any = FixedGenerator(chance)
+            assert draw_label(votes, total, chance) == neighbours.draw(rng)
+
+
+def test_equal_vectors_are_merged_and_counted() -> None:
+    same, other = (0, 50, 0, 215, 40), (1, 50, 0, 255, 2)
+    memories = memories_of([([same, other, same, same], [0, 3, 1, 0]), ([other], [4])])
+    assert len(memories.food) == 4
+    assert sorted(memories.times.tolist()) == [1, 1, 1, 2]
+    votes = np.zeros(BEHAVIOURS, np.int64)
+    assert nearest_votes(memories, 0, same, 138, votes) == (0, 3)
+    assert votes.tolist() == [2, 1, 0, 0, 0, 0, 0, 0, 0, 0]
+    votes[:] = 0
+    assert nearest_votes(memories, 1, same, 138, votes)[1] == 1
+    assert votes[4] == 1
+
+
+def test_memory_is_the_same_alone_and_among_many() -> None:
+    rng = np.random.default_rng(0)
+    parts = [(rng.integers(0, (2, 40, 4, 256, 40), (n, 5)), rng.integers(0, 10, n)) for n in (300, 1, 80)]
+    many = memories_of(parts)
+    alone = memories_of(parts[2:])
+    plane = many.planes[2]
+    column = many.columns[plane]
+    vector = many.vectors[column]
+    for name, first in (
+        ("keys", plane),
+        ("home", column),
+        ("food", vector),
+        ("label", vector),
+        ("times", vector),
+    ):
+        assert (getattr(many, name)[first:] == getattr(alone, name)).all()
+    assert (many.columns[plane:] - column == alone.columns).all()
+    assert (many.vectors[column:] - vector == alone.vectors).all()
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32), st.sampled_from([0, 1, 200, 2_000]))
+def test_unpacked_memory_has_every_vector_once_with_its_count(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    rows = rng.integers((0, 0, 0, 215, 0), (2, 6, 4, 218, 6), (count, 5))
+    labels = rng.integers(0, 3, count)
+    vectors, heard, times = (values.tolist() for values in unpacked(merged(rows, labels)))
+    counted = {(*row, label): n for row, label, n in zip(vectors, heard, times, strict=True)}
+    assert len(counted) == len(times)
+    assert counted == Counter(
+        (*row, label) for row, label in zip(rows.tolist(), labels.tolist(), strict=True)
+    )
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32), st.sampled_from([0, 1, 2_000]))
+def test_distinct_vectors_count_every_row(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    rows, labels = rng.integers(-6, 6, (count, 3)) / 4, rng.integers(0, 3, count)
+    vectors, heard, times = (values.tolist() for values in distinct_vectors(rows, labels, 3).unpacked())
+    counted = {(*row, label): n for row, label, n in zip(vectors, heard, times, strict=True)}
+    assert len(counted) == len(times)
+    assert counted == Counter(
+        (*row, label) for row, label in zip(rows.tolist(), labels.tolist(), strict=True)
+    )
+
+
+def test_no_memories_are_empty() -> None:
+    assert NO_MEMORIES.planes.tolist() == NO_MEMORIES.columns.tolist() == NO_MEMORIES.vectors.tolist() == [0]
+    assert len(NO_MEMORIES.keys) == len(NO_MEMORIES.home) == len(NO_MEMORIES.food) == 0
+
+
+@pytest.mark.parametrize(
+    ("experiences", "message"),
+    [
+        ([], "0 experiences; allowed: 1 to"),
+        ([([], [])], r"experience 0 has vectors of shape \(0,\)"),
+        (
+            [([(0, 1, 0, 215, 1)], [0]), ([(0, 1, 0, 215)], [0])],
+            r"experience 1 has vectors of shape \(1, 4\)",
+        ),
+        ([([(0, 1, 0, 215, 1)], [0, 1])], r"behaviours of shape \(2,\)"),
+        ([([(0, 1, 0, 215, 1.5)], [0])], "experience is of type float64"),
+        ([([(0, 1, 0, 215, 8192)], [0])], "robot_food_distance is 8192; allowed: 0 to 8191"),
+        ([([(0, -1, 0, 215, 1)], [0])], "robot_home_distance is -1"),
+        ([([(0, 1, 4, 215, 1)], [0])], "food_type is 4"),
+        ([([(0, 1, 0, 215, 1)], [10])], "behaviour is 10; allowed: 0 to 9"),
+    ],
+)
+def test_bad_experience_is_refused_with_its_value(experiences: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        memories_of(experiences)
