@@ -30,7 +30,7 @@ def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) ->
 
 @pytest.mark.parametrize(("arena", "foods", "limit"), [("corridor", 1, 500), ("rectangle", 2, 700)])
 @pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE", "POISONOUS"])
-def test_teacher_is_an_expert(arena: str, foods: int, limit: int, food_type: str) -> None:
+def test_teacher_delivers_food_and_leaves_poison(arena: str, foods: int, limit: int, food_type: str) -> None:
     env = BehavioursEnv(arena=arena, foods=foods, limit=limit, food_types=food_type)
     results = [forage(env, seed) for seed in range(15)]
     delivered = sum(info["delivered"] for info in results)
@@ -43,7 +43,7 @@ def test_teacher_is_an_expert(arena: str, foods: int, limit: int, food_type: str
     assert all(info["score"] >= 100 - 20 for info in results)
 
 
-def test_orienting_matters() -> None:
+def test_teacher_without_orienting_delivers_nothing() -> None:
     env = BehavioursEnv()
     swap = {int(Behaviour.ORIENT_WITH_FOOD): int(Behaviour.SEARCH_FOR_FOOD)}
     assert [forage(env, seed, swap)["delivered"] for seed in range(10)] == [0] * 10
@@ -54,8 +54,8 @@ def test_mixed_food_is_drawn_by_its_odds() -> None:
     poisonous = 0
     for seed in range(40):
         info = forage(env, seed)
-        poisonous += env.forager.register.known[0] == FoodType.POISONOUS
-        assert info["delivered"] + (env.forager.register.known[0] == FoodType.POISONOUS) == 1
+        poisonous += env.forager.tracker.foods[0].known == FoodType.POISONOUS
+        assert info["delivered"] + (env.forager.tracker.foods[0].known == FoodType.POISONOUS) == 1
     assert 8 <= poisonous <= 32
 
 

@@ -9,12 +9,12 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
 from khepera_forage.sim.arena import Pose
-from khepera_forage.task.following import SEPARATION
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 
 
 def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
-    """Teacher and learners at work; what everybody did, round by round."""
+    """Run teacher and learners; returns what every robot did, round by round."""
     teacher, listener = Teacher(env.home_radius), Listener()
     history = []
     for _ in range(rounds):
@@ -30,7 +30,7 @@ def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
 
 
 @pytest.mark.parametrize("learners", [1, 3])
-def test_learners_do_what_they_hear_and_the_episode_is_complete(learners: int) -> None:
+def test_learners_do_what_they_hear_until_the_episode_is_complete(learners: int) -> None:
     env = TrainingEnv(num_learners=learners)
     complete = 0
     for seed in range(5):
@@ -46,7 +46,7 @@ def test_learners_do_what_they_hear_and_the_episode_is_complete(learners: int) -
 
 
 @pytest.mark.parametrize("food_type", ["PUSHABLE", "POISONOUS"])
-def test_other_food(food_type: str) -> None:
+def test_training_with_other_food_is_completed_without_poison_brought_home(food_type: str) -> None:
     env = TrainingEnv(food_types=food_type)
     complete = 0
     for seed in range(4):
@@ -59,13 +59,13 @@ def test_other_food(food_type: str) -> None:
     assert complete >= 2
 
 
-def test_corresponding_food_is_of_one_type() -> None:
+def test_corresponding_food_has_one_type() -> None:
     env = TrainingEnv(food_types={"PICKABLE": 1, "PUSHABLE": 1, "POISONOUS": 1})
     seen = set()
     for seed in range(12):
         env.reset(seed=seed)
         play(env)
-        known = [forager.register.known[0] for forager in env.foragers]
+        known = [forager.tracker.foods[0].known for forager in env.foragers]
         assert known[0] == known[1]
         seen.add(known[0])
     assert seen == {FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS}
@@ -77,12 +77,12 @@ def put_learner(env: TrainingEnv, dx: float) -> None:
     env.world.place(1, Pose(x + dx, y, heading))
 
 
-def test_teacher_waits_in_silence_until_a_separated_learner_has_recovered() -> None:
+def test_teacher_waits_while_a_separated_learner_recovers() -> None:
     env = TrainingEnv(noise=Noise.none())
     env.reset(seed=0)
     play(env, 3)
-    put_learner(env, 5 * SEPARATION + 30.0)
-    play(env, 2)  # noticed at the end of the first, heeded in the second
+    put_learner(env, 5 * Decisions().separation + 30.0)
+    play(env, 2)  # noticed at the end of the first, obeyed in the second
     assert env.observe("learner_0")[6] == env.observe(TEACHER)[6] == 1
     before = env.world.poses()
     history = play(env, 2)
@@ -98,7 +98,7 @@ def test_teacher_waits_in_silence_until_a_separated_learner_has_recovered() -> N
     assert env.infos["learner_0"]["separations"] == 1
 
 
-def test_separation_that_outlasts_patience_ends_the_attempt() -> None:
+def test_separation_longer_than_patience_ends_the_attempt() -> None:
     env = TrainingEnv(noise=Noise.none(), patience=4)
     env.reset(seed=0)
     put_learner(env, 200.0)
@@ -120,17 +120,17 @@ def test_pause_and_resume_puts_the_learner_beside_the_teacher() -> None:
     teacher, learner = env.world.poses()
     assert learner[0] == pytest.approx(teacher[0], abs=15)
     play(env)
-    assert env.terminations[TEACHER], "training goes on and is completed"
+    assert env.terminations[TEACHER], "training continues and is completed"
     with pytest.raises(ValueError, match=r"teacher_0.*learner_0"):
         env.resume_beside(TEACHER)
 
 
-def test_following_brings_a_learner_that_starts_askew_back() -> None:
-    """Without following, a learner with a lazy wheel ends further from the teacher's way."""
-    lazy = replace(Noise.none(), wheel_bias=0.04)
+def test_following_corrects_a_learner_whose_wheels_differ() -> None:
+    """Without following, a learner with one slow wheel ends further from the teacher's path."""
+    unequal = replace(Noise.none(), wheel_bias=0.04)
     apart = []
     for seed in range(6):
-        env = TrainingEnv(noise=lazy)
+        env = TrainingEnv(noise=unequal)
         env.reset(seed=seed)
         play(env, 20)
         teacher, learner = (forager.raw for forager in env.foragers)
@@ -138,7 +138,7 @@ def test_following_brings_a_learner_that_starts_askew_back() -> None:
     assert np.median(apart) < 4.0
 
 
-def test_same_seed_same_training_bit_for_bit() -> None:
+def test_same_seed_gives_the_same_training_bit_for_bit() -> None:
     runs = []
     for _ in range(2):
         env = TrainingEnv()

@@ -11,10 +11,11 @@ from khepera_forage.policies import Observation, Teacher
 from khepera_forage.rollouts.training import attempt, train
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.layout_checks import check_robot
-from khepera_forage.task.states import CARRY_HEIGHT, Behaviour, FoodType, StateVector
+from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
 
 
-def test_every_robot_and_its_food_stand_on_the_marks_asked_for() -> None:
+def test_robots_and_food_stand_on_the_given_marks() -> None:
     env = TrainingEnv(num_learners=2, noise=Noise.none())
     env.reset(seed=1, options={"start": (110, 90, 45), "foods": [(300, 140)]})
     for arena, pose, food in zip(env.arenas, env.world.poses(), env.world.food_places(), strict=True):
@@ -23,7 +24,7 @@ def test_every_robot_and_its_food_stand_on_the_marks_asked_for() -> None:
         assert food[:2] == pytest.approx((300 + dx, 140 + dy))
 
 
-def test_what_is_left_out_stays_on_its_mark() -> None:
+def test_start_or_food_that_is_not_given_stays_on_its_mark() -> None:
     env = TrainingEnv(noise=Noise.none())
     env.reset(seed=1, options={"foods": [(300, 115)]})
     assert env.world.poses()[0] == pytest.approx(CORRIDOR.start)
@@ -33,7 +34,7 @@ def test_what_is_left_out_stays_on_its_mark() -> None:
     assert env.world.poses()[0] == pytest.approx(CORRIDOR.start), "options hold for one episode only"
 
 
-def test_robots_are_put_on_other_marks_no_more_exactly() -> None:
+def test_placement_error_applies_to_given_marks() -> None:
     env = TrainingEnv()
     env.reset(seed=1, options={"start": (110, 90, 45)})
     first, second = (np.array(pose[:2]) for pose in env.world.poses())
@@ -51,12 +52,12 @@ def test_robots_are_put_on_other_marks_no_more_exactly() -> None:
         ({"foods": [(300, 100), (400, 100)]}, "2 foods given; allowed: 1"),
     ],
 )
-def test_options_are_checked(options: dict[str, Any], message: str) -> None:
+def test_wrong_options_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         TrainingEnv().reset(seed=0, options=options)
 
 
-def test_what_was_put_into_a_wall_is_put_down_again() -> None:
+def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
     env = TrainingEnv(noise=Noise(placement_error=15.0, placement_heading_error=30.0))
     for seed in range(100):
         env.reset(seed=seed, options={"start": (75, 75, 0)})
@@ -69,29 +70,29 @@ def test_what_was_put_into_a_wall_is_put_down_again() -> None:
         TrainingEnv(noise=Noise.none()).reset(seed=0, options=facing_the_wall)
 
 
-def test_train_takes_other_marks_and_another_teacher() -> None:
-    asked = []
+def test_train_accepts_other_marks_and_another_teacher() -> None:
+    seen = []
 
     class Other:
-        """The teacher, but for what it is remembered by."""
+        """The teacher, which also records its observations."""
 
         def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
             assert rng is not None
-            asked.append(observation)
+            seen.append(observation)
             return Teacher().act(observation)
 
     env = TrainingEnv()
     options = {"foods": [(300, 115)]}
     experience, rows = train(env, np.random.SeedSequence(1), teacher=Other(), options=options)
     again, _ = train(env, np.random.SeedSequence(1), options=options)
-    assert len(asked) == sum(row.rounds for row in rows)
+    assert len(seen) == sum(row.rounds for row in rows)
     assert experience == again
     usual, _ = train(env, np.random.SeedSequence(1))
     nearest, usually = (min(v.robot_food_distance for v in e.vectors[:3]) for e in (experience, usual))
     assert nearest < usually - 10, "the food lies 14 pixels nearer to the start"
 
 
-def test_poison_is_shown_to_be_avoided_before_an_episode_is_complete() -> None:
+def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:
     env = TrainingEnv(food_types="POISONOUS")
     for seed in range(4):
         heard: list[Behaviour] = []
@@ -104,6 +105,6 @@ def test_poison_is_shown_to_be_avoided_before_an_episode_is_complete() -> None:
         assert Behaviour.AVOID_FOOD in heard
         assert env.terminations[TEACHER]
         for forager in env.foragers:
-            assert forager.register.known == [FoodType.POISONOUS]
+            assert [food.known for food in forager.tracker.foods] == [FoodType.POISONOUS]
             assert not forager.vector.object_presence
-            assert forager.vector.arms_height <= CARRY_HEIGHT
+            assert is_raised(forager.vector.arms_height, DEFAULT_VALUES)

@@ -7,11 +7,13 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.layouts import random_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.task.placement import random_layout
+from khepera_forage.task.decisions import DEFAULT_VALUES
 
 WITH_BLOCK = Arena(
     name="block",
@@ -35,13 +37,14 @@ TOUCH = 1.0
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, WITH_BLOCK], ids=lambda a: a.name)
 @settings(max_examples=60, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
 @given(seed=st.integers(0, 10_000), commands=st.lists(COMMANDS, min_size=10, max_size=25))
-def test_nothing_leaves_the_walls_overlaps_vanishes_or_teleports(
+def test_bodies_stay_inside_the_walls_apart_and_move_at_most_at_their_speed(
     arena: Arena, seed: int, commands: list[tuple[float, float, int, int, int]]
 ) -> None:
-    rng = np.random.default_rng(seed)
-    layout = random_layout(arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, rng)
+    layout = random_layout(
+        arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, key_of(seed), DEFAULT_VALUES
+    )
     world = PymunkWorld([arena], (2,), Noise.laboratory())
-    world.reset(rng, layout)
+    world.reset(np.random.default_rng(seed), layout)
     pose, places = layout.starts[0], list(layout.foods)
     for left, right, arm, jaw, rounds in commands:
         world.robots[0].drive(Motors(left, right, arm, jaw))
@@ -54,7 +57,7 @@ def test_nothing_leaves_the_walls_overlaps_vanishes_or_teleports(
             assert arena.clearance(Point(x, y)) >= RADIUS - TOUCH
             for food in foods:
                 assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - TOUCH
-            # Wheels at most 160 mm/s, with five standard deviations of slip and bias: nothing teleports.
+            # Wheels at most 160 mm/s, with five standard deviations of slip and bias.
             assert math.dist((x, y), pose[:2]) <= 21.0
             assert abs(heading - pose.heading) <= 0.8
             now = [Point(food.x, food.y) for food in foods]

@@ -1,0 +1,195 @@
+"""Environments under other decisions: set-up, rules and markers."""
+
+from typing import Any
+
+import gymnasium as gym
+import pytest
+
+from khepera_forage import Decisions
+from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.recall import RecallEnv
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import ARENAS, CORRIDOR, Pose
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.states import Behaviour, State, classify
+
+IDS = [f"khepera_forage/{name}-v0" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
+
+
+def recall_env(env_id: str = IDS[0], **kwargs: Any) -> RecallEnv[Any]:
+    env = gym.make(env_id, **kwargs).unwrapped
+    assert isinstance(env, RecallEnv)
+    return env
+
+
+# ---------------------------------------------------------------- how decisions are given
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_make_accepts_decisions(env_id: str) -> None:
+    decisions = Decisions(next_to_food=17)
+    env = recall_env(env_id, decisions=decisions)
+    assert env.decisions == decisions
+    env.reset(seed=1)
+    assert env.forager.decisions == decisions.values()
+    assert recall_env(env_id).decisions == Decisions()
+
+
+def test_make_vec_accepts_decisions() -> None:
+    envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode="sync", decisions=Decisions(next_to_food=17))
+    envs.reset(seed=1)
+    assert [env.unwrapped.decisions.next_to_food for env in envs.envs] == [17, 17]  # type: ignore[attr-defined]
+    envs.close()
+
+
+@pytest.mark.parametrize(
+    "make", [paired_corridors_v0.env, paired_corridors_v0.raw_env, paired_corridors_v0.parallel_env]
+)
+def test_paired_corridors_accept_decisions(make: Any) -> None:
+    env = make(decisions=Decisions(next_to_food=17, separation=20))
+    env.reset(seed=1)
+    training = env.unwrapped
+    assert isinstance(getattr(training, "aec_env", training).unwrapped, TrainingEnv)
+    raw = getattr(training, "aec_env", training).unwrapped
+    assert raw.decisions.next_to_food == 17
+    assert all(forager.decisions.separation == 20 for forager in raw.foragers)
+
+
+@pytest.mark.parametrize(
+    "decisions", [17, "next_to_food=17", {"next_to_food": 17}, [], Noise.none(), Decisions]
+)
+@pytest.mark.parametrize("make", [BehavioursEnv, WheelsEnv, TrainingEnv, paired_corridors_v0.env])
+def test_decisions_of_the_wrong_type_are_refused(make: Any, decisions: Any) -> None:
+    with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
+        make(decisions=decisions)
+    assert repr(decisions) in str(error.value)
+
+
+def test_make_refuses_decisions_of_the_wrong_type() -> None:
+    with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
+        gym.make(IDS[0], decisions=17)
+
+
+def test_default_decisions_give_the_default_environment() -> None:
+    runs = []
+    for kwargs in ({}, {"decisions": None}, {"decisions": Decisions()}):
+        env = BehavioursEnv(**kwargs)
+        env.reset(seed=4)
+        runs.append([repr(env.step(0)) for _ in range(30)])
+    assert runs[0] == runs[1] == runs[2]
+
+
+# ---------------------------------------------------------------- the set-up of figure 5.1
+
+
+@pytest.mark.parametrize("name", ARENAS)
+def test_set_up_of_a_named_arena_follows_the_decisions(name: str) -> None:
+    decisions = Decisions(start_to_wall=120, food_to_home=200, home_to_wall=90, home_radius=80)
+    arena = checked_arena(name, decisions)
+    assert arena.start.x == 120
+    assert arena.home.x == 650 - 90
+    assert arena.home_radius == 80
+    assert {arena.home.x - food.x for food in arena.foods} == {200}
+    assert checked_arena(name, Decisions()) == ARENAS[name]
+    env = BehavioursEnv(arena=name, decisions=decisions)
+    assert (env.arena, env.home_radius) == (arena, 16)
+    assert TrainingEnv(arena=name, decisions=decisions).arenas[0] == arena
+
+
+def test_given_arena_stays_whatever_the_decisions() -> None:
+    env = BehavioursEnv(arena=CORRIDOR, decisions=Decisions(start_to_wall=120, home_radius=80))
+    assert env.arena is CORRIDOR
+
+
+@pytest.mark.parametrize("name", ["start_to_wall", "food_to_home", "home_to_wall", "home_radius"])
+def test_ends_of_the_set_up_ranges_fit_in_the_named_arenas(name: str) -> None:
+    known = Decisions.__dataclass_fields__[name].metadata["decision"]
+    for value in (known.least, known.most):
+        changes = {name: value}
+        if name == "home_to_wall" and value < 100:
+            changes["home_radius"] = value
+        if name == "home_radius" and value > 100:
+            changes["home_to_wall"] = value
+        decisions = Decisions.from_changes(changes)
+        for arena in ARENAS:
+            env = BehavioursEnv(arena=arena, decisions=decisions)
+            env.reset(seed=1)
+
+
+# ---------------------------------------------------------------- rules
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [Decisions(next_to_food=25), Decisions(equal_distance="farther state"), Decisions(search_speed=7)],
+    ids=lambda decisions: "-".join(decisions.changed()),
+)
+def test_environment_applies_its_decisions_to_states_and_behaviours(decisions: Decisions) -> None:
+    env = BehavioursEnv(noise=Noise.none(), decisions=decisions)
+    values = decisions.values()
+    for distance in (20, 25, 30, 35):
+        options = {"start": (100, 115, 0), "foods": [(100 + 5 * distance, 115)]}
+        _, info = env.reset(seed=1, options=options)
+        forager = env.forager
+        assert forager.vector.robot_food_distance == distance
+        assert info["state"] == classify(forager.vector, env.home_radius, values)
+        assert forager.motors_for(Behaviour.SEARCH_FOR_FOOD) == command(
+            Behaviour.SEARCH_FOR_FOOD, forager.raw, values
+        )
+
+
+def test_next_to_food_moves_where_the_teacher_would_orient() -> None:
+    states = []
+    for threshold in (17, 18):
+        env = BehavioursEnv(noise=Noise.none(), decisions=Decisions(next_to_food=threshold))
+        _, info = env.reset(seed=1, options={"start": (100, 115, 0), "foods": [(190, 115)]})
+        states.append(info["state"])
+    assert states == [State.CLOSE_TO_FOOD, State.NEXT_TO_FOOD]
+
+
+def test_separation_and_patience_of_training_follow_the_decisions() -> None:
+    env = TrainingEnv(noise=Noise.none(), decisions=Decisions(separation=30, patience=5))
+    assert env.patience == 5
+    assert TrainingEnv(patience=7, decisions=Decisions(patience=5)).patience == 7
+    env.reset(seed=0)
+    rounds = []
+    for dx in (100.0, 100.0):
+        x, y, heading = env.world.poses()[1]
+        env.world.place(1, Pose(x + dx, y, heading))
+        for _ in env.possible_agents:
+            env.step(int(Behaviour.WAIT))
+        rounds.append(env.infos["learner_0"]["separated_rounds"])
+    assert rounds == [0, 1], "20 pixels apart, then 40"
+    while not env.truncations[TEACHER]:
+        for _ in env.possible_agents:
+            env.step(int(Behaviour.EXPLORE_FOOD))
+    assert env.infos["learner_0"]["separated_rounds"] == 5
+
+
+def test_recall_marker_is_that_of_the_robot() -> None:
+    for holes in (1, 2):
+        env = recall_env(decisions=Decisions(recall_marker=holes))
+        env.reset(seed=1)
+        assert env.forager.holes == holes
+        assert {region.holes for region in env.world.camera.look().regions} == {0, holes}
+
+
+def test_teacher_delivers_under_other_decisions() -> None:
+    """A changed reading of the thesis stays a task that the teacher can do."""
+    decisions = Decisions(
+        round_duration=0.08, next_to_food=19, close_to_food=35, home_radius=90, search_speed=10, arm_travel_time=0.8
+    )  # fmt: skip
+    env = BehavioursEnv(decisions=decisions)
+    delivered = 0
+    for seed in range(5):
+        env.reset(seed=seed)
+        over = False
+        while not over:
+            _, _, terminated, truncated, info = env.step(int(env.forager.correct_behaviour))
+            over = terminated or truncated
+        delivered += info["delivered"]
+    assert delivered >= 4
