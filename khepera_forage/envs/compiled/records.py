@@ -5,6 +5,7 @@ each world.
 """
 
 from collections import namedtuple
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -81,11 +82,15 @@ arena_dtype = np.dtype(
 """`task.arena_map.ArenaMap` in pixels and `Floor` in mm without their walls, odds of food types, and the step limit."""
 
 
-TaskRow: Any = namedtuple("TaskRow", list(_TASK))  # type: ignore[misc]
+def _row(name: str, fields: Sequence[str]) -> Any:
+    return namedtuple(name, fields)  # type: ignore[misc]
+
+
+TaskRow = _row("TaskRow", _TASK)
 """The task of one world in Python."""
-TrackerRow: Any = namedtuple("TrackerRow", tracker_dtype.names or ())  # type: ignore[misc]
+TrackerRow = _row("TrackerRow", tracker_dtype.names or ())
 """A food tracker in Python."""
-EpisodeRow: Any = namedtuple("EpisodeRow", episode_dtype.names or ())  # type: ignore[misc]
+EpisodeRow = _row("EpisodeRow", episode_dtype.names or ())
 """An episode in Python."""
 
 

@@ -26,9 +26,14 @@ from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import BEHAVIOURS, Behaviour
+
+_FIRST_OF_POSE = robot_dtype(1).fields["marker_x"][1] // 8  # type: ignore[index]
+_POSE = slice(_FIRST_OF_POSE, _FIRST_OF_POSE + 3)
+"""Where x, y and orientation of the marker are among the numbers of a robot."""
 
 
 class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
@@ -130,7 +135,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         )
         if self.render_mode == "human":
             self.render()
-        return self._observation(), self._info()
+        task = TaskRow._make(self._task.tolist())
+        return self._observation(task), self._info(task)
 
     def step(self, action: ActionT) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One round.
@@ -143,11 +149,12 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._require_reset()
         self._command(action, self._world.action)
         self._world.step()
-        episode = EpisodeRow._make(self._episode.item())
+        task, episode = TaskRow._make(self._task.tolist()), EpisodeRow._make(self._episode.item())
         self._over = episode.terminated or episode.truncated
         if self.render_mode == "human":
             self.render()
-        return self._observation(), episode.reward, episode.terminated, episode.truncated, self._info()
+        observation, info = self._observation(task), self._info(task, episode)
+        return observation, episode.reward, episode.terminated, episode.truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -160,7 +167,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ResetNeeded: Before the first reset.
         """
         self._require_first_reset()
-        info = self._info()
+        info = self._info(TaskRow._make(self._task.tolist()))
         return view_of(self._world, self.arena, self.forager, self._executed, self.confidence)._replace(
             step=info["steps"], limit=self.limit, score=info["score"], delivered=info["delivered"]
         )
@@ -178,8 +185,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """Write an action as the kernel takes it."""
 
     @abstractmethod
-    def _observation(self) -> Observation:
-        """The observation, in fresh arrays."""
+    def _observation(self, task: Any) -> Observation:
+        """The observation, in fresh arrays; `task` is a `TaskRow`."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -187,10 +194,12 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def _read(self) -> None:
         """Keep views of the records that every step reads."""
+        # With one lane, records of numbers are quickest to read all at once.
         worlds = self._world.worlds
-        self._episode, self._tracker = worlds.episodes[0, 0], worlds.trackers[0, 0]
-        # With one lane the task is nothing but numbers, which are quickest to read all at once.
-        self._task, self._robot = worlds.tasks.view(np.float64), worlds.bodies.robots[0]
+        self._episode, self._tracker = worlds.episodes, worlds.trackers
+        self._task = worlds.tasks.view(np.float64)
+        self._robot = worlds.bodies.robots[0]
+        self._pose = worlds.bodies.robots.view(np.float64)[_POSE]
 
     def _require_first_reset(self) -> None:
         if not self._seeded:
@@ -198,14 +207,15 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def _require_reset(self) -> None:
         self._require_first_reset()
-        steps = int(self._episode["steps"])
+        steps = EpisodeRow._make(self._episode.item()).steps
         raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
 
-    def _info(self) -> dict[str, Any]:
-        robot, state = self._robot, int(self._task[TaskRow._fields.index("state")])
-        pose = np.concatenate((robot["marker_x"], robot["marker_y"], robot["marker_heading"]))
-        episode, tracker = EpisodeRow._make(self._episode.item()), TrackerRow._make(self._tracker.item())
-        return episode_info(state, pose, episode, tracker)
+    def _info(self, task: Any, episode: Any = None) -> dict[str, Any]:
+        if episode is None:
+            episode = EpisodeRow._make(self._episode.item())
+        return episode_info(
+            int(task.state), self._pose.copy(), episode, TrackerRow._make(self._tracker.item())
+        )
 
 
 class CompiledBehavioursEnv(CompiledRecallEnv[int]):
@@ -221,8 +231,8 @@ class CompiledBehavioursEnv(CompiledRecallEnv[int]):
         self._executed = BEHAVIOURS[behaviour]
         row[0, 0] = behaviour
 
-    def _observation(self) -> Observation:
-        task, diagonal = TaskRow._make(self._task.tolist()), self.diagonal
+    def _observation(self, task: Any) -> Observation:
+        diagonal = self.diagonal
         return {
             "object_presence": np.int64(task.object_presence),
             "robot_home_distance": np.array((int(min(task.robot_home_distance, diagonal)),)),
@@ -243,14 +253,14 @@ class CompiledWheelsEnv(CompiledRecallEnv[NDArray[np.float64]]):
     def _command(self, action: NDArray[np.float64], row: NDArray[np.float64]) -> None:
         row[0] = motor_action(action)
 
-    def _observation(self) -> Observation:
-        robot, task = self._robot, TaskRow._make(self._task.tolist())
+    def _observation(self, task: Any) -> Observation:
+        robot = self._robot
         return {
             "proximity": robot["proximity"][:6, 0].astype(np.int64),
             "arm": robot["arm_reading"].astype(np.int64),
             "jaw": robot["jaw_reading"].astype(np.int64),
             "object_presence": np.int64(robot["object_presence"][0] != 0),
-            "pose": np.concatenate((robot["marker_x"], robot["marker_y"], robot["marker_heading"])),
+            "pose": self._pose.copy(),
             "tracked": np.int64(robot["marker_found"][0]),
             "food_seen": np.int64(task.food_seen),
             "food": np.array((task.food_x, task.food_y)),

@@ -1,6 +1,7 @@
 """`Corridor-v0` and its kin, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
 
 from abc import abstractmethod
+from types import SimpleNamespace
 from typing import Any
 
 import gymnasium as gym
@@ -186,7 +187,9 @@ class RecallVectorEnv(VectorEnv):
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
         state = self.batch.task("state", np.int64)
         pose = [self.batch.robot(name) for name in ("marker_x", "marker_y", "marker_heading")]
-        infos = episode_info(state, np.stack(pose, axis=1), self.batch.episodes, self.batch.trackers)
+        episodes, trackers = _columns(self.batch.episodes), _columns(self.batch.trackers)
+        infos = episode_info(state, np.stack(pose, axis=1), episodes, trackers)
+        infos["correct_behaviour"] = state.copy()
         if not mask.all():
             for values in infos.values():
                 values[~mask] = 0
@@ -197,3 +200,8 @@ def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_
     mask = np.zeros(env.num_envs, np.bool_)
     mask[worlds] = True
     return mask
+
+
+def _columns(records: NDArray[Any]) -> SimpleNamespace:
+    """The fields of records as fresh arrays."""
+    return SimpleNamespace(**{name: records[name].copy() for name in records.dtype.names or ()})
