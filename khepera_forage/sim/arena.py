@@ -8,6 +8,9 @@ from khepera_forage.geometry import polygon
 from khepera_forage.geometry.walls import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
+_ROUNDING = 1e-6
+"""mm by which something that just touches a wall may seem to stand in it, in a copy of an arena at an offset."""
+
 
 class Point(NamedTuple):
     """A place in mm."""
@@ -69,7 +72,7 @@ class Arena:
             raise ValueError(f"{self.name}: foods is empty; allowed: at least one place")
         self.check_free("home", self.home, 0.0)
         room = self.clearance(self.home)
-        if room < self.home_radius:
+        if room < self.home_radius - _ROUNDING:
             raise ValueError(
                 f"{self.name}: home {tuple(self.home)} with radius {self.home_radius:g} mm reaches outside the walls; "
                 f"allowed there: at most {room:.0f} mm"
@@ -112,7 +115,7 @@ class Arena:
         if not all(map(math.isfinite, place)):
             raise ValueError(f"{self.name}: {what} at {tuple(place)}; allowed: finite coordinates in mm")
         room = self.clearance(place)
-        if room < radius:
+        if room < radius - _ROUNDING:
             where = "inside a wall or outside the walls" if room < 0 else f"{room:.0f} mm from a wall"
             raise ValueError(
                 f"{self.name}: {what} at ({place[0]:g}, {place[1]:g}) mm is {where}; "

@@ -1,4 +1,4 @@
-"""Arenas: the thesis' own, copies of them, and what cannot be an arena."""
+"""Arenas: those of the thesis, copies of them, and impossible ones."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.sim.arena import ARENAS, CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.arena import (
+    ARENAS,
+    CORRIDOR,
+    RECTANGLE,
+    Arena,
+    Point,
+    Pose,
+    SetUp,
+    copies,
+    named_arena,
+)
 from tests.sim.stage import ELL, FIELD
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
@@ -17,10 +27,10 @@ ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]
 offsets = st.floats(-3000, 3000)
 
 
-# ---------------------------------------------------------------- the thesis' arenas
+# ---------------------------------------------------------------- the thesis's arenas
 
 
-def test_sizes_are_those_of_section_3_1() -> None:
+def test_arenas_have_the_sizes_of_section_3_1() -> None:
     assert CORRIDOR.bounds == (0, 0, 650, 230)
     assert RECTANGLE.bounds == (0, 0, 650, 600)
     assert CORRIDOR.diagonal == pytest.approx(math.hypot(650, 230))
@@ -49,7 +59,7 @@ def test_walls_enclose_the_floor(arena: Arena) -> None:
 
 @given(st.floats(-100, 800), st.floats(-100, 800))
 @PROPERTY
-def test_clearance_in_a_rectangle_is_the_nearest_of_four(x: float, y: float) -> None:
+def test_clearance_in_a_rectangle_is_the_least_of_four_distances(x: float, y: float) -> None:
     if 0 < x < 650 and 0 < y < 600:
         assert RECTANGLE.clearance(Point(x, y)) == pytest.approx(min(x, 650 - x, y, 600 - y))
     else:
@@ -69,9 +79,7 @@ def test_clearance_is_negative_in_an_obstacle_and_beyond_a_corner() -> None:
 
 @given(st.sampled_from(ALL), offsets, offsets, st.floats(0, 700), st.floats(0, 700))
 @PROPERTY
-def test_a_copy_differs_only_in_where_it_stands(
-    arena: Arena, dx: float, dy: float, x: float, y: float
-) -> None:
+def test_copy_differs_in_its_place_only(arena: Arena, dx: float, dy: float, x: float, y: float) -> None:
     copy = arena.shifted(dx, dy)
     assert copy.clearance(Point(x + dx, y + dy)) == pytest.approx(arena.clearance(Point(x, y)), abs=1e-6)
     assert (copy.name, copy.home_radius, copy.start.heading) == (
@@ -106,19 +114,19 @@ def test_copies_stand_apart_by_the_gap(arena: Arena, count: int, gap: float) -> 
         assert i == 0 or min(between) == pytest.approx(gap, abs=1e-6)
 
 
-def test_a_pair_of_corridors_lies_side_by_side() -> None:
+def test_pair_of_corridors_lies_side_by_side() -> None:
     _, other = copies(CORRIDOR, 2)
     assert other.bounds == (0, 300, 650, 530)
     assert copies(replace(CORRIDOR, walls=RECTANGLE.walls), 2)[1].bounds == (0, 670, 650, 1270)
 
 
 @pytest.mark.parametrize(("count", "gap"), [(0, 70.0), (-1, 70.0), (2, -1.0), (2, math.nan)])
-def test_no_copies_of_that_kind(count: int, gap: float) -> None:
+def test_copies_refuse_a_count_below_1_and_a_negative_gap(count: int, gap: float) -> None:
     with pytest.raises(ValueError, match=rf"{count if count < 1 else gap}.*allowed: at least"):
         copies(CORRIDOR, count, gap)
 
 
-# ---------------------------------------------------------------- what is no arena
+# ---------------------------------------------------------------- impossible arenas
 
 BLOCK = (Point(340, 80), Point(400, 80), Point(400, 150), Point(340, 150))
 
@@ -157,22 +165,35 @@ BLOCK = (Point(340, 80), Point(400, 80), Point(400, 150), Point(340, 150))
         ({"walls": tuple(Point(x, 0) for x in (0, 300, 650))}, "no area"),
     ],
 )
-def test_what_is_no_arena_says_so_with_its_name(change: dict[str, Any], complaint: str) -> None:
+def test_impossible_arena_is_refused_with_its_name(change: dict[str, Any], complaint: str) -> None:
     with pytest.raises(ValueError, match=rf"corridor: .*{complaint}"):
         replace(CORRIDOR, **change)
 
 
-def test_food_just_fits_at_its_radius_from_a_wall() -> None:
-    replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),))
-    replace(CORRIDOR, start=Pose(RADIUS, 115, 0))
+@pytest.mark.parametrize("offset", [0.0, 0.1, 1398.9128980311582])
+def test_food_and_robot_just_fit_at_their_radius_from_a_wall(offset: float) -> None:
+    """At an offset, too, where their distance to the wall is rounded."""
+    replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),)).shifted(offset, offset)
+    replace(CORRIDOR, start=Pose(RADIUS, 115, 0)).shifted(offset, offset)
+    assert CORRIDOR.home_radius == CORRIDOR.clearance(CORRIDOR.home)
+    CORRIDOR.shifted(offset, offset)
+
+
+def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() -> None:
+    with pytest.raises(
+        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle'"
+    ):
+        named_arena("circle")
+    with pytest.raises(ValueError, match=r"corridor: home .* radius 100 mm reaches outside the walls"):
+        named_arena("corridor", SetUp(home_to_wall=90.0))
 
 
 @pytest.mark.parametrize(
     "obstacle",
     [
-        (Point(200, -20), Point(250, -20), Point(225, 40)),  # leans in over a wall
-        (Point(195, -20), Point(205, -20), Point(205, 250), Point(195, 250)),  # has no corner on the floor
+        (Point(200, -20), Point(250, -20), Point(225, 40)),  # with a corner on the floor
+        (Point(195, -20), Point(205, -20), Point(205, 250), Point(195, 250)),  # without a corner on the floor
     ],
 )
-def test_an_obstacle_may_reach_over_the_walls(obstacle: tuple[Point, ...]) -> None:
+def test_obstacle_may_reach_through_the_walls(obstacle: tuple[Point, ...]) -> None:
     assert replace(CORRIDOR, obstacles=(obstacle,)).obstacles == (obstacle,)
