@@ -8,7 +8,7 @@ from typing import Any
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.envs.forager import floor_of
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import FOOD_RADIUS
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_layout, check_robot
 from khepera_forage.sim.world import Layout
@@ -77,6 +77,7 @@ def given_places(
     start, places = None, None
     if "start" in options:
         start = _start_of(options)
+        arena.check_free("start", start, RADIUS)
         check_robot(arena, start)
     if "foods" in options:
         places = _foods_of(options, foods)
