@@ -56,8 +56,10 @@ def walls_of(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Wall, ...]:
 def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
     """From a place to the nearest point of a wall."""
     dx, dy = wall.x1 - x, wall.y1 - y
-    t = min(1.0, max(0.0, -(dx * wall.ex + dy * wall.ey) * wall.share))
-    return dx + t * wall.ex, dy + t * wall.ey
+    ex, ey = wall.ex, wall.ey
+    t = -(dx * ex + dy * ey) * wall.share
+    t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
+    return dx + t * ex, dy + t * ey
 
 
 def clearance(x: float, y: float, walls: Any) -> float:

@@ -16,7 +16,6 @@ The functions take *records*: objects with the fields of `Track` and `Detection`
 dataclass and a named tuple, in compiled code records of numpy arrays.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -269,7 +268,7 @@ class Tracks:
     def reset(self) -> None:
         """Forget every track; labels start at 0 again."""
         self._tracks: list[Track] = []
-        self._regions: dict[int, Region] = {}
+        self._regions: list[Region] = []
         self._next_label = 0
 
     def update(self, detections: Sequence[Detection], visible: Callable[[float, float], bool]) -> Scene:
@@ -282,40 +281,27 @@ class Tracks:
         """
         # One order for any order in which the detections come.
         detections = sorted(detections)
-        tracks, count, last = self._tracks, len(detections), self._regions
-        while len(tracks) < len(last) + count:
-            tracks.append(Track())
-        new = match(tracks, detections, count, self._by_place)
-        for track in tracks:
-            if not track.found and may_vanish(track, self._by_place) and visible(track.x, track.y):
-                track.label = -1
+        new = match(self._tracks, detections, len(detections), self._by_place)
+        tracks, regions = [], []
+        for track, region in zip(self._tracks, self._regions, strict=True):
+            if track.detection >= 0:
+                region = _region(track.label, detections[track.detection])
+            elif may_vanish(track, self._by_place) and visible(track.x, track.y):
+                continue
+            elif region.found:
+                region = region._replace(found=False)
+            tracks.append(track)
+            regions.append(region)
         if new:
-            self._next_label = start_tracks(tracks, detections, count, self._next_label)
-        regions = {}
-        for track in tracks:
-            if track.label >= 0:
-                regions[track.label] = _region(track, detections, last)
-        if new:
-            # Labels grow with time: the oldest track comes first, whatever slot it is in.
-            regions = dict(sorted(regions.items()))
-            tracks.sort(key=_age)
-        self._regions = regions
-        return Scene(tuple(regions.values()))
+            # Slots are filled in this order, so that the oldest track stays first.
+            slots = [Track() for _ in range(new)]
+            tracks += slots
+            self._next_label = start_tracks(tracks, detections, len(detections), self._next_label)
+            regions += [_region(track.label, detections[track.detection]) for track in slots]
+        self._tracks, self._regions = tracks, regions
+        return Scene(tuple(regions))
 
 
-def _age(track: Track) -> float:
-    return track.label if track.label >= 0 else math.inf
-
-
-def _region(track: Track, detections: Sequence[Detection], last: dict[int, Region]) -> Region:
-    """What is reported of a track: what the frame shows, or what was last seen of a lost region."""
-    if track.detection >= 0:
-        x, y, holes, orientation, edge, first_x, first_y, area, perimeter, compactness = detections[
-            track.detection
-        ]
-        label = track.label
-        return Region(
-            label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness
-        )
-    region = last[track.label]
-    return region._replace(found=False) if region.found else region
+def _region(label: int, detection: Detection) -> Region:
+    x, y, holes, orientation, edge, first_x, first_y, area, perimeter, compactness = detection
+    return Region(label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness)
