@@ -14,14 +14,14 @@ def _array_at(typing_context: Any, address: Any, shape: Any, dtype: Any) -> Any:
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         element = context.get_data_type(array_type.dtype)
-        array = arrayobj.make_array(array_type)(context, builder)
-        sizes = cgutils.unpack_tuple(builder, arguments[1])
+        array = arrayobj.make_array(array_type)(context, builder)  # type: ignore[no-untyped-call]
+        sizes = cgutils.unpack_tuple(builder, arguments[1])  # type: ignore[no-untyped-call]
         stride = itemsize = context.get_constant(types.intp, context.get_abi_sizeof(element))
-        strides = []
+        strides: list[Any] = []
         for size in reversed(sizes):
             strides.insert(0, stride)
             stride = builder.mul(stride, size)
-        arrayobj.populate_array(
+        arrayobj.populate_array(  # type: ignore[no-untyped-call]
             array,
             data=builder.inttoptr(arguments[0], element.as_pointer()),
             shape=sizes,

@@ -1,4 +1,7 @@
-"""How the batch is compiled: one place for numba's options."""
+"""Decorators that compile functions: one place for numba's options.
+
+`entrance` compiles what Python calls. `kernel`, `inline` and `sequence` mark what entrances call.
+"""
 
 import gc
 from collections.abc import Callable
@@ -9,98 +12,104 @@ from numba.core import event
 from numba.extending import overload, register_jitable
 
 from khepera_forage.compilation.cache_key import cache_key
+from khepera_forage.compilation.late_optimization import LateOptimization
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _PACKAGE = __name__.partition(".")[0]
 
-# The Python error model checks every division, which keeps loops from being vectorised. Kernels work on the arrays they
-# are given and make none: to count who refers to them takes time, to compile and to run.
+# Python's error model checks every division, and loops with checks do not vectorise. Compiled functions receive all
+# their arrays and allocate none, so no references need to be counted (`_nrt`).
 _OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "boundscheck": False,
-    "nogil": True,
     "no_cfunc_wrapper": True,
     "_nrt": False,
 }
-# What compiled code alone calls needs no entrance from Python either.
-_INLINE: Any = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+_INNER: Any = {**_OPTIONS, "no_cpython_wrapper": True}
+_INNER_INLINE: Any = {**_INNER, "forceinline": True}
 
 
 def entrance(function: _F) -> _F:
-    """A kernel that Python calls, without its lock; what is compiled is kept on disk.
+    """A function that Python calls: it releases Python's lock, and its machine code is kept on disk.
 
-    Numba looks at the date of the one file that a kernel is written in. These are made of functions from many files, so
-    the name under which one is kept changes with all of them: none that is out of date is used, or even read.
+    Numba compares the date of one source file, but an entrance contains functions of many files. So its name on disk
+    contains a checksum of all of them: machine code of older sources is never used.
     """
     function.__qualname__ = f"{function.__qualname__}_{cache_key(function.__module__):08x}"
-    compiled: _F = numba.njit(cache=True, **_OPTIONS)(function)
+    compiled: _F = numba.njit(cache=True, nogil=True, **_OPTIONS)(function)
     return compiled
 
 
 def kernel(function: _F) -> _F:
-    """A function that loops over many worlds, compiled when it is first called by compiled code."""
-    compiled: _F = numba.njit(**_OPTIONS)(function)
-    return compiled
+    """A function that loops over many worlds, compiled once for all its callers."""
+    registered: _F = register_jitable(**_INNER)(function)
+    return registered
 
 
 def sequence(function: _F) -> _F:
-    """A function that calls kernels one after the other, written out where it is called.
+    """A function that calls kernels one after the other; its statements are copied into the caller.
 
-    Numba optimises a compiled function anew inside everything that calls it: a call less is some seconds less.
+    Each function call avoided saves seconds of compilation.
     """
-    written_out: _F = numba.njit(inline="always", **_OPTIONS)(function)
-    return written_out
+    copied: _F = numba.njit(inline="always", nogil=True, **_OPTIONS)(function)
+    return copied
 
 
 def inline(function: _F) -> _F:
-    """A function of one world's numbers, compiled into whatever kernel calls it; plain Python otherwise."""
-    registered: _F = register_jitable(**_INLINE)(function)
+    """A function of one world's numbers, compiled into each kernel that calls it."""
+    registered: _F = register_jitable(**_INNER_INLINE)(function)
     return registered
 
 
 def stand_in(function: Callable[..., Any]) -> Callable[[_F], _F]:
-    """In compiled code the decorated function takes the place of `function`, of the same arguments.
+    """In compiled code, the decorated function replaces `function`, which has the same arguments.
 
-    Both stay what they are in plain Python, so that a test can compare them.
+    Python calls either of them uncompiled, so that a test can compare them.
     """
 
     def register(substitute: _F) -> _F:
         names = ", ".join(substitute.__code__.co_varnames[: substitute.__code__.co_argcount])
         typing: dict[str, Any] = {}
         exec(f"def typing({names}):\n    return substitute\n", {"substitute": substitute}, typing)
-        overload(function, jit_options=_INLINE, strict=False)(typing["typing"])
+        overload(function, jit_options=_INNER_INLINE, strict=False)(typing["typing"])
         return substitute
 
     return register
 
 
-class _SeldomCollecting(event.Listener):
-    """While numba compiles the functions of this package, Python looks for unreachable objects less often.
+class _Compilation(event.Listener):
+    """Shortens the compilation of this package's functions.
 
-    A compiler makes objects by the million and keeps most of them: to look through them all again and again takes an
-    eighth of its time.
+    Functions within an entrance are optimised late (see `late_optimization`). And Python looks for unreachable objects
+    less often: a compiler makes millions of objects and keeps most of them, and searching them takes an eighth of its
+    time.
     """
 
     _THRESHOLDS = (100_000, 10, 10)
 
     def __init__(self) -> None:
-        self._depth = 0
+        self._inner: list[bool] = []
+        """Of each function under compilation, outermost first: whether only compiled code calls it."""
         self._usual = gc.get_threshold()
+        self._late_optimization = LateOptimization()
 
     def on_start(self, event: Any) -> None:
-        if self._depth == 0:
-            if not event.data["dispatcher"].py_func.__module__.startswith(_PACKAGE):
+        own = event.data["dispatcher"].py_func.__module__.startswith(_PACKAGE)
+        if not self._inner:
+            if not own:
                 return
             self._usual = gc.get_threshold()
             gc.set_threshold(*self._THRESHOLDS)
-        self._depth += 1
+        self._inner.append(own and bool(self._inner))
+        self._late_optimization.switch(self._inner[-1])
 
     def on_end(self, event: Any) -> None:
-        if self._depth == 0:
+        if not self._inner:
             return
-        self._depth -= 1
-        if self._depth == 0:
+        self._inner.pop()
+        self._late_optimization.switch(bool(self._inner) and self._inner[-1])
+        if not self._inner:
             gc.set_threshold(*self._usual)
 
 
-event.register("numba:compile", _SeldomCollecting())  # type: ignore[no-untyped-call]
+event.register("numba:compile", _Compilation())  # type: ignore[no-untyped-call]

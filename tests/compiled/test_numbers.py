@@ -57,12 +57,12 @@ def test_polynomials_are_as_good_as_the_library() -> None:
 
 
 def test_compiled_angles_are_those_of_the_task() -> None:
-    from khepera_forage.envs.compiled import compiled_rules as compiled_task
+    from khepera_forage.envs.compiled import rules
 
     rng = np.random.default_rng(2)
     for a, b in rng.uniform(-400, 400, (5000, 2)).tolist():
-        assert abs(compiled_task.turn_to(a, b) - angles.turn_to(a, b)) < 1e-12
-        assert abs(compiled_task.bearing_of(a, b) - angles.bearing_of(a, b)) < 1e-12
-        assert abs(compiled_task.length(a, b) - angles.length(a, b)) < 1e-12
-        assert abs(compiled_task.sine(a) - angles.sine(a)) < 1e-12
-        assert abs(compiled_task.arcsine(b / 400) - angles.arcsine(b / 400)) < 1e-10
+        assert abs(rules.turn_to(a, b) - angles.turn_to(a, b)) < 1e-12
+        assert abs(rules.bearing_of(a, b) - angles.bearing_of(a, b)) < 1e-12
+        assert abs(rules.length(a, b) - angles.length(a, b)) < 1e-12
+        assert abs(rules.sine(a) - angles.sine(a)) < 1e-12
+        assert abs(rules.arcsine(b / 400) - angles.arcsine(b / 400)) < 1e-10
