@@ -1,168 +1,138 @@
-"""The compiled task against the task: the same functions, the same register, the same episodes."""
+"""The task in compiled worlds: the same episodes as in Python, and teachers as good as on pymunk."""
 
 import math
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 import pytest
 from scipy import stats
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled import rows as at
-from khepera_forage.envs.compiled.batch import TaskBatch, _by_row
-from khepera_forage.envs.forager import site_of
+from khepera_forage.envs.compiled.batch import CompiledBatch
+from khepera_forage.envs.recall import RecallEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import FOOD_RADIUS, Motors, Senses, applicable
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.arena import RECTANGLE, Point
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.sim.compiled.rows import LANES
-from khepera_forage.task.behaviours import command
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
-from khepera_forage.task.perception import nearest_food, perceive, state_vector
-from khepera_forage.task.states import FoodType, classify
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.compiled.world import CompiledWorld
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import Decisions
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
+LOSSES = Noise(loss_rate_food=0.01)
 
 
-def _senses(batch: Any, i: Any) -> Any:
-    def get(row: Any) -> Any:
-        return int(batch.body(row)[i])
+class _FixedKey:
+    """A generator from which `CompiledWorld` takes the key of its random numbers."""
 
-    proximity = tuple(get(body.PROXIMITY + n) for n in range(8))
-    return Senses(proximity, 0, 0, get(body.ARM_READ), get(body.JAW_READ), get(body.PRESENT))
+    def __init__(self, key: int) -> None:
+        self._key = key
 
+    def spawn(self, count: int) -> "list[_FixedKey]":
+        return [self] * count
 
-def _scene(batch: Any, i: Any) -> Any:
-    """What the camera of a world reports, as the single environments have it."""
-    x, y, degrees, found = (
-        batch.body(row)[i] for row in (body.OWN_X, body.OWN_Y, body.OWN_DEGREES, body.OWN_FOUND)
-    )
-    own = Region(10**6, float(x), float(y), 2, int(degrees), bool(found), False, 0, 0, 1, 1, 1)
-    food = batch.worlds.bodies.food.reshape(-1, batch.foods, body.FOOD_ROWS, LANES)[
-        i // LANES, :, :, i % LANES
-    ]
-    regions = [own]
-    for rows in food.tolist():
-        if rows[body.TRACK] >= 0:
-            seen = bool(rows[body.TRACK_FOUND])
-            regions.append(
-                Region(
-                    int(rows[body.TRACK]),
-                    rows[body.TRACK_X],
-                    rows[body.TRACK_Y],
-                    0,
-                    0,
-                    seen,
-                    False,
-                    0,
-                    0,
-                    1,
-                    1,
-                    1,
-                )
-            )
-        if rows[body.GHOST] >= 0:
-            regions.append(
-                Region(
-                    int(rows[body.GHOST]),
-                    rows[body.GHOST_X],
-                    rows[body.GHOST_Y],
-                    0,
-                    0,
-                    False,
-                    False,
-                    0,
-                    0,
-                    1,
-                    1,
-                    1,
-                )
-            )
-    return Scene(tuple(sorted(regions, key=lambda r: r.label))), own
+    def integers(self, high: int, dtype: Any) -> Any:
+        return dtype(self._key)
 
 
-def test_register_perception_and_commands_are_those_of_the_single_environment() -> None:
-    """Every round of 24 worlds, scenes and senses given to `FoodRegister`, `perceive`, `classify` and `command`."""
-    worlds, foods = 24, 3
-    batch = TaskBatch(worlds, "rectangle", foods, 10_000, Noise(loss_rate_food=0.01), MIXED)
-    batch.seed(3, np.arange(worlds))
-    batch.restart(np.arange(worlds))
-    site = site_of(RECTANGLE)
-    registers = []
-    for i in range(worlds):
-        rows = batch.worlds.registers.reshape(-1, foods, at.TASK_FOOD_ROWS, LANES)[
-            i // LANES, :, :, i % LANES
-        ]
-        places = (
-            batch.worlds.bodies.food.reshape(-1, foods, body.FOOD_ROWS, LANES)[i // LANES, :, :2, i % LANES]
-            / MM_PER_PIXEL
-        )
-        types = FoodTypes(foods, (1.0, 0.0, 0.0), np.random.default_rng(0))
-        types._types = [FoodType(int(t)) for t in rows[:, at.TYPE]]
-        registers.append(FoodRegister(site, [tuple(p) for p in places.tolist()], types))
-    before = [_senses(batch, i)._replace(object_presence=0) for i in range(worlds)]
-    applied = [Motors(0, 0, 215, 200)] * worlds
+class _KeyedWorld(CompiledWorld):
+    """Compiled bodies with the random numbers that a compiled environment has after `reset(seed=seed)`."""
+
+    seed: int
+
+    def reset(self, rng: Any, layout: Layout) -> None:
+        generator: Any = _FixedKey(key_of(self.seed))
+        super().reset(generator, layout)
+
+
+def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, Any]:
+    """The compiled environment, and the Python environment on compiled bodies: only the task is another."""
+    arena, noise = name.removesuffix("Wheels").lower(), kwargs.pop("noise", None)
+    compiled = gym.make(
+        f"khepera_forage/{name}-v0", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
+    ).unwrapped
+    return compiled, kind(world=_KeyedWorld(ARENAS[arena], noise, timing=timing_of(Decisions())), **kwargs)
+
+
+def _close(one: Any, two: Any) -> bool:
+    """Whether numbers are equal to rounding: compiled angles and roots differ in the last digits."""
+    return np.allclose(one, two, rtol=0.0, atol=1e-9)
+
+
+def _check_same(compiled: Any, python: Any) -> None:
+    """The same perception, food tracker and state, to rounding."""
+    mine, other = compiled.forager, python.forager
+    assert mine.vector == other.vector
+    assert mine.state == other.state
+    assert mine.senses == other.senses
+    assert mine.correct_behaviour == other.correct_behaviour
+    assert mine.raw.proximity == other.raw.proximity
+    assert _close(mine.raw[1:], other.raw[1:])
+    for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable", "food_seen"):
+        assert getattr(mine.tracker, name) == getattr(other.tracker, name), name
+    for ours, theirs in zip(mine.tracker.foods, other.tracker.foods, strict=True):
+        assert _close((ours.x, ours.y), (theirs.x, theirs.y))
+        for name in ("type", "known", "delivered", "carried"):
+            assert getattr(ours, name) == getattr(theirs, name), name
+
+
+def test_episodes_of_behaviours_are_those_of_the_task_in_python() -> None:
+    """Now and then another behaviour than the teacher's, so that food is lost, shoved and released anywhere."""
+    compiled, python = _pair(BehavioursEnv, "Rectangle", foods=3, limit=350, noise=LOSSES, food_types=MIXED)
     rng = np.random.default_rng(0)
-    delivered = 0
-    for _ in range(350):
-        states = batch.task(at.STATE).astype(int)
-        choices = np.where(rng.random(worlds) < 0.1, rng.integers(0, 10, worlds), states)
-        commanded = []
-        for i in range(worlds):
-            scene, own = _scene(batch, i)
-            after = _senses(batch, i)
-            register = registers[i]
-            register.update(scene, own, before[i], after, applied[i])
-            food = nearest_food(scene, site, own.x, own.y, register.settled)
-            raw = perceive(after, own, food, register.type_in_gripper, site)
-            vector = state_vector(raw, site.diagonal)
-            assert vector == tuple(batch.task(at.VECTOR + n)[i] for n in range(5))
-            assert classify(vector, site.home_radius) == states[i]
-            assert register.delivered_food == batch.task(at.DELIVERED)[i]
-            assert register.poison_home == batch.task(at.POISON_HOME)[i]
-            assert register.deliverable == batch.task(at.DELIVERABLE)[i]
-            before[i] = after
-            commanded.append(applicable(command(int(choices[i]), raw)))
-        batch.step(choices.astype(float), np.zeros(worlds, np.bool_))
-        told = [batch.body(row) for row in (body.LEFT, body.RIGHT, body.ARM_TO, body.JAW_TO)]
-        for i in range(worlds):
-            assert commanded[i] == tuple(row[i] for row in told)
-            applied[i] = commanded[i]
-        delivered = sum(register.delivered_food for register in registers)
-    assert delivered > worlds / 2
+    delivered = poison = 0
+    for seed in range(8):
+        python.world.seed = seed
+        obs, info = compiled.reset(seed=seed)
+        other_obs, other_info = python.reset(seed=seed)
+        over = False
+        while not over:
+            _check_same(compiled, python)
+            assert repr(obs) == repr(other_obs)
+            for name in info:
+                assert _close(info[name], other_info[name]), name
+            random = rng.random() < 0.1
+            behaviour = int(rng.integers(10)) if random else info["correct_behaviour"]
+            obs, *result, info = compiled.step(behaviour)
+            other_obs, *other_result, other_info = python.step(behaviour)
+            assert result == other_result
+            over = result[1] or result[2]
+        delivered += info["delivered"]
+        poison += sum(food.known == 3 for food in compiled.forager.tracker.foods)
+    assert delivered > 6
+    assert poison > 2
 
 
-def test_random_layouts_have_the_distribution_of_the_single_environment() -> None:
-    worlds = 1500
-    batch = TaskBatch(worlds, "rectangle", 2, noise=Noise.none())
-    batch.seed(0, np.arange(worlds))
-    batch.restart(np.arange(worlds))
-    env = BehavioursEnv(arena="rectangle", foods=2)
-    single = []
-    for seed in range(500):
-        env.reset(seed=seed)
-        (x, y, heading), (one, two) = env.layout.starts[0], env.layout.foods
-        single.append((x, y, heading, *one, *two))
-    many = (
-        _by_row(batch.worlds.bodies.robots)[:, (body.X, body.Y, body.HEADING)]
-        .transpose(0, 2, 1)
-        .reshape(-1, 3)[:worlds]
-    )
-    food = (
-        batch.worlds.bodies.food.reshape(-1, 2, body.FOOD_ROWS, LANES)[:, :, :2]
-        .transpose(0, 3, 1, 2)
-        .reshape(-1, 4)[:worlds]
-    )
-    for column, values in enumerate(np.column_stack((many, food)).T):
-        assert stats.ks_2samp(values, np.array(single)[:, column]).pvalue > 1e-3
-    for x, y in food.reshape(-1, 2)[:200].tolist():
-        assert RECTANGLE.clearance(Point(x, y)) > 49.9 > FOOD_RADIUS
+def test_episodes_of_wheels_are_those_of_the_task_in_python() -> None:
+    compiled, python = _pair(WheelsEnv, "CorridorWheels", foods=1, limit=200, noise=LOSSES, food_types=MIXED)
+    rng = np.random.default_rng(1)
+    correct = 0
+    for seed in range(5):
+        python.world.seed = seed
+        obs, info = compiled.reset(seed=seed)
+        other_obs, other_info = python.reset(seed=seed)
+        over = False
+        while not over:
+            _check_same(compiled, python)
+            for name in obs:
+                assert _close(obs[name], other_obs[name]), name
+            motors = compiled.forager.motors_for(compiled.forager.correct_behaviour)
+            right = (motors.left / 20, motors.right / 20, (235 - motors.arm) / 20, 1 - motors.jaw / 100)
+            action = rng.uniform(-1, 1, 4) if rng.random() < 0.1 else np.array(right)
+            obs, *result, info = compiled.step(action)
+            other_obs, *other_result, other_info = python.step(action)
+            assert result == other_result
+            assert (info["steps"], info["correct"]) == (other_info["steps"], other_info["correct"])
+            over = result[1] or result[2]
+        correct += info["correct"] / info["steps"]
+    assert 0.8 < correct / 5 < 1.0
 
 
-def _pymunk_steps(episodes: Any) -> Any:
+def _pymunk_steps(episodes: int) -> Any:
     env = BehavioursEnv()
     steps = []
     for seed in range(episodes):
@@ -175,17 +145,17 @@ def _pymunk_steps(episodes: Any) -> Any:
     return np.array(steps)
 
 
-def test_the_teacher_takes_as_many_steps_as_in_pymunk() -> None:
+def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     """Some hundred episodes here; thousands, with all scores, in benchmarks."""
     single = _pymunk_steps(250)
-    batch = run_teacher("corridor", 4000, 7)
-    assert stats.ks_2samp(single, batch.steps).pvalue > 1e-3
-    assert abs(single.mean() - batch.steps.mean()) < 4 * single.std() / math.sqrt(250)
-    assert batch.delivered.mean() > 0.998
-    assert batch.score.mean() > 99.9
+    compiled = run_teacher("corridor", 4000, 7)
+    assert stats.ks_2samp(single, compiled.steps).pvalue > 1e-3
+    assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(250)
+    assert compiled.delivered.mean() > 0.998
+    assert compiled.score.mean() > 99.9
 
 
-def test_wheels_two_percent_slow_would_be_noticed() -> None:
+def test_wheels_two_percent_slower_change_the_steps() -> None:
     quick, same, slow = (
         run_teacher("corridor", 6000, seed, wheel_speed=v) for seed, v in ((1, 1.0), (2, 1.0), (3, 0.98))
     )
@@ -193,26 +163,29 @@ def test_wheels_two_percent_slow_would_be_noticed() -> None:
     assert stats.ttest_ind(quick.steps, slow.steps).pvalue < 0.001
 
 
-def test_nothing_is_lost_between_rounds() -> None:
-    """The rows that threads work in hold nothing that the next round needs: whole episodes keep them."""
+def test_scratch_records_hold_nothing_between_rounds() -> None:
+    """Whole episodes stay the same when the records that threads work in are overwritten between rounds."""
+    worlds = 300
     kwargs: Any = {"foods": 3, "limit": 400, "food_types": MIXED}
-    whole = run_teacher("rectangle", 300, 8, **kwargs)
-    batch = TaskBatch(300, "rectangle", **kwargs)
-    batch.seed(8, np.arange(300))
-    batch.restart(np.arange(300))
-    under_way, steps, delivered = np.ones(300, bool), np.zeros(300), np.zeros(300)
+    whole = run_teacher("rectangle", worlds, 8, **kwargs)
+    batch = CompiledBatch(worlds, "rectangle", **kwargs)
+    batch.seed(list(range(8, 8 + worlds)), np.arange(worlds))
+    batch.restart(np.arange(worlds))
+    running, steps, delivered = np.ones(worlds, bool), np.zeros(worlds), np.zeros(worlds)
+    bodies = batch.worlds.bodies
     for _ in range(400):
-        batch.worlds.bodies.work[:] = np.nan
-        batch.step(batch.task(at.STATE), np.zeros(300, bool))
-        over = under_way & ((batch.task(at.TERMINATED) != 0) | (batch.task(at.TRUNCATED) != 0))
-        steps[over], delivered[over] = batch.task(at.STEPS)[over], batch.task(at.DELIVERED)[over]
-        under_way &= ~over
-    assert not under_way.any()
+        for scratch in (bodies.scratch, bodies.detections, batch.worlds.starts, batch.worlds.places):
+            scratch.view(np.uint8)[:] = 0xFF  # not a number
+        batch.step(batch.task("state"), np.zeros(worlds, bool))
+        over = running & (batch.episodes["terminated"] | batch.episodes["truncated"])
+        steps[over], delivered[over] = batch.episodes["steps"][over], batch.trackers["delivered"][over]
+        running &= ~over
+    assert not running.any()
     assert (steps == whole.steps).all()
     assert (delivered == whole.delivered).all()
 
 
-def test_an_episode_is_the_same_however_many_there_are() -> None:
+def test_an_episode_does_not_depend_on_the_number_of_episodes() -> None:
     few = run_teacher("rectangle", 40, 5, foods=2, limit=700, food_types=MIXED)
     many = run_teacher("rectangle", 700, 5, foods=2, limit=700, food_types=MIXED)
     for a, b in zip(few, many, strict=True):
@@ -226,6 +199,7 @@ def test_an_episode_is_the_same_however_many_there_are() -> None:
         ({"limit": 0}, "limit is 0"),
         ({"episodes": 0}, "episodes is 0"),
         ({"arena": "moon"}, "arena is 'moon'"),
+        ({"decisions": 17}, "decisions is 17"),
     ],
 )
 def test_bad_arguments_are_quoted(arguments: Any, message: Any) -> None:
