@@ -1,129 +1,71 @@
-"""The virtual laboratory: what bytes and pixels change, what a round takes, and what disturbed lines do.
+"""The virtual laboratory: the effects of real bytes and frames, the time of a round, and disturbed lines.
 
     python benchmarks/virtual_lab.py --help
 
-Training and recall with real drivers on pseudo-terminals and the real tracker on rendered frames, against the same in
-pymunk alone; the time of a round, part by part; and every fault of a line at several rates, with what was stored
-compared with what was shown, and that with the truth.
+Training and recall with real drivers on pseudo-terminals and the real tracker on rendered frames, compared with pymunk
+alone; the time of a round, part by part; and every fault of a line at several rates. For each fault, the stored
+experience is compared with what the learner was shown, and that with the truth.
 """
 
-import argparse
 import os
 import sys
-from pathlib import Path
-from typing import NamedTuple
 
-from _virtual_lab import page, pictures
-from _virtual_lab.compared import recalls, trainings
-from _virtual_lab.disturbances import disturbances
-from _virtual_lab.episodes import WORLDS, Outcome, Replication, replications
-from _virtual_lab.faults import Disturbed, DisturbedRow, conditions
-from _virtual_lab.rounds import LOCK_STEP, PACED, TimedRound, Timing
-from arguments import add_count, count_of, parser_for, positive
-from joblib import Parallel, delayed
-from tqdm import tqdm
+from harness.arguments import Count, parse
+from harness.page import Page, Picture, finish
+from harness.processes import Unit, collect, in_processes
+from lab_comparison import comparison, page, pictures
+from lab_comparison.episodes import Exclusion, LabRecall, LabTraining, replications
+from lab_comparison.fault_sums import fault_sums
+from lab_comparison.faults import DisturbedAttempt, conditions
+from lab_comparison.rounds import LOCK_STEP, PACED, TimedRound, Timing
 
-from khepera_forage.rollouts.row_files import write_rows
-from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.thesis.figures import save
+from khepera_forage.thesis.tables import Table
 
-REPLICATIONS, QUICK_REPLICATIONS = 16, 1
-FILES, QUICK_FILES = 5, 1
-RECALLS, QUICK_RECALLS = 4, 1
-ROUNDS, QUICK_ROUNDS = 1000, 25
-STEM = "virtual_lab"
-_TIMED = {LOCK_STEP: (1000, 60), PACED: (300, 30)}
-"""Rounds that are timed, and how many of them with --quick."""
-
-
-class Results(NamedTuple):
-    """All rows."""
-
-    outcomes: list[Outcome]
-    disturbed: list[DisturbedRow]
-    timed: list[TimedRound]
+COUNTS = (
+    Count("replications", 16, 1, "trainings and recalls, in each world", adds_units=True),
+    Count("rounds", 1000, 25, "rounds with each fault at each rate"),
+)
+FILES, RECALLS = 5, 4
+"""Training files of a replication, and recalls of each policy in each arena; one each with --quick."""
+TIMED_ROUNDS = {LOCK_STEP: (1000, 60), PACED: (300, 30)}
+"""Rounds whose time is measured, and their number with --quick."""
+TABLES = {
+    LabRecall: "recalls",
+    LabTraining: "trainings",
+    Exclusion: "exclusions",
+    TimedRound: "rounds",
+    DisturbedAttempt: "attempts",
+}
 
 
-def work_through(arguments: argparse.Namespace) -> Results:
-    """Do all the work: times alone on the machine, then the rest in parallel."""
-    quick = arguments.quick
-    timings = [Timing(pace, counts[quick], arguments.seed) for pace, counts in _TIMED.items()]
-    quiet = not sys.stderr.isatty()
-    timed = [row for t in tqdm(timings, desc="round times", unit="pace", disable=quiet) for row in t.run()]
-    count = count_of(arguments.replications, REPLICATIONS, quick, QUICK_REPLICATIONS)
-    files, number = (QUICK_FILES, QUICK_RECALLS) if quick else (FILES, RECALLS)
-    rounds = count_of(arguments.rounds, ROUNDS, quick, QUICK_ROUNDS)
-    work: list[Replication | Disturbed] = [
-        *conditions(rounds, arguments.seed),
-        *replications(count, files, number, arguments.seed),
+def main() -> int:
+    """Run the benchmark."""
+    # Drivers wait most of the time: one process more than there are cores.
+    given = parse("virtual_lab", __doc__, *COUNTS, jobs=1 + (os.cpu_count() or 1))
+    timings = [Timing(pace, counts[given.quick], given.seed) for pace, counts in TIMED_ROUNDS.items()]
+    timed = collect(given, timings, TABLES, in_processes(1)).of(TimedRound)
+    files, recalls = (1, 1) if given.quick else (FILES, RECALLS)
+    units: list[Unit] = [
+        *conditions(given.rounds, given.seed),
+        *replications(given.replications, files, recalls, given.seed),
     ]
-    running = Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(_run)(piece) for piece in work)
-    done = list(tqdm(running, total=len(work), desc=STEM, unit="piece", disable=quiet))
-    outcomes = [outcome for outcome in done if isinstance(outcome, Outcome)]
-    return Results(outcomes, [row for rows in done if isinstance(rows, list) for row in rows], timed)
-
-
-def _run(piece: Replication | Disturbed) -> Outcome | list[DisturbedRow]:
-    return piece.run()
-
-
-def write(folder: Path, results: Results) -> str:
-    """Write tables, rows and pictures.
-
-    Returns:
-        The page with the tables.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    recalled, disturbed = recalls(results.outcomes), disturbances(results.disturbed)
-    tables = (
-        page.training_table(trainings(results.outcomes)),
-        page.recall_table(
-            recalled,
-            sum(outcome.repeated for outcome in results.outcomes),
-            sum(len(outcome.unplaced) for outcome in results.outcomes),
-        ),
-        page.round_table(results.timed),
-        page.fault_table(disturbed),
-        page.experience_table(disturbed),
-    )
-    drawn = {
-        "recalls": pictures.recall_picture(recalled),
-        "rounds": pictures.round_picture(results.timed),
-        "faults": pictures.fault_picture(disturbed),
-    }
-    text = "\n".join(table.markdown() for table in tables)
-    shown = "\n\n".join(f"![{name}]({name}.png)" for name in drawn)
-    (folder / f"{STEM}.md").write_text(f"{text}\n{shown}\n", encoding="utf-8")
-    for table in tables:
-        (folder / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
-    for name, figure in drawn.items():
-        save(figure, folder / f"{name}.png")
-    for world in WORLDS:
-        own = [outcome for outcome in results.outcomes if outcome.world == world]
-        write_rows(folder / f"recall_rows_{world}.csv", RecallRow, [r for o in own for r in o.recalls])
-        write_rows(folder / f"training_rows_{world}.csv", TrainingRow, [r for o in own for r in o.trainings])
-    write_rows(folder / "round_rows.csv", TimedRound, results.timed)
-    write_rows(folder / "fault_rows.csv", DisturbedRow, results.disturbed)
-    return text
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Do what the arguments ask for."""
-    print(write(arguments.out, work_through(arguments)))
-    print(f"Tables, pictures and rows are in {arguments.out}")
-    return 0
+    given.fresh = False
+    rows = collect(given, units, TABLES)
+    exclusions = rows.of(Exclusion)
+    compared = comparison.recalls(rows.of(LabRecall), exclusions)
+    faults = fault_sums(rows.of(DisturbedAttempt))
+    parts: list[Table | Picture] = [
+        page.training_table(comparison.trainings(rows.of(LabTraining))),
+        page.recall_table(compared, exclusions),
+        Picture("recalls", "recalls in both worlds", pictures.recall_picture(compared)),
+        page.round_table(timed),
+        Picture("rounds", "the parts of a round", pictures.round_picture(timed)),
+        page.fault_table(faults),
+        page.experience_table(faults),
+        Picture("faults", "effects of faults", pictures.fault_picture(faults)),
+    ]
+    return finish(given, Page("The virtual laboratory", parts))
 
 
 if __name__ == "__main__":
-    parser = parser_for(__doc__, "results/virtual_lab")
-    add_count(
-        parser, "--replications", REPLICATIONS, QUICK_REPLICATIONS, "trainings and recalls, in each world"
-    )
-    add_count(parser, "--rounds", ROUNDS, QUICK_ROUNDS, "rounds with each fault at each rate")
-    parser.add_argument(
-        "--jobs",
-        type=positive,
-        default=1 + (os.cpu_count() or 1),
-        help="processes; by default one more than there are cores, as drivers often wait",
-    )
-    sys.exit(run(parser.parse_args()))
+    sys.exit(main())

@@ -13,7 +13,7 @@ import gymnasium as gym
 import pymunk
 
 from _throughput.lines import Job, Measure, Values
-from _throughput.stopwatch import Method, Sheet, Stopwatch
+from harness.stopwatch import Method, Sheet, Stopwatch
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera

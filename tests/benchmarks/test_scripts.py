@@ -83,6 +83,11 @@ SCRIPTS = {
         small=("--scenes", "10", "--trainings", "2", "--rounds", "20"),
         needs=("cv2",),
     ),
+    "virtual_lab": Script(
+        ("--replications", "--rounds", "--jobs", "--fresh"),
+        ("recalls", "trainings", "rounds", "attempts"),
+        needs=("serial", "cv2"),
+    ),
     "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
 }
 

@@ -1,9 +1,12 @@
-"""`benchmarks/virtual_lab.py`: both worlds, a round's parts, and a count of faults that would notice what it counts."""
+"""`benchmarks/virtual_lab.py`: both worlds, the parts of a round, and failures that the measurement must detect."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_comparison.episodes import LabRecall, LabTraining
+from lab_comparison.observed_training import LEARNER, ObservedTraining, moving
+from lab_comparison.truth import RoundFailures, Truth
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
@@ -11,10 +14,10 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.faults import FAULTS, Faults
 from khepera_forage.rollouts.row_files import read_rows
-from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.states import Behaviour
-from tests.benchmarks.running import ROOT, help_of, is_picture, quick, read
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import read
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -25,16 +28,14 @@ RATES = ("0.1", "1", "5")
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "virtual_lab"
-    (folder.parent / "printed").write_text(quick("virtual_lab.py", folder), encoding="utf-8")
-    return folder
+def out(quick_run: QuickRun) -> Path:
+    return quick_run("virtual_lab")
 
 
 @pytest.fixture(scope="module")
 def faults(out: Path) -> dict[tuple[str, str], dict[str, str]]:
     """Both fault tables, by fault and rate."""
-    rounds, experience = read(out / "faults.csv"), read(out / "experience.csv")
+    rounds, experience = read(out / "table_faults.csv"), read(out / "table_experience.csv")
     assert [(row["fault"], row["rate (%)"]) for row in rounds] == [
         (row["fault"], row["rate (%)"]) for row in experience
     ]
@@ -44,19 +45,24 @@ def faults(out: Path) -> dict[tuple[str, str], dict[str, str]]:
     }
 
 
+def recalls_of(out: Path) -> dict[str, list[LabRecall]]:
+    rows = read_rows(out / "recalls.csv", LabRecall)
+    return {world: [row for row in rows if row.world == world] for world in WORLDS}
+
+
 def test_every_fault_at_every_rate(faults: dict[tuple[str, str], dict[str, str]]) -> None:
-    assert list(faults) == [("nothing", "0"), *((fault, rate) for fault in FAULTS for rate in RATES)]
+    assert list(faults) == [("none", "0"), *((fault, rate) for fault in FAULTS for rate in RATES)]
     for (fault, rate), row in faults.items():
         assert int(row["rounds"]) == ROUNDS
         assert int(row["rounds disturbed"]) <= min(ROUNDS, int(row["faults"]))
-        if fault == "nothing":
+        if fault == "none":
             assert int(row["faults"]) == 0
         if rate == "5":
             assert int(row["faults"]) > 0
             assert int(row["rounds disturbed"]) > 0
 
 
-def test_rounds_recover_or_end_the_episode_with_everybody_stopped(
+def test_rounds_recover_or_end_the_episode_with_all_robots_stopped(
     faults: dict[tuple[str, str], dict[str, str]],
 ) -> None:
     for (fault, _), row in faults.items():
@@ -71,7 +77,7 @@ def test_no_experience_is_lost_or_wrong(faults: dict[tuple[str, str], dict[str, 
         assert int(row["shown"]) == int(row["on disk"]) + int(row["forgotten"])
         assert 0 < int(row["shown"]) <= ROUNDS
         assert int(row["altered"]) == 0
-        assert int(row["files kept of them"]) == int(row["episodes cut short"])
+        assert int(row["files kept of them"]) == int(row["episodes interrupted"])
         if fault != "garble":
             assert int(row["unseen"]) == int(row["misread"]) == int(row["wrong"]) == 0
         if fault not in ("garble", "reset"):
@@ -79,7 +85,7 @@ def test_no_experience_is_lost_or_wrong(faults: dict[tuple[str, str], dict[str, 
 
 
 def test_the_tables_are_sums_of_the_rows(out: Path, faults: dict[tuple[str, str], dict[str, str]]) -> None:
-    rows = read(out / "fault_rows.csv")
+    rows = read(out / "attempts.csv")
     names = {"rounds": "rounds", "faults": "faults", "vectors": "shown", "moving": "moving", "wrong": "wrong"}
     for (fault, rate), line in faults.items():
         own = [
@@ -95,8 +101,9 @@ def test_the_tables_are_sums_of_the_rows(out: Path, faults: dict[tuple[str, str]
 
 
 def test_the_same_trainings_and_recalls_in_both_worlds(out: Path) -> None:
-    recalls = {world: read_rows(out / f"recall_rows_{world}.csv", RecallRow) for world in WORLDS}
-    trainings = {world: read_rows(out / f"training_rows_{world}.csv", TrainingRow) for world in WORLDS}
+    recalls = recalls_of(out)
+    attempts = read_rows(out / "trainings.csv", LabTraining)
+    trainings = {world: [row for row in attempts if row.world == world] for world in WORLDS}
     places = [
         [(row.arena, row.learner, row.seed, row.start_x, row.food_x) for row in rows]
         for rows in recalls.values()
@@ -117,14 +124,14 @@ def test_the_same_trainings_and_recalls_in_both_worlds(out: Path) -> None:
 
 
 def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
-    recalls = {world: read_rows(out / f"recall_rows_{world}.csv", RecallRow) for world in WORLDS}
+    recalls = recalls_of(out)
     names = {"pymunk": "pymunk alone", "virtual": "virtual laboratory"}
-    lines = [row for row in read(out / "recalls.csv") if row["measure"] == "score (%)"]
+    lines = [row for row in read(out / "table_recalls.csv") if row["measure"] == "score (%)"]
     assert len(lines) == 4
     for line in lines:
         means = {}
         for world in WORLDS:
-            own = [r for r in recalls[world] if (r.arena, r.learner) == (line["arena"], line["who"])]
+            own = [r for r in recalls[world] if (r.arena, r.learner) == (line["arena"], line["policy"])]
             means[world] = np.mean([row.score for row in own])
             assert float(line[names[world]]) == pytest.approx(means[world], rel=1e-4)
         assert float(line["difference"]) == pytest.approx(
@@ -133,8 +140,8 @@ def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
 
 
 def test_parts_of_a_round(out: Path) -> None:
-    rows = read(out / "round_rows.csv")
-    parts = ("transmit", "wait", "physics", "receive", "render", "track", "decide")
+    rows = read(out / "rounds.csv")
+    parts = ("transmit", "wait", "simulate", "receive", "render", "track", "decide")
     lock_step, paced = ([row for row in rows if row["pace"] == pace] for pace in ("lock-step", "wall clock"))
     assert len(lock_step) > len(paced) > 20
     assert all(float(row[part]) > 0 for row in rows for part in parts if part != "wait")
@@ -150,36 +157,7 @@ def test_parts_of_a_round(out: Path) -> None:
     assert np.mean(in_time) == pytest.approx(100, abs=25)
 
 
-def test_tables_are_printed_and_written_with_their_pictures(out: Path) -> None:
-    page = (out / "virtual_lab.md").read_text(encoding="utf-8")
-    printed = (out.parent / "printed").read_text(encoding="utf-8")
-    for line in page.splitlines():
-        if line.startswith("| "):
-            assert line in printed
-    assert page.count("\n## ") == 4
-    for name in ("recalls", "rounds", "faults"):
-        assert is_picture(out / f"{name}.png")
-        assert f"({name}.png)" in page
-
-
-def test_help_names_every_argument() -> None:
-    told = help_of("virtual_lab.py")
-    for argument in (
-        "--seed",
-        "--out",
-        "--quick",
-        "--replications",
-        "--rounds",
-        "--jobs",
-        "results/virtual_lab",
-    ):
-        assert argument in told
-
-
-def test_a_robot_that_is_left_moving_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    from _virtual_lab.watched import moving
-
+def test_a_robot_that_is_left_moving_is_detected() -> None:
     with VirtualLaboratory.from_arena("corridor", 2) as lab:
         arenas = lab.arenas
         lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in arenas), ()))
@@ -191,14 +169,11 @@ def test_a_robot_that_is_left_moving_is_noticed(monkeypatch: pytest.MonkeyPatch)
         assert moving(lab) == 0
 
 
-def test_what_is_not_true_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    from _virtual_lab.watched import LEARNER, WatchedTraining
-
+def test_untrue_vectors_are_detected() -> None:
     with VirtualLaboratory.from_arena("corridor", 2) as lab:
-        env = WatchedTraining(lab, Faults())
+        env = ObservedTraining(lab, Faults())
         env.reset(seed=1)
-        note = env.notes[-1]
+        record = env.records[-1]
 
         def one_round(word: Behaviour) -> None:
             env.observe(TEACHER)
@@ -207,29 +182,32 @@ def test_what_is_not_true_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
             env.step(word)
 
         one_round(Behaviour.SEARCH_FOR_FOOD)
-        assert (len(note.heard), note.wrong, note.misread, note.miscounted, note.halted) == (1, 0, 0, 0, 0)
+        assert (len(record.heard), record.wrong, record.misread, record.miscounted, record.halted) == (
+            1,
+            0,
+            0,
+            0,
+            0,
+        )
         one_round(Behaviour.GO_HOME)  # not what the teacher would call
-        assert note.wrong == 1
+        assert record.wrong == 1
         learner = env.foragers[1]
         learner.vector = learner.vector._replace(arms_height=learner.vector.arms_height + 1)
         one_round(Behaviour.SEARCH_FOR_FOOD)
-        assert note.wrong == 2
+        assert record.wrong == 2
 
 
-def test_a_reading_that_is_not_the_body_s_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    from _virtual_lab.truth import Round, Truth
-
+def test_readings_that_differ_from_the_body_are_detected() -> None:
     with VirtualLaboratory.from_arena("corridor", 2) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         env.reset(seed=1)
         truth, learner = Truth(lab, env.foragers), env.foragers[1]
-        assert truth.take_in() == Round(halted=False, misread=False, miscounted=False)
+        assert truth.end_round() == RoundFailures(halted=False, misread=False, miscounted=False)
         right = learner.senses
         for wrong in ({"arm": 216}, {"object_presence": 255}, {"proximity": (1, *right.proximity[1:])}):
             learner.senses = right._replace(**wrong)
-            assert truth.take_in() == Round(halted=False, misread=True, miscounted=False)
+            assert truth.end_round() == RoundFailures(halted=False, misread=True, miscounted=False)
         learner.senses = right._replace(left_pulses=right.left_pulses + 1)
-        assert truth.take_in() == Round(halted=False, misread=False, miscounted=True)
+        assert truth.end_round() == RoundFailures(halted=False, misread=False, miscounted=True)
         learner.applied = Motors(1, 0, 215, 200)
-        assert truth.take_in() == Round(halted=True, misread=False, miscounted=False)
+        assert truth.end_round() == RoundFailures(halted=True, misread=False, miscounted=False)

@@ -1,4 +1,4 @@
-"""A training in the virtual laboratory under observation: what was shown, what was true, what went wrong."""
+"""A training in the virtual laboratory that records what the learner was shown, what was true, and what failed."""
 
 import time
 from collections.abc import Callable
@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from _virtual_lab.truth import Truth
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
@@ -17,31 +16,32 @@ from khepera_forage.policies.policy import HEARD
 from khepera_forage.robots.virtual.faults import FaultCounts, Faults
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.task.states import Behaviour, StateVector
+from lab_comparison.truth import Truth
 
 Vector = tuple[StateVector, Behaviour]
 """An experience vector."""
 LEARNER = "learner_0"
 _AFTERWARDS = 3
-"""Rounds for which the bodies are watched once they should stand."""
+"""Rounds for which the bodies are observed when they should stand still."""
 
 
 @dataclass(slots=True)
-class Notes:
-    """What came of an attempt.
+class AttemptRecord:
+    """A record of one attempt.
 
     Attributes:
-        rounds: That were begun.
-        lost: Why its last round is its last: a robot, or the camera; otherwise empty.
+        rounds: Begun rounds.
+        lost: Why the last round ended the attempt: a lost robot or camera; empty if nothing was lost.
         heard: What the learner was shown whenever it heard a behaviour: the experience.
-        wrong: Of these, those whose state vector is not that of its body, or whose behaviour the teacher would not have
-            called, had it sensed what its own body does.
+        wrong: Vectors among these that differ from what the learner's body senses, or whose behaviour differs from what
+            the teacher would have called on its own body's senses.
         faults: In rounds.
         disturbed: Rounds with a fault.
-        recovered: Rounds with a fault in which nobody was lost.
-        halted: Rounds in which a body did not turn its wheels as its driver had it.
-        misread: Rounds after which a driver reported other senses, counters apart, than its body's.
-        miscounted: Rounds in which a driver's counters went on otherwise than its body's.
-        moving: Robots that moved on after the attempt should have stopped them.
+        recovered: Rounds with a fault in which no robot was lost.
+        halted: Rounds in which a body did not turn its wheels as its driver commanded.
+        misread: Rounds after which a driver reported other senses than its body's, counters not considered.
+        miscounted: Rounds in which a driver's counters changed differently from its body's.
+        moving: Robots that still moved after the end of the attempt.
         seconds: Of each round.
     """
 
@@ -59,77 +59,77 @@ class Notes:
     seconds: list[float] = field(default_factory=list)
 
 
-class WatchedTraining(TrainingEnv):
-    """`TrainingEnv` in a virtual laboratory, with notes.
+class ObservedTraining(TrainingEnv):
+    """`TrainingEnv` in a virtual laboratory, with a record of every attempt.
 
     Args:
-        lab: Where it takes place, on undisturbed lines.
-        faults: Of all lines in every round; while the operator is at work there are none.
-        end: Called after every round; what it raises ends the training there, in the midst of it.
+        lab: The laboratory, with undisturbed lines.
+        faults: Of all lines in every round; there are none while the operator works.
+        callback: Called after every round; an exception from it interrupts the training.
 
     Attributes:
-        notes: One an attempt.
+        records: One an attempt.
     """
 
     def __init__(
-        self, lab: VirtualLaboratory, faults: Faults, end: Callable[[], None] = lambda: None
+        self, lab: VirtualLaboratory, faults: Faults, callback: Callable[[], None] = lambda: None
     ) -> None:
         super().__init__(num_learners=len(lab.markers) - 1, world=lab, noise=Noise.none())
-        self.notes: list[Notes] = []
-        self._lab, self._wanted, self._end = lab, faults, end
+        self.records: list[AttemptRecord] = []
+        self._lab, self._wanted, self._callback = lab, faults, callback
         self._ports: list[VirtualKhepera] = []
         self._truth: Truth
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
-        """As in any training, on a new page of notes."""
-        self.notes.append(Notes())
+        """Start an attempt with a new record; see `TrainingEnv.reset`."""
+        self.records.append(AttemptRecord())
         self._disturb(Faults())
         super().reset(seed, options)
         self._truth = Truth(self._lab, self.foragers)
         self._disturb(self._wanted)
 
     def observe(self, agent: str) -> NDArray[np.int64]:
-        """As in any training; what the learner hears is noted, and whether all of it is true."""
+        """Observe as in any training; what the learner hears is recorded and compared with the truth."""
         observation = super().observe(agent)
         if agent == LEARNER and observation[HEARD] != Behaviour.WAIT:
-            note = self.notes[-1]
-            shown, word = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
-            note.heard.append((shown, word))
+            record = self.records[-1]
+            shown, behaviour = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
+            record.heard.append((shown, behaviour))
             teacher = super().observe(TEACHER)
             teacher[:5] = self._truth.vector(0)
             called = Teacher(self.home_radius).act(teacher)
-            note.wrong += (shown, word) != (self._truth.vector(1), called)
+            record.wrong += (shown, behaviour) != (self._truth.vector(1), called)
         return observation
 
     def step(self, action: int | None) -> None:
-        """As in any training; a round is noted when the last robot's step ends it."""
+        """Step as in any training; the last robot's step ends the round, which is recorded."""
         if self.agent_selection != self.possible_agents[-1] or not self.agents:
             super().step(action)
             return
-        note, before, began = self.notes[-1], self._faults(), time.perf_counter()
-        note.rounds += 1
+        record, before, began = self.records[-1], self._faults(), time.perf_counter()
+        record.rounds += 1
         super().step(action)
-        note.seconds.append(time.perf_counter() - began)
+        record.seconds.append(time.perf_counter() - began)
         happened = _sum(self._faults(), before, -1)
-        note.faults = _sum(note.faults, happened, 1)
-        note.disturbed += happened.disturbed > 0
-        note.lost = self.infos[TEACHER].get("robot_lost", "")
-        if note.lost:
-            note.moving = moving(self._lab)
+        record.faults = _sum(record.faults, happened, 1)
+        record.disturbed += happened.disturbed > 0
+        record.lost = self.infos[TEACHER].get("robot_lost", "")
+        if record.lost:
+            record.moving = moving(self._lab)
         else:
-            note.recovered += happened.disturbed > 0
-            went = self._truth.take_in()
-            note.halted += went.halted
-            note.misread += went.misread
-            note.miscounted += went.miscounted
-        self._end()
+            record.recovered += happened.disturbed > 0
+            failures = self._truth.end_round()
+            record.halted += failures.halted
+            record.misread += failures.misread
+            record.miscounted += failures.miscounted
+        self._callback()
 
     def _disturb(self, faults: Faults) -> None:
         for port in self._lab.virtual_kheperas:
             port.faults = faults
 
     def _faults(self) -> FaultCounts:
-        """On all lines there have been: one that was lost is replaced by another."""
+        """Counts of all lines so far; a lost line is replaced by a new one."""
         self._ports += [port for port in self._lab.virtual_kheperas if port not in self._ports]
         total = FaultCounts()
         for port in self._ports:
@@ -138,7 +138,7 @@ class WatchedTraining(TrainingEnv):
 
 
 def moving(lab: VirtualLaboratory) -> int:
-    """How many bodies still move, or turn a wheel, when time goes on and nobody commands anything."""
+    """Number of bodies that move or turn a wheel while the simulation advances without commands."""
     before = [(body.pose, body.sense()) for body in lab.simulation.robots]
     for _ in range(_AFTERWARDS):
         lab.simulation.advance()

@@ -1,15 +1,16 @@
-"""What a round of two robots takes, part by part, as fast as it goes and on the wall clock.
+"""The time of a round of two robots, part by part, as fast as possible and on the wall clock.
 
-For the time of the measurement the public methods that make up a round are replaced on their classes by the same
-methods under a stopwatch, so that every moment of a round counts for exactly one part.
+During the measurement, the methods that make up a round run under a stopwatch, so that every moment of a round counts
+for exactly one part.
 """
 
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from _throughput.stopwatch import OUTSIDE, Sheet, Stopwatch
+from harness.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.clock import SimulatedClock, WallClock
@@ -21,26 +22,26 @@ from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
-"""As fast as the machine goes; bytes at 38400 baud and rounds of 100 ms."""
+"""As fast as the machine allows; bytes at 38400 baud and rounds of 100 ms."""
 _METHODS: tuple[tuple[str, type, str], ...] = (
     ("transmit", Fleet, "transmit"),
     ("wait", WallClock, "wait"),
-    ("physics", SimulatedClock, "wait"),
+    ("simulate", SimulatedClock, "wait"),
     ("receive", Fleet, "receive"),
     ("render", RenderedFrameSource, "newest"),
     ("track", Tracker, "update"),
 )
-"""A part's name, and the method whose time is its, without the parts that it calls."""
+"""A part's name, and the method whose time it is, without the parts that the method calls."""
 PARTS = {
     "transmit": "transmit",
-    "wait": "wait for the beat",
-    "physics": "physics",
+    "wait": "wait for the clock",
+    "simulate": "simulate the bodies",
     "receive": "receive",
     "render": "render",
     "track": "track",
     "decide": "perceive, decide and the rest",
 }
-"""What the parts are called, in the order of a round."""
+"""Names of the parts for people, in the order of a round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,20 +52,20 @@ class TimedRound:
         pace: `lock-step` or `wall clock`.
         number: Of the round, from 0; the first round of every attempt is left out.
         transmit: Commands to both robots.
-        wait: For the beat of 100 ms.
-        physics: The simulated bodies.
+        wait: For the clock of 100 ms.
+        simulate: The simulated bodies.
         receive: Senses of both robots.
         render: The frame.
         track: The tracker on it.
-        decide: All the rest: perception of both robots, teacher, learner, following, records.
-        late: Whether the beat was missed.
+        decide: The rest: perception of both robots, teacher, learner, following, records.
+        late: Whether the round took longer than 100 ms.
     """
 
     pace: str
     number: int
     transmit: float
     wait: float
-    physics: float
+    simulate: float
     receive: float
     render: float
     track: float
@@ -73,16 +74,15 @@ class TimedRound:
 
     @property
     def busy(self) -> float:
-        """What the round took without waiting, in ms."""
-        return self.transmit + self.physics + self.receive + self.render + self.track + self.decide
+        """Milliseconds of the round without the wait."""
+        return self.transmit + self.simulate + self.receive + self.render + self.track + self.decide
 
 
-class _Enough(Exception):  # noqa: N818 (it ends a training, and nothing more)
-    """There have been as many rounds as were asked for."""
+class EnoughRounds(Exception):  # noqa: N818 (it ends a training, and nothing failed)
+    """There have been as many rounds as wanted."""
 
 
-@dataclass(frozen=True, slots=True)
-class Timing:
+class Timing(NamedTuple):
     """Rounds of one training after the other.
 
     Attributes:
@@ -94,6 +94,11 @@ class Timing:
     pace: str
     rounds: int
     seed: int
+
+    @property
+    def key(self) -> str:
+        """The pace."""
+        return f"time of rounds, {self.pace}"
 
     def run(self) -> list[TimedRound]:
         """Measure them."""
@@ -113,19 +118,16 @@ class Timing:
             def note() -> None:
                 nonlocal late
                 sheet, watch.sheet = watch.sheet, Sheet()
-                if env.infos[TEACHER]["steps"] > 1:  # the first has the operator's work in it
+                if env.infos[TEACHER]["steps"] > 1:  # the first round includes the operator's work
                     times = {part: 1000 * sheet.seconds[part] for part, _, _ in _METHODS}
-                    decide = 1000 * sheet.seconds[OUTSIDE]
-                    rows.append(
-                        TimedRound(
-                            self.pace, len(rows), **times, decide=decide, late=lab.clock.overruns > late
-                        )
-                    )
+                    times["decide"] = 1000 * sheet.seconds[OUTSIDE]
+                    was_late = lab.clock.overruns > late
+                    rows.append(TimedRound(self.pace, len(rows), **times, late=was_late))
                 late = lab.clock.overruns
                 if len(rows) >= self.rounds:
-                    raise _Enough
+                    raise EnoughRounds
 
-            with suppress(_Enough):
+            with suppress(EnoughRounds):
                 for seed in np.random.SeedSequence(self.seed).spawn(self.rounds):
                     train(env, seed, callback=note)
         return rows

@@ -1,7 +1,6 @@
-"""What the robots of a virtual laboratory would perceive if their lines were never disturbed.
+"""What the robots of a virtual laboratory would perceive on undisturbed lines.
 
-Beside every robot's own perception runs a second one, on the same scene of the camera, that takes its senses from the
-simulated body instead of the line.
+Every robot has a second perception on the same camera scene, with senses from the simulated body instead of the line.
 """
 
 from collections.abc import Sequence
@@ -22,13 +21,13 @@ _PULSES_A_UNIT = 10
 """Encoder pulses a round and speed unit."""
 
 
-class Round(NamedTuple):
-    """What was not as it should be in a round of all robots.
+class RoundFailures(NamedTuple):
+    """Failures in a round of all robots.
 
     Attributes:
-        halted: A body did not turn its wheels as its driver had it.
-        misread: A driver reported another proximity, object presence, arm or jaw than its body has.
-        miscounted: A driver reported another turn of the wheels in this round than there was.
+        halted: A body did not turn its wheels as its driver commanded.
+        misread: A driver reported a proximity, object presence, arm or jaw that was not its body's.
+        miscounted: A driver reported a wrong turn of the wheels in this round.
     """
 
     halted: bool
@@ -37,7 +36,7 @@ class Round(NamedTuple):
 
 
 class _Body:
-    """A simulated body to be sensed and not driven: its driver does that, over the line."""
+    """A simulated body that is sensed here and driven by its driver, over the line."""
 
     def __init__(self, body: PymunkKhepera) -> None:
         self._body = body
@@ -54,11 +53,11 @@ class _Body:
 
 
 class Truth:
-    """From the beginning of an episode on; food is of the type that it always is without odds.
+    """True perception of all robots from the beginning of an episode; the food has the default type.
 
     Args:
-        lab: With the bodies.
-        foragers: Those of the episode, as they are at its beginning.
+        lab: The laboratory with the bodies.
+        foragers: Those of the episode, at its beginning.
     """
 
     def __init__(self, lab: VirtualLaboratory, foragers: Sequence[Forager]) -> None:
@@ -67,16 +66,16 @@ class Truth:
         types = FoodTypes(len(lab.arenas[0].foods), food_odds(None), np.random.default_rng(0))
         self._foragers = []
         for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
-            site = arena_map_of(arena)
+            arena_map = arena_map_of(arena)
             places = [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in arena.foods]
-            register = FoodRegister(site, places, types)
-            self._foragers.append(Forager(_Body(body), site, reported.holes, register))
+            register = FoodRegister(arena_map, places, types)
+            self._foragers.append(Forager(_Body(body), arena_map, reported.holes, register))
         for forager in self._foragers:
             forager.perceive(lab.camera.look())
         self._before = [(f.senses, true.senses) for f, true in self._pairs()]
 
-    def take_in(self) -> "Round":
-        """A round is over."""
+    def end_round(self) -> RoundFailures:
+        """Perceive at the end of a round, and compare."""
         halted = misread = miscounted = False
         scene = self._lab.camera.look()
         for i, (reported, true) in enumerate(self._pairs()):
@@ -88,7 +87,7 @@ class Truth:
             miscounted = miscounted or _turned(reported_before, reported.senses) != turned
             misread = misread or _rest(reported.senses) != _rest(true.senses)
             self._before[i] = reported.senses, true.senses
-        return Round(halted, misread, miscounted)
+        return RoundFailures(halted, misread, miscounted)
 
     def vector(self, robot: int) -> StateVector:
         """The true state vector, as an environment shows it."""
@@ -107,5 +106,5 @@ def _turned(before: Senses, after: Senses) -> tuple[int, int]:
 
 
 def _rest(senses: Senses) -> Senses:
-    """All but the counters, which begin elsewhere."""
+    """All but the counters, whose start values differ."""
     return senses._replace(left_pulses=0, right_pulses=0)

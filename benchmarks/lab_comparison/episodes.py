@@ -1,7 +1,8 @@
-"""The same trainings and recalls twice: in the virtual laboratory, and in pymunk alone under its simulated camera."""
+"""The same trainings and recalls in the virtual laboratory and in pymunk alone, with its simulated camera."""
 
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,37 +22,57 @@ PYMUNK, VIRTUAL = "pymunk", "virtual"
 WORLDS = (PYMUNK, VIRTUAL)
 ARENAS = ("corridor", "rectangle")
 LEARNERS = (TEACHER, IMITATOR)
+REPEATED, UNPLACED = "repeated", "unplaced"
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
-    """Rows of one replication in one world.
+class LabRecall(RecallRow):
+    """A recall in one of `WORLDS`."""
+
+    world: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class LabTraining(TrainingRow):
+    """An attempt at a training episode in one of `WORLDS`."""
+
+    world: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Exclusion:
+    """A recall that does not count.
 
     Attributes:
-        world: `pymunk` or `virtual`.
-        trainings: One an attempt.
-        recalls: One an episode.
-        repeated: Recalls that were done again, as a robot was lost although its line was undisturbed. Not to be
-            expected: more than a few are a fault of the chain, or a computer on which threads wait for seconds.
-        unplaced: Arena and seed of recalls that could not begin: the camera never saw the robot where it was put.
+        world: One of `WORLDS`.
+        replication: Of the recall.
+        number: Of the exclusion in this replication, from 0.
+        arena: Of the recall.
+        seed: Of the recall.
+        reason: `REPEATED`: a robot was lost on an undisturbed line, and the recall was done again. More than a few of
+            these are a fault of the programs, or of a computer on which threads wait for seconds. `UNPLACED`: the
+            recall could not begin, because the camera never found the robot where it was placed.
     """
 
     world: str
-    trainings: list[TrainingRow]
-    recalls: list[RecallRow]
-    repeated: int
-    unplaced: frozenset[tuple[str, int]]
+    replication: int
+    number: int
+    arena: str
+    seed: int
+    reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class Replication:
-    """Train some files in a world, then have the teacher and the imitator of all these files forage alone there.
+LabRow = LabRecall | LabTraining | Exclusion
 
-    In both worlds a replication has the same seeds: the same marks in training, the same random places in recall. What
-    an operator's hand, wheels and camera make of them differs.
+
+class Replication(NamedTuple):
+    """Training files in one world, then recalls of the teacher and of the imitator of all these files there.
+
+    A replication has the same seeds in both worlds: the same marks in training, the same random places in recall. The
+    noise of the operator's hand, the wheels and the camera differs.
 
     Attributes:
-        world: `pymunk` or `virtual`.
+        world: One of `WORLDS`.
         number: Of the replication, from 0.
         files: Training files, a complete episode each.
         recalls: In each arena, of the teacher and of the imitator, from the same places.
@@ -64,43 +85,38 @@ class Replication:
     recalls: int
     seed: int
 
-    def run(self) -> Outcome:
-        """Do all of it, with the laboratory's troubles."""
-        training, *recalling = np.random.SeedSequence(self.seed, spawn_key=(self.number,)).spawn(
-            1 + len(ARENAS)
-        )
-        experiences, trainings = self._train(training)
-        recalls: list[RecallRow] = []
-        repeated = 0
-        unplaced: set[tuple[str, int]] = set()
-        for arena, seed in zip(ARENAS, recalling, strict=True):
-            rows, again, not_begun = self._recall(
-                arena, experiences, seed.generate_state(self.recalls).tolist()
-            )
-            recalls += rows
-            repeated += again
-            unplaced |= not_begun
-        return Outcome(self.world, trainings, recalls, repeated, frozenset(unplaced))
+    @property
+    def key(self) -> str:
+        """World and number."""
+        return f"{self.world} {self.number}"
 
-    def _train(self, seeds: np.random.SeedSequence) -> tuple[list[Experience], list[TrainingRow]]:
+    def run(self) -> list[LabRow]:
+        """Train and recall, in the laboratory's noise."""
+        seeds = np.random.SeedSequence(self.seed, spawn_key=(self.number,))
+        training, *recalling = seeds.spawn(1 + len(ARENAS))
+        files, rows = self._train(training)
+        for arena, seed in zip(ARENAS, recalling, strict=True):
+            self._recall(arena, files, seed.generate_state(self.recalls).tolist(), rows)
+        return rows
+
+    def _train(self, seeds: np.random.SeedSequence) -> tuple[list[Experience], list[LabRow]]:
         world = self._world("corridor", 2)
-        # In the virtual laboratory the operator's hand makes the errors of placement.
+        # In the virtual laboratory, the operator's hand makes the errors of placement.
         noise = None if world is None else Noise.none()
-        experiences, rows = [], []
+        files: list[Experience] = []
+        rows: list[LabRow] = []
         with closing(TrainingEnv(noise=noise, world=world)) as env:
             for file, seed in enumerate(seeds.spawn(self.files), start=1):
                 experience, attempts = train(env, seed, replication=self.number, file=file)
-                experiences.append(experience)
-                rows += attempts
-        return experiences, rows
+                files.append(experience)
+                rows += [LabTraining(**asdict(row), world=self.world) for row in attempts]
+        return files, rows
 
-    def _recall(
-        self, arena: str, files: list[Experience], seeds: list[int]
-    ) -> tuple[list[RecallRow], int, set[tuple[str, int]]]:
-        """All recalls in an arena, how many were done again, and those that could not begin."""
+    def _recall(self, arena: str, files: list[Experience], seeds: list[int], rows: list[LabRow]) -> None:
+        """Add the rows of all recalls in an arena."""
         vectors, behaviours = arrays(files)
-        rows: list[RecallRow] = []
-        repeated, unplaced = 0, set()
+        excluded = sum(isinstance(row, Exclusion) for row in rows)
+        repeated = 0
         with closing(recall_env(arena, world=self._world(arena, 1))) as env:
             imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
             policies: dict[str, Policy] = {TEACHER: Teacher(env.home_radius), IMITATOR: imitator}
@@ -108,6 +124,7 @@ class Replication:
             while work:
                 learner, number = work[0]
                 taught = learner == IMITATOR
+                reason = ""
                 try:
                     row = recall(
                         env,
@@ -120,22 +137,24 @@ class Replication:
                         number=number,
                         experience_size=len(behaviours) if taught else 0,
                     )
+                    rows.append(LabRecall(**asdict(row), world=self.world))
                 except (RecallInterruptedError, RobotLost):
+                    reason = REPEATED
                     repeated += 1
                     if repeated > len(seeds):
                         raise
-                    continue
                 except OperatorGaveUp:
-                    unplaced.add((arena, seeds[number]))
-                else:
-                    rows.append(row)
-                del work[0]
-        return rows, repeated, unplaced
+                    reason = UNPLACED
+                if reason:
+                    rows.append(Exclusion(self.world, self.number, excluded, arena, seeds[number], reason))
+                    excluded += 1
+                if reason != REPEATED:
+                    del work[0]
 
     def _world(self, arena: str, robots: int) -> World | None:
         return VirtualLaboratory.from_arena(arena, robots) if self.world == VIRTUAL else None
 
 
 def replications(count: int, files: int, recalls: int, seed: int) -> list[Replication]:
-    """All of them, in both worlds."""
+    """All replications, in both worlds."""
     return [Replication(world, i, files, recalls, seed) for i in range(count) for world in WORLDS]

@@ -1,1 +1,0 @@
-"""What `benchmarks/virtual_lab.py` runs and shows."""
