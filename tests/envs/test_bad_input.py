@@ -1,4 +1,4 @@
-"""Every mistake gets one clear error that quotes the value and what was allowed."""
+"""Every mistake raises one clear error that quotes the value and what is allowed."""
 
 import math
 from dataclasses import replace
@@ -30,7 +30,7 @@ from khepera_forage.sim.arena import CORRIDOR, Point
         ({"render_mode": "ansi"}, "'ansi'", "rgb_array"),
     ],
 )
-def test_arguments(kwargs: dict[str, Any], quoted: str, allowed: str) -> None:
+def test_wrong_arguments_are_refused(kwargs: dict[str, Any], quoted: str, allowed: str) -> None:
     with pytest.raises(ValueError, match="allowed") as error:
         BehavioursEnv(**kwargs)
     assert quoted in str(error.value)
@@ -46,14 +46,14 @@ def test_arguments(kwargs: dict[str, Any], quoted: str, allowed: str) -> None:
         ({"num_learners": 99}, "camera"),
     ],
 )
-def test_training_arguments(kwargs: dict[str, Any], quoted: str) -> None:
+def test_wrong_training_arguments_are_refused(kwargs: dict[str, Any], quoted: str) -> None:
     with pytest.raises(ValueError, match="allowed") as error:
         TrainingEnv(**kwargs)
     assert quoted in str(error.value)
 
 
 @pytest.mark.parametrize("action", [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])])
-def test_behaviour_actions(action: Any) -> None:
+def test_wrong_behaviour_actions_are_refused(action: Any) -> None:
     env = gym.make("khepera_forage/Corridor-v0", disable_env_checker=True)
     env.reset(seed=0)
     with pytest.raises(ValueError, match="allowed: a whole number from 0 to 9") as error:
@@ -66,7 +66,7 @@ def test_behaviour_actions(action: Any) -> None:
 @pytest.mark.parametrize(
     "action", [[0, 0, 0], [2, 0, 0, 0], [math.nan, 0, 0, 0], [math.inf] * 4, "drive", None]
 )
-def test_wheel_actions(action: Any) -> None:
+def test_wrong_wheel_actions_are_refused(action: Any) -> None:
     env = WheelsEnv()
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
@@ -74,14 +74,14 @@ def test_wheel_actions(action: Any) -> None:
 
 
 @pytest.mark.parametrize("action", [11, -1, None, 0.5])
-def test_training_actions(action: Any) -> None:
+def test_wrong_training_actions_are_refused(action: Any) -> None:
     env = TrainingEnv()
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"action of teacher_0 is .*allowed: a whole number from 0 to 10"):
         env.step(action)
 
 
-def test_step_before_reset_and_after_the_end() -> None:
+def test_step_before_reset_and_after_the_end_is_refused() -> None:
     env = BehavioursEnv(limit=2)
     with pytest.raises(ResetNeeded, match="not reset"):
         env.step(0)
@@ -95,7 +95,7 @@ def test_step_before_reset_and_after_the_end() -> None:
         env.step(0)
 
 
-def test_training_after_the_end() -> None:
+def test_training_step_after_the_end_is_refused() -> None:
     env = TrainingEnv(max_cycles=1)
     env.reset(seed=0)
     env.step(10)
@@ -118,7 +118,7 @@ def test_training_after_the_end() -> None:
         ({"start": (300, 115, 0), "foods": [(320, 115)]}, "overlaps"),
     ],
 )
-def test_reset_options(options: dict[str, Any], message: str) -> None:
+def test_wrong_reset_options_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         BehavioursEnv().reset(seed=0, options=options)
 
@@ -137,11 +137,11 @@ def test_reset_options(options: dict[str, Any], message: str) -> None:
         ({"walls": (Point(0, 0), Point(1, 1))}, "2 corners; allowed: at least 3"),
     ],
 )
-def test_arenas(change: dict[str, Any], message: str) -> None:
+def test_impossible_arenas_are_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         replace(CORRIDOR, **change)
 
 
-def test_an_arena_without_room_says_so() -> None:
+def test_arena_without_room_is_refused() -> None:
     with pytest.raises(ValueError, match=r"no room for a robot and 20 food objects"):
         BehavioursEnv(foods=20).reset(seed=0)

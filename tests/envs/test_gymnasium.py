@@ -17,7 +17,7 @@ IDS = [f"khepera_forage/{name}-v0" for name in ("Corridor", "Rectangle", "Corrid
 
 
 def rollout(env_id: str, seed: int, steps: int = 60) -> list[object]:
-    """Everything that comes out of an environment under its own random actions."""
+    """Everything that an environment returns under random actions of its own action space."""
     env = gym.make(env_id)
     env.action_space.seed(seed)
     observation, info = env.reset(seed=seed)
@@ -36,19 +36,19 @@ def plain(values: dict[str, object]) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_check_env(env_id: str) -> None:
+def test_check_env_passes(env_id: str) -> None:
     env = gym.make(env_id, render_mode="rgb_array")
     check_env(env.unwrapped)
     env.close()
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_same_seed_same_rollout_bit_for_bit(env_id: str) -> None:
+def test_same_seed_gives_the_same_rollout_bit_for_bit(env_id: str) -> None:
     assert rollout(env_id, 5) == rollout(env_id, 5)
     assert rollout(env_id, 5) != rollout(env_id, 6)
 
 
-def test_same_rollout_in_another_process() -> None:
+def test_same_seed_gives_the_same_rollout_in_another_process() -> None:
     code = (
         "import json, sys; sys.path.insert(0, 'tests/envs'); import test_gymnasium as t; "
         "print(json.dumps(t.rollout(t.IDS[1], 9)))"
@@ -58,7 +58,7 @@ def test_same_rollout_in_another_process() -> None:
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_spec_goes_through_json(env_id: str) -> None:
+def test_spec_survives_json(env_id: str) -> None:
     spec = gym.make(env_id).spec
     assert spec is not None
     assert gym.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs == spec.kwargs
@@ -66,7 +66,7 @@ def test_spec_goes_through_json(env_id: str) -> None:
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_unreset_environments_pickle(env_id: str) -> None:
+def test_environment_survives_pickling_before_reset(env_id: str) -> None:
     env = pickle.loads(pickle.dumps(gym.make(env_id)))
     first, _ = env.reset(seed=3)
     second, _ = gym.make(env_id).reset(seed=3)
@@ -74,7 +74,7 @@ def test_unreset_environments_pickle(env_id: str) -> None:
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
-def test_make_vec(mode: str) -> None:
+def test_make_vec_steps_copies_of_the_environment(mode: str) -> None:
     envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode=mode)
     observations, _ = envs.reset(seed=4)
     alone, _ = gym.make(IDS[0]).reset(seed=5)
@@ -85,7 +85,7 @@ def test_make_vec(mode: str) -> None:
     envs.close()
 
 
-def test_make_in_a_fresh_process_with_no_import() -> None:
+def test_make_works_in_a_new_process_without_an_import() -> None:
     code = "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/Corridor-v0').reset(seed=1)[0])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "robot_home_distance" in done.stdout
@@ -96,14 +96,14 @@ def test_registration_is_idempotent() -> None:
     assert set(IDS) <= set(gym.registry)
 
 
-def test_import_is_light() -> None:
+def test_import_loads_no_heavy_package() -> None:
     code = "import khepera_forage, sys; print([m for m in sys.modules if m.split('.')[0] in %r])"
     heavy = {"pymunk", "sklearn", "scipy", "matplotlib", "pygame", "pettingzoo", "cv2"}
     done = subprocess.run([sys.executable, "-c", code % heavy], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
-def test_version_is_the_packages() -> None:
+def test_version_is_that_of_the_installed_package() -> None:
     from importlib.metadata import version
 
     assert version("khepera-forage") == khepera_forage.__version__
@@ -124,7 +124,7 @@ def test_observations_and_infos_share_no_memory(env_id: str) -> None:
     assert not np.shares_memory(info["pose"], later["pose"])
 
 
-def test_initial_state_varies_and_no_element_of_the_state_vector_is_constant() -> None:
+def test_initial_distances_vary_between_seeds() -> None:
     env = gym.make(IDS[0])
     seen: dict[str, set[int]] = {key: set() for key in ("robot_home_distance", "robot_food_distance")}
     for seed in range(20):

@@ -50,7 +50,7 @@ def standing(lab: VirtualLaboratory) -> bool:
 
 
 def rounds(env: TrainingEnv, count: int) -> None:
-    """So many rounds in which everybody searches."""
+    """Rounds in which every robot searches."""
     for _ in range(count * len(env.possible_agents)):
         env.step(0)
 
@@ -77,7 +77,7 @@ def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: i
     assert not any(env.truncations.values())
 
 
-def test_the_usual_loop_ends(pair: VirtualLaboratory) -> None:
+def test_pettingzoo_loop_ends_when_a_robot_is_lost(pair: VirtualLaboratory) -> None:
     env = paired_corridors_v0.env(world=pair, noise=Noise.none())
     env.reset(seed=1)
     reasons = []
@@ -92,7 +92,7 @@ def test_the_usual_loop_ends(pair: VirtualLaboratory) -> None:
     assert not env.agents
 
 
-def test_a_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:
+def test_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:
     env = TrainingEnv(world=pair, noise=Noise.none())
     env.reset(seed=1)
     rounds(env, 5)
@@ -130,7 +130,9 @@ def test_recall_is_truncated_with_the_reason(
     assert not env.step(action)[3]
 
 
-def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lost_camera_truncates_like_a_lost_robot(
+    alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
     env = BehavioursEnv(world=alone)
     env.reset(seed=1)
     frame, _ = alone.frame_source.newest()
@@ -141,8 +143,8 @@ def test_a_camera_lost_counts_the_same(alone: VirtualLaboratory, monkeypatch: py
     assert standing(alone)
 
 
-def test_a_robot_lost_while_it_is_placed_costs_an_attempt() -> None:
-    """And its port is let go of when another takes its place."""
+def test_robot_lost_while_it_is_placed_ends_the_attempt() -> None:
+    """Its port is closed when another robot takes its place."""
     placed: list[OperatorRequest] = []
 
     def operator(request: OperatorRequest) -> None:
@@ -166,7 +168,7 @@ def test_a_robot_lost_while_it_is_placed_costs_an_attempt() -> None:
         assert not first.connected
 
 
-def test_what_was_recorded_is_kept(
+def test_experience_recorded_before_a_loss_is_kept(
     pair: VirtualLaboratory, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     env = TrainingEnv(world=pair, noise=Noise.none())
@@ -196,7 +198,7 @@ def test_what_was_recorded_is_kept(
     assert (tmp_path / "g1.lost-1.csv").read_text() == "of an earlier training"
 
 
-def test_a_recall_that_was_cut_short_is_no_result(alone: VirtualLaboratory) -> None:
+def test_recall_with_a_lost_robot_raises_an_error(alone: VirtualLaboratory) -> None:
     env = recalling.recall_env("corridor", world=alone)
     steps: list[int] = []
 
@@ -210,14 +212,14 @@ def test_a_recall_that_was_cut_short_is_no_result(alone: VirtualLaboratory) -> N
     assert recalling.recall(env, Teacher(env.home_radius), 3).steps > 20
 
 
-def test_a_world_must_have_a_robot_in_each_arena(pair: VirtualLaboratory) -> None:
+def test_world_needs_one_robot_in_each_arena(pair: VirtualLaboratory) -> None:
     with pytest.raises(ValueError, match="world has 2 robots in 2 arenas; allowed: 1"):
         BehavioursEnv(world=pair)
     with pytest.raises(ValueError, match="allowed: 3, one in each"):
         TrainingEnv(num_learners=2, world=pair)
 
 
-def test_an_environment_takes_arena_and_markers_of_its_world() -> None:
+def test_environment_has_the_arena_and_markers_of_its_world() -> None:
     with VirtualLaboratory.from_arena(RECTANGLE.shifted(100, 50), 1) as lab:
         env = BehavioursEnv(foods=2, world=lab)
         assert env.arena == RECTANGLE.shifted(100, 50)
@@ -225,7 +227,7 @@ def test_an_environment_takes_arena_and_markers_of_its_world() -> None:
         assert env.forager.holes == 2
 
 
-def test_an_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
+def test_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
     def nobody(request: OperatorRequest) -> None:
         raise OperatorGaveUp("no time")
 

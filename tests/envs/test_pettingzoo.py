@@ -24,19 +24,19 @@ with warnings.catch_warnings():
 
 
 @pytest.mark.parametrize("learners", [1, 3])
-def test_api(learners: int) -> None:
+def test_api_test_passes(learners: int) -> None:
     api_test(paired_corridors_v0.env(num_learners=learners, max_cycles=50), num_cycles=200)
 
 
-def test_seed() -> None:
+def test_seed_test_passes() -> None:
     seed_test(lambda: paired_corridors_v0.env(max_cycles=50), num_cycles=60)
 
 
-def test_max_cycles() -> None:
+def test_max_cycles_test_passes() -> None:
     max_cycles_test(paired_corridors_v0)
 
 
-def test_render() -> None:
+def test_render_test_passes() -> None:
     def make(**kwargs: Any) -> Any:
         return paired_corridors_v0.env(max_cycles=30, **kwargs)
 
@@ -49,12 +49,12 @@ def test_render() -> None:
         render_test(make, modes)
 
 
-def test_parallel() -> None:
+def test_parallel_tests_pass() -> None:
     parallel_api_test(paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=100)
     parallel_seed_test(lambda: paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=60)
 
 
-def test_the_loop_of_the_readme_completes_an_episode() -> None:
+def test_readme_loop_completes_an_episode() -> None:
     env = paired_corridors_v0.env(num_learners=1, max_cycles=600)
     policies: dict[str, Policy] = {"teacher_0": Teacher(), "learner_0": Listener()}
     env.reset(seed=1)
@@ -67,7 +67,7 @@ def test_the_loop_of_the_readme_completes_an_episode() -> None:
     assert infos["teacher_0"]["score"] == 100.0
 
 
-def test_what_is_heard_in_parallel_is_a_round_old() -> None:
+def test_parallel_learner_hears_the_last_round() -> None:
     env = paired_corridors_v0.parallel_env(max_cycles=50)
     env.reset(seed=2)
     for heard in (3, 7, 10):

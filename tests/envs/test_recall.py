@@ -1,4 +1,4 @@
-"""The recall environments at their task."""
+"""Episodes of the recall environments (4.6, 5.4)."""
 
 import gymnasium as gym
 import numpy as np
@@ -15,7 +15,7 @@ from khepera_forage.task.states import Behaviour, FoodType
 
 
 def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) -> dict[str, float]:
-    """An episode under the teacher, some of its behaviours replaced."""
+    """An episode under the teacher, with some of its behaviours swapped."""
     teacher = Teacher(env.home_radius)
     observation, info = env.reset(seed=seed)
     over = False
@@ -49,7 +49,7 @@ def test_teacher_without_orienting_delivers_nothing() -> None:
     assert [forage(env, seed, swap)["delivered"] for seed in range(10)] == [0] * 10
 
 
-def test_mixed_food_is_drawn_by_its_odds() -> None:
+def test_mixed_food_has_its_odds() -> None:
     env = BehavioursEnv(food_types={"PICKABLE": 1, "POISONOUS": 1})
     poisonous = 0
     for seed in range(40):
@@ -68,7 +68,7 @@ def test_reward_and_score_add_up() -> None:
     )
 
 
-def test_a_lazy_policy_gets_its_share_minus_the_penalty() -> None:
+def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() -> None:
     env = BehavioursEnv(limit=50)
     env.reset(seed=0)
     truncated = False
@@ -82,7 +82,7 @@ def test_a_lazy_policy_gets_its_share_minus_the_penalty() -> None:
     assert info["score"] == pytest.approx(100 * correct / 50 - 20)
 
 
-def test_wheels_are_driven_by_the_teachers_motors() -> None:
+def test_wheels_environment_accepts_the_teachers_motors() -> None:
     env = WheelsEnv(arena="corridor", foods=1, limit=500)
     delivered = 0
     for seed in range(5):
@@ -104,7 +104,7 @@ def action_of(motors: Motors) -> np.ndarray:
     )
 
 
-def test_placed_start_and_food() -> None:
+def test_reset_options_place_start_and_food() -> None:
     env = BehavioursEnv(noise=Noise.none())
     observation, info = env.reset(seed=0, options={"start": (100, 115, 90), "foods": [(400, 100)]})
     assert info["pose"].tolist() == [20.0, 23.0, 90.0]
@@ -112,7 +112,7 @@ def test_placed_start_and_food() -> None:
     assert observation["robot_food_distance"].tolist() == [60]
 
 
-def test_an_arena_of_ones_own() -> None:
+def test_users_arena_is_foraged_by_the_teacher() -> None:
     walls = ((0, 0), (800, 0), (800, 300), (400, 300), (400, 700), (0, 700))
     arena = Arena(
         name="L",

@@ -1,4 +1,4 @@
-"""The training phase at its task (4.5, 5.3)."""
+"""Training episodes of teacher and learners (4.5, 5.3)."""
 
 from dataclasses import replace
 

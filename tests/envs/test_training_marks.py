@@ -1,4 +1,4 @@
-"""Training in other set-ups than that of figure 5.1, and with poison: what is shown and when it is over."""
+"""Training on other marks than those of figure 5.1, and with poison."""
 
 from typing import Any
 

@@ -20,7 +20,7 @@ from khepera_forage.sim.arena import (
     copies,
     named_arena,
 )
-from tests.sim.stage import ELL, FIELD
+from tests.sim.worlds import ELL, FIELD
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]

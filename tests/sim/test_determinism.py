@@ -15,7 +15,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.stage import ELL
+from tests.sim.worlds import ELL
 
 ROUNDS = 150
 LAYOUTS = {
@@ -35,7 +35,7 @@ def world_for(name: str, noise: Noise | None = None) -> PymunkWorld:
 
 
 def rounds(world: PymunkWorld, name: str, seed: int, count: int = ROUNDS) -> Iterator[str]:
-    """Everything that can be known after each round, to the last bit."""
+    """Everything that a world reports after each round, to the last bit."""
     world.reset(np.random.default_rng(seed), LAYOUTS[name][1])
     commands = np.random.default_rng(seed + 1000)
     for i in range(count):
@@ -54,12 +54,12 @@ def digest(name: str, seed: int) -> str:
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_the_same_again_and_another_seed_something_else(name: str) -> None:
+def test_same_seed_gives_the_same_world_and_another_seed_another(name: str) -> None:
     assert digest(name, 5) == digest(name, 5)
     assert digest(name, 5) != digest(name, 6)
 
 
-def test_the_same_in_another_process() -> None:
+def test_same_seed_gives_the_same_world_in_another_process() -> None:
     code = f"from tests.sim.test_determinism import *\nfor name in {list(LAYOUTS)}: print(digest(name, 11))"
     tests = Path(__file__).parents[2]
     there = subprocess.run(
@@ -68,20 +68,20 @@ def test_the_same_in_another_process() -> None:
     assert there.stdout.split() == [digest(name, 11) for name in LAYOUTS]
 
 
-def test_a_world_that_was_used_before_is_as_good_as_new() -> None:
+def test_used_world_behaves_like_a_new_one() -> None:
     used = world_for("rectangle")
     for seed in (1, 2):
         list(rounds(used, "rectangle", seed))
     assert list(rounds(used, "rectangle", 7)) == list(rounds(world_for("rectangle"), "rectangle", 7))
 
 
-def test_worlds_side_by_side_do_not_mind_each_other() -> None:
+def test_worlds_in_one_process_are_independent() -> None:
     alone = list(rounds(world_for("pair"), "pair", 3))
     beside = rounds(world_for("pair"), "pair", 4)
     assert [line for line, _ in zip(rounds(world_for("pair"), "pair", 3), beside, strict=True)] == alone
 
 
-def test_looking_and_sensing_draw_nothing() -> None:
+def test_looking_and_sensing_use_no_random_numbers() -> None:
     watched, unwatched = world_for("corridor"), world_for("corridor")
     for world in (watched, unwatched):
         world.reset(np.random.default_rng(0), LAYOUTS["corridor"][1])
@@ -96,8 +96,8 @@ def test_looking_and_sensing_draw_nothing() -> None:
     assert watched.camera.look() == unwatched.camera.look()
 
 
-def test_one_source_of_noise_does_not_shift_another() -> None:
-    """Camera and sensors draw the same whether wheels slip or not: with a robot that stands still, all is equal."""
+def test_noise_sources_are_independent() -> None:
+    """Camera and sensors of a standing robot report the same whether wheels slip or not."""
     layout = LAYOUTS["rectangle"][1]
     seen = []
     for slip in (0.0, 0.05):
@@ -109,8 +109,8 @@ def test_one_source_of_noise_does_not_shift_another() -> None:
     assert seen[0] == seen[1]
 
 
-def test_a_bias_stays_the_same_robot_by_robot() -> None:
-    """The first robot's wheels do not depend on how much food lies about."""
+def test_wheel_bias_does_not_depend_on_the_amount_of_food() -> None:
+    """Bias is drawn before anything that depends on the number of food objects."""
     ends = []
     for foods in ((), (Point(600, 60),), (Point(600, 60), Point(600, 540))):
         world = world_for("rectangle", replace(Noise.none(), wheel_bias=0.05))

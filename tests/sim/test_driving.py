@@ -1,6 +1,6 @@
-"""Wheels: the equations of a differential drive, encoders, and how far noise leads astray.
+"""Wheels: the equations of a differential drive, encoders, and slip.
 
-What the wheels are told reaches the body one physics step later, 20 ms in the open: from rest that costs
+A command reaches the body one physics step later, which is 20 ms far from obstacles: from rest that costs
 20 ms of the way, and on an arc it turns the path by what the robot turns in that time.
 """
 
@@ -24,7 +24,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.stage import FIELD, NONE, apart, run, stage
+from tests.sim.worlds import FIELD, NONE, apart, make_world, run
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
@@ -35,7 +35,7 @@ speeds = st.integers(-MAX_SPEED, MAX_SPEED)
 
 
 def arc(pose: Pose, left: float, right: float, rounds: int) -> Pose:
-    """Where a differential drive gets in that time."""
+    """The pose that a differential drive reaches in that time."""
     forward = (left + right) / 2 * SPEED_UNIT * CONTROL_PERIOD * rounds
     turn = (right - left) * SPEED_UNIT / WHEEL_BASE * CONTROL_PERIOD * rounds
     x, y, heading = pose
@@ -51,8 +51,8 @@ def arc(pose: Pose, left: float, right: float, rounds: int) -> Pose:
 
 @given(speeds, speeds, st.floats(-math.pi, math.pi))
 @PROPERTY
-def test_the_equations_of_a_differential_drive(left: int, right: int, heading: float) -> None:
-    world = stage(CENTRE._replace(heading=heading), OUT_OF_THE_WAY)
+def test_motion_follows_the_equations_of_a_differential_drive(left: int, right: int, heading: float) -> None:
+    world = make_world(CENTRE._replace(heading=heading), OUT_OF_THE_WAY)
     run(world, 2, left, right)
     expected = arc(world.poses()[0], left, right, 25)
     run(world, 25, left, right)
@@ -64,8 +64,8 @@ def test_the_equations_of_a_differential_drive(left: int, right: int, heading: f
 
 
 @pytest.mark.parametrize("speed", [-20, -7, 1, 10, 20])
-def test_straight_on_from_rest(speed: int) -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY)
+def test_equal_wheels_drive_straight_from_rest(speed: int) -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY)
     run(world, 40, speed, speed)
     x, y, heading = world.poses()[0]
     expected = 1000 + speed * SPEED_UNIT * 4
@@ -74,8 +74,8 @@ def test_straight_on_from_rest(speed: int) -> None:
 
 
 @pytest.mark.parametrize("speed", [-20, 5, 10])
-def test_a_turn_on_the_spot_from_rest(speed: int) -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY)
+def test_opposite_wheels_turn_on_the_spot_from_rest(speed: int) -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY)
     run(world, 20, -speed, speed)
     expected = arc(CENTRE, -speed, speed, 20)
     assert apart(world.poses()[0], CENTRE) < 0.01
@@ -84,8 +84,8 @@ def test_a_turn_on_the_spot_from_rest(speed: int) -> None:
     )
 
 
-def test_wheels_stop_when_told_to() -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY)
+def test_wheels_stop_on_command() -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY)
     run(world, 5, 20, 20)
     run(world, 1)
     still = world.poses()[0]
@@ -95,8 +95,8 @@ def test_wheels_stop_when_told_to() -> None:
 
 @given(st.lists(st.tuples(speeds, speeds, st.integers(1, 5)), min_size=1, max_size=6))
 @PROPERTY
-def test_encoders_count_what_the_wheels_were_told(legs: list[tuple[int, int, int]]) -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY)
+def test_encoders_count_the_commanded_travel(legs: list[tuple[int, int, int]]) -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY)
     for left, right, rounds in legs:
         run(world, rounds, left, right)
     senses = world.robots[0].sense()
@@ -105,8 +105,8 @@ def test_encoders_count_what_the_wheels_were_told(legs: list[tuple[int, int, int
     assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
 
 
-def test_a_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
-    world = stage(Pose(1900, 1000, 0), OUT_OF_THE_WAY)
+def test_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
+    world = make_world(Pose(1900, 1000, 0), OUT_OF_THE_WAY)
     run(world, 10, 20, 20)
     before = world.poses()[0]
     pulses = run(world, 10, 20, 20).left_pulses
@@ -118,10 +118,10 @@ def test_a_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
 
 
 def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float, float]]:
-    """By how much the left and the right wheel travelled, in each round, of what they were told."""
+    """Travel of the left and the right wheel in each round, as shares of the commanded travel."""
     run(world, 2, speed, speed)
     found = []
-    told = speed * SPEED_UNIT * CONTROL_PERIOD
+    commanded = speed * SPEED_UNIT * CONTROL_PERIOD
     for _ in range(rounds):
         before = world.poses()[0]
         run(world, 1, speed, speed)
@@ -129,16 +129,16 @@ def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float
         turn = after.heading - before.heading
         forward = apart(after, before) / (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
         half = turn * WHEEL_BASE / 2
-        found.append(((forward - half) / told, (forward + half) / told))
+        found.append(((forward - half) / commanded, (forward + half) / commanded))
     return found
 
 
-def test_slip_is_drawn_each_round_for_each_wheel() -> None:
+def test_wheel_slip_is_drawn_each_round_for_each_wheel() -> None:
     noise = replace(NONE, wheel_slip=0.05)
     found = [
         share
         for seed in range(8)
-        for share in shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
+        for share in shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
     ]
     left, right = np.array(found).T
     for wheel in (left, right):
@@ -148,11 +148,11 @@ def test_slip_is_drawn_each_round_for_each_wheel() -> None:
     assert abs(np.corrcoef(left, right)[0, 1]) < 0.14
 
 
-def test_bias_lasts_and_is_drawn_anew_at_a_reset() -> None:
+def test_wheel_bias_is_constant_until_the_next_reset() -> None:
     noise = replace(NONE, wheel_bias=0.02)
     found = []
     for seed in range(200):
-        rounds = np.array(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 3))
+        rounds = np.array(shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 3))
         assert np.ptp(rounds, axis=0) == pytest.approx([0, 0], abs=1e-3)
         found.append(rounds.mean(axis=0))
     left, right = np.array(found).T
@@ -162,29 +162,31 @@ def test_bias_lasts_and_is_drawn_anew_at_a_reset() -> None:
     assert abs(np.corrcoef(left, right)[0, 1]) < 0.25
 
 
-def test_slip_is_a_share_of_the_travel() -> None:
+def test_wheel_slip_is_proportional_to_the_travel() -> None:
     noise = replace(NONE, wheel_slip=0.05)
-    world = stage(CENTRE, OUT_OF_THE_WAY, noise=noise)
+    world = make_world(CENTRE, OUT_OF_THE_WAY, noise=noise)
     run(world, 50)
     assert world.poses()[0] == pytest.approx(CENTRE, abs=1e-9)
-    slow, fast = (np.std(shares(stage(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16))
+    slow, fast = (
+        np.std(shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16)
+    )
     assert slow == pytest.approx(float(fast), rel=0.1)
 
 
-def test_encoders_know_nothing_of_slip() -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY, noise=replace(NONE, wheel_slip=0.2, wheel_bias=0.1))
+def test_encoders_do_not_include_slip() -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY, noise=replace(NONE, wheel_slip=0.2, wheel_bias=0.1))
     assert run(world, 10, 10, -10)[1:3] == (1000, -1000)
 
 
-def test_a_command_is_taken_in_whole_speed_units() -> None:
-    world = stage(CENTRE, OUT_OF_THE_WAY)
+def test_command_is_rounded_to_whole_speed_units() -> None:
+    world = make_world(CENTRE, OUT_OF_THE_WAY)
     applied = world.robots[0].drive(Motors(9.6, -50, 255, 200))
     assert applied == Motors(10, -20, 255, 200)
     world.advance()
     assert world.robots[0].sense()[1:3] == (100, -200)
 
 
-def test_other_robots_are_solid() -> None:
+def test_robot_is_stopped_by_another_robot() -> None:
     world = PymunkWorld([FIELD], (1, 2), NONE)
     layout = Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
     world.reset(np.random.default_rng(0), layout)
@@ -192,5 +194,5 @@ def test_other_robots_are_solid() -> None:
         run(world, 1, 10, 10)
         first, second = world.poses()
         assert apart(first, second) > 2 * RADIUS - 1
-    # It was stopped by the other, or pushed it along; either way it is behind it.
+    # The first robot was stopped by the other or pushed it along; either way it is behind it.
     assert first.x < second.x < 1000 + 40 * 8 + 75 + RADIUS

@@ -1,4 +1,4 @@
-"""Food on the floor: pushed by contact, slowed by friction; and what of it a robot senses."""
+"""Food on the floor: pushed by contact, slowed by friction, and sensed by a robot."""
 
 import math
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, JAW_CLOSED, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from tests.sim.stage import apart, box, crowd, holding, narrow, run, stage
+from tests.sim.worlds import apart, box, holding, make_robots, make_world, narrow, run
 
 CENTRE = Pose(1000, 1000, 0)
 CLOSED = narrow(650)
@@ -17,15 +17,15 @@ CLOSED = narrow(650)
 # ---------------------------------------------------------------- pushing
 
 
-def test_food_that_nothing_touches_lies_still() -> None:
-    world = stage(CENTRE, (1100, 1200), (1200, 1000))
+def test_untouched_food_stays_in_place() -> None:
+    world = make_world(CENTRE, (1100, 1200), (1200, 1000))
     run(world, 50, 9, 11)
     assert [f[:2] for f in world.food_places()] == [(1100, 1200), (1200, 1000)]
 
 
 @pytest.mark.parametrize("speed", [5, 10, 20])
-def test_pushed_food_keeps_ahead_and_stops_soon_after(speed: int) -> None:
-    world = stage(CENTRE, (1080, 1000))
+def test_pushed_food_stays_ahead_and_stops_soon_after(speed: int) -> None:
+    world = make_world(CENTRE, (1080, 1000))
     run(world, 20, speed, speed)
     food, robot = world.food_places()[0], world.poses()[0]
     assert robot.x > 1080 - RADIUS
@@ -39,8 +39,8 @@ def test_pushed_food_keeps_ahead_and_stops_soon_after(speed: int) -> None:
     assert apart(rest, world.food_places()[0]) < 1e-3
 
 
-def test_a_row_of_food_is_pushed_along_without_overlapping() -> None:
-    world = stage(CENTRE, (1080, 1000), (1116, 1000), (1152, 1000))
+def test_row_of_food_is_pushed_along_without_overlapping() -> None:
+    world = make_world(CENTRE, (1080, 1000), (1116, 1000), (1152, 1000))
     run(world, 25, 12, 12)
     places = [food.x for food in world.food_places()]
     assert places[0] > 1080 + 100
@@ -50,8 +50,8 @@ def test_a_row_of_food_is_pushed_along_without_overlapping() -> None:
 
 @pytest.mark.parametrize("speed", [5, 12, 20])
 @pytest.mark.parametrize("arm", [215, 255])
-def test_a_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) -> None:
-    world = stage(Pose(380, 115, 0), (540, 115), (580, 116), (620, 114), arena=CLOSED)
+def test_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) -> None:
+    world = make_world(Pose(380, 115, 0), (540, 115), (580, 116), (620, 114), arena=CLOSED)
     run(world, 12, arm=arm)
     for _ in range(60):
         run(world, 1, speed, speed, arm=arm)
@@ -85,7 +85,7 @@ def test_food_swept_by_swinging_fingers_stays_inside() -> None:
     assert len(cases) > 40
     moved = 0
     for start, food, turn in cases:
-        world = stage(start, food, arena=CLOSED)
+        world = make_world(start, food, arena=CLOSED)
         run(world, 11, arm=ARM_DOWN)
         for _ in range(12):
             run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
@@ -95,8 +95,8 @@ def test_food_swept_by_swinging_fingers_stays_inside() -> None:
     assert moved > len(cases) / 2
 
 
-def test_another_robot_pushed_against_a_wall_stays_inside() -> None:
-    world = crowd(CLOSED, Pose(450, 115, 0), Pose(560, 116, 1))
+def test_robot_pushed_against_a_wall_stays_inside() -> None:
+    world = make_robots(CLOSED, Pose(450, 115, 0), Pose(560, 116, 1))
     for _ in range(50):
         run(world, 1, 20, 20)
         for pose in world.poses():
@@ -119,19 +119,19 @@ def test_another_robot_pushed_against_a_wall_stays_inside() -> None:
         (60.0, 60, False),
     ],
 )
-def test_the_barrier_is_crossed_by_food_between_the_fingers(
+def test_barrier_is_interrupted_by_food_between_the_fingers(
     ahead: float, aside: float, present: bool
 ) -> None:
     # The palm just clears food at the barrier: half a millimetre further out than it would push.
-    world = stage(CENTRE, (1000 + max(ahead, 54.0), 1000 + aside))
+    world = make_world(CENTRE, (1000 + max(ahead, 54.0), 1000 + aside))
     assert run(world, 1).object_presence == 0, "above it, a raised arm sees nothing"
     senses = run(world, 12, arm=ARM_DOWN)
     assert (senses.arm, senses.object_presence) == (255, 255 if present else 0)
     assert run(world, 12).object_presence == 0
 
 
-def test_nothing_crosses_a_closed_jaw() -> None:
-    world = stage(CENTRE, (1100, 1000))
+def test_barrier_of_a_closed_jaw_is_not_interrupted() -> None:
+    world = make_world(CENTRE, (1100, 1000))
     run(world, 8, jaw=JAW_CLOSED)
     run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert run(world, 10, 4, 4, arm=ARM_DOWN, jaw=JAW_CLOSED).object_presence == 0
@@ -142,9 +142,9 @@ def test_nothing_crosses_a_closed_jaw() -> None:
 
 
 @pytest.mark.parametrize("noise", [Noise.none(), Noise.laboratory()])
-def test_a_lowered_arm_hides_the_front_infra_reds_and_not_the_back(noise: Noise) -> None:
+def test_lowered_arm_hides_the_front_infra_reds_but_not_the_back(noise: Noise) -> None:
     tight = Arena("tight", box(400, 120), Point(300, 60), 50, Pose(200, 60, 0), (Point(360, 60),))
-    world = stage(Pose(45, 60, 0), (360, 60), arena=tight, noise=noise)
+    world = make_world(Pose(45, 60, 0), (360, 60), arena=tight, noise=noise)
     up = run(world, 1).proximity
     down = run(world, 12, arm=ARM_DOWN).proximity
     assert all(1015 <= reading <= 1022 for reading in down[:6])
@@ -153,16 +153,16 @@ def test_a_lowered_arm_hides_the_front_infra_reds_and_not_the_back(noise: Noise)
     assert all(0.75 < b / a < 1.35 for a, b in zip(up[6:], down[6:], strict=True))
 
 
-def test_the_front_infra_reds_see_again_once_the_arm_is_off_the_floor() -> None:
-    world = stage(CENTRE, (100, 100))
+def test_front_infra_reds_are_free_once_the_arm_is_off_the_floor() -> None:
+    world = make_world(CENTRE, (100, 100))
     readings = [run(world, 1, arm=ARM_DOWN) for _ in range(10)]
     assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
     readings = [run(world, 1) for _ in range(10)]
     assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
 
 
-def test_food_ahead_is_seen_and_lifted_food_is_not() -> None:
-    world = stage(CENTRE, (1070, 1000))
+def test_infra_reds_see_food_ahead_but_not_lifted_food() -> None:
+    world = make_world(CENTRE, (1070, 1000))
     left, right = world.robots[0].sense().proximity[2:4]
     assert left == right > 100
     assert holding().robots[0].sense().proximity[2:4] == (0, 0)

@@ -1,4 +1,4 @@
-"""What becomes of food between the fingers, and of a robot whose fingers meet a wall."""
+"""Food between the fingers, and fingers that meet a wall."""
 
 import math
 from dataclasses import replace
@@ -17,7 +17,7 @@ from khepera_forage.robots.khepera import (
     Motors,
 )
 from khepera_forage.sim.arena import Point, Pose
-from tests.sim.stage import FIELD, apart, holding, narrow, run, stage
+from tests.sim.worlds import FIELD, apart, holding, make_world, narrow, run
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
@@ -27,8 +27,8 @@ JAW_STEP = 34
 # ---------------------------------------------------------------- gripping
 
 
-def test_a_jaw_that_closes_on_food_stops_there_and_holds_it() -> None:
-    world = stage(CENTRE, (1057, 1000))
+def test_jaw_that_closes_on_food_stops_and_holds_it() -> None:
+    world = make_world(CENTRE, (1057, 1000))
     assert run(world, 12, arm=ARM_DOWN).object_presence == 255
     senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert senses.jaw == round(JAW_ON_FOOD)
@@ -40,16 +40,16 @@ def test_a_jaw_that_closes_on_food_stops_there_and_holds_it() -> None:
     assert apart(world.poses()[0], world.food_places()[0]) == pytest.approx(57, abs=1)
 
 
-def test_a_jaw_that_closes_on_nothing_closes() -> None:
-    world = stage(CENTRE, FAR)
+def test_jaw_without_food_closes_completely() -> None:
+    world = make_world(CENTRE, FAR)
     run(world, 12, arm=ARM_DOWN)
     senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert (senses.jaw, senses.object_presence) == (0, 0)
 
 
 @pytest.mark.parametrize("aside", [-9.0, -3.0, 2.0, 9.0])
-def test_the_fingers_shift_food_to_the_middle_at_their_own_speed(aside: float) -> None:
-    world = stage(CENTRE, (1057, 1000 + aside))
+def test_closing_fingers_centre_food_at_their_own_speed(aside: float) -> None:
+    world = make_world(CENTRE, (1057, 1000 + aside))
     run(world, 12, arm=ARM_DOWN)
     before = world.food_places()[0]
     for _ in range(20):
@@ -63,7 +63,7 @@ def test_the_fingers_shift_food_to_the_middle_at_their_own_speed(aside: float) -
     assert (food.y - y) * math.cos(heading) - (food.x - x) * math.sin(heading) == pytest.approx(0, abs=1)
 
 
-def test_a_raised_arm_lifts_food_and_it_travels_along() -> None:
+def test_raised_arm_carries_food() -> None:
     world = holding()
     for left, right, rounds in [(10, 10, 10), (-5, 5, 12), (12, 8, 15), (-10, -10, 8)]:
         run(world, rounds, left, right, jaw=JAW_CLOSED)
@@ -76,7 +76,7 @@ def test_a_raised_arm_lifts_food_and_it_travels_along() -> None:
 
 
 @pytest.mark.parametrize("arm", [ARM_DOWN, ARM_RAISED])
-def test_opening_sets_food_down_where_it_is(arm: int) -> None:
+def test_opening_jaw_leaves_food_in_place(arm: int) -> None:
     world = holding()
     run(world, 12, arm=arm, jaw=JAW_CLOSED)
     before = world.food_places()[0]
@@ -91,18 +91,18 @@ def test_opening_sets_food_down_where_it_is(arm: int) -> None:
 # ---------------------------------------------------------------- lifted food and what is in its way
 
 
-def test_lifted_food_passes_above_other_food_and_is_set_down_on_none() -> None:
+def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it() -> None:
     world = holding(CENTRE, (1150, 1000))
     other = world.food_places()[1]
     while world.food_places()[0].x < other.x - 3:
         run(world, 1, 5, 5, jaw=JAW_CLOSED)
     assert apart(world.food_places()[1], other) < 0.01
-    # Above it, the jaw does not let go, and the arm does not come down.
+    # Above other food, the jaw does not open, and the arm does not come down.
     assert run(world, 10, jaw=JAW_OPEN).jaw == round(JAW_ON_FOOD)
     assert world.food_places()[0].lifted
     assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm < ARM_ON_FLOOR
     assert apart(world.food_places()[1], other) < 0.01
-    # Back from it they do.
+    # Away from it, both do.
     run(world, 12, -5, -5, jaw=JAW_CLOSED)
     assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm == ARM_DOWN
     run(world, 8, arm=ARM_DOWN, jaw=JAW_OPEN)
@@ -143,12 +143,12 @@ def test_lifted_food_does_not_pass_through_a_wall() -> None:
     assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
 
 
-# ---------------------------------------------------------------- nothing jumps
+# ---------------------------------------------------------------- no sudden motion
 
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_food_beside_a_closing_finger_is_not_taken_for_food_between_them(side: int) -> None:
-    world = stage(CENTRE, (1057, 1000 + side * 27.2), FAR)
+    world = make_world(CENTRE, (1057, 1000 + side * 27.2), FAR)
     run(world, 8, jaw=JAW_CLOSED)
     run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
     before = run(world, 1, arm=ARM_DOWN, jaw=JAW_OPEN).jaw
@@ -163,13 +163,13 @@ def test_food_beside_a_closing_finger_is_not_taken_for_food_between_them(side: i
 @pytest.mark.parametrize("degrees", range(10, 90, 10))
 @pytest.mark.parametrize("wheels", [(-20, 10), (-10, 10), (-5, 10), (0, 10), (5, 10), (10, 10)])
 @pytest.mark.parametrize("closing", [3, 5])
-def test_a_finger_that_works_against_a_wall_throws_no_robot_about(
+def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
     degrees: int, wheels: tuple[int, int], closing: int
 ) -> None:
     heading = math.radians(degrees)
     tip = (FINGER_TIP + 2) * math.sin(heading) + 31.5 * math.cos(heading)
     corridor = narrow(650)
-    world = stage(Pose(300, 230 - tip - 0.5, heading), (60, 60), arena=corridor)
+    world = make_world(Pose(300, 230 - tip - 0.5, heading), (60, 60), arena=corridor)
     pose = world.poses()[0]
     for i in range(closing + 5):
         if i < closing:
@@ -182,7 +182,7 @@ def test_a_finger_that_works_against_a_wall_throws_no_robot_about(
         pose = after
 
 
-def test_food_let_go_and_gripped_again_at_once_stays_put() -> None:
+def test_food_released_and_gripped_again_at_once_stays_in_place() -> None:
     world = holding()
     run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
     food = world.food_places()[0]
@@ -194,7 +194,7 @@ def test_food_let_go_and_gripped_again_at_once_stays_put() -> None:
     assert world.food_places()[0].lifted
 
 
-def test_a_stopped_robot_keeps_its_grip() -> None:
+def test_stopped_robot_keeps_its_grip() -> None:
     world = holding()
     world.robots[0].drive(Motors(10, 10, ARM_RAISED, JAW_CLOSED))
     world.advance()

@@ -1,4 +1,4 @@
-"""What holds in every state that random driving can reach."""
+"""Properties that hold in every state that random driving reaches."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""An operator takes a robot up and puts it down elsewhere."""
+"""`World.place`: an operator puts a robot down elsewhere (5.3.1)."""
 
 import math
 
@@ -9,12 +9,12 @@ from khepera_forage.robots.khepera import JAW_CLOSED
 from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.stage import NONE, holding, run, stage
+from tests.sim.worlds import NONE, holding, make_world, run
 
 CENTRE = Pose(1000, 1000, 0)
 
 
-def test_an_operator_puts_a_robot_down_with_what_it_holds() -> None:
+def test_placed_robot_keeps_the_food_it_holds() -> None:
     world = holding()
     world.place(0, Pose(500, 600, math.pi / 2))
     x, y, _ = world.poses()[0]
@@ -27,15 +27,15 @@ def test_an_operator_puts_a_robot_down_with_what_it_holds() -> None:
     assert world.poses()[0][:2] == pytest.approx((500, 600), abs=0.1)
 
 
-def test_an_operator_is_told_of_a_place_that_is_taken_or_none() -> None:
-    world = stage(CENTRE, (1500, 1500))
+def test_place_refuses_a_taken_or_impossible_pose() -> None:
+    world = make_world(CENTRE, (1500, 1500))
     for pose in (Pose(1500, 1470, 0), Pose(500, 500, math.nan)):
         with pytest.raises(ValueError, match="robot at"):
             world.place(0, pose)
         assert world.poses()[0] == CENTRE
 
 
-def test_a_robot_stays_in_its_own_enclosure() -> None:
+def test_place_refuses_another_arena() -> None:
     """Its food and its walls are those of the arena it was reset in."""
     arenas = copies(CORRIDOR, 2)
     world = PymunkWorld(arenas, (1, 2), NONE)
@@ -46,8 +46,8 @@ def test_a_robot_stays_in_its_own_enclosure() -> None:
     assert world.poses() == starts
 
 
-def test_a_robot_that_was_put_down_drives_on_from_there() -> None:
-    world = stage(CENTRE, (100, 100))
+def test_placed_robot_drives_on_from_its_new_pose() -> None:
+    world = make_world(CENTRE, (100, 100))
     run(world, 5, 20, 20)
     world.place(0, Pose(400, 400, math.pi / 2))
     assert world.poses()[0] == (400, 400, math.pi / 2)
@@ -57,8 +57,8 @@ def test_a_robot_that_was_put_down_drives_on_from_there() -> None:
     assert world.poses()[0] == pytest.approx((400, 480, math.pi / 2), abs=2)
 
 
-def test_a_robot_that_was_put_down_sees_what_is_there() -> None:
-    world = stage(CENTRE, (100, 100))
+def test_placed_robot_senses_its_new_surroundings() -> None:
+    world = make_world(CENTRE, (100, 100))
     assert world.robots[0].sense().proximity == (0,) * 8
     world.place(0, Pose(1955, 1000, math.pi))
     back = world.robots[0].sense().proximity[6:]

@@ -1,4 +1,4 @@
-"""What a world can be made of, and what its reset refuses."""
+"""Which worlds can be made, and which layouts their reset refuses."""
 
 import math
 
@@ -9,7 +9,7 @@ from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.stage import ELL, FIELD, NONE, apart, run, stage
+from tests.sim.worlds import ELL, FIELD, NONE, apart, make_world, run
 
 START = CORRIDOR.start
 FOOD = Point(370, 115)
@@ -23,7 +23,7 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
     world.reset(np.random.default_rng(0), Layout(starts, foods))
 
 
-# ---------------------------------------------------------------- making one
+# ---------------------------------------------------------------- making a world
 
 
 @pytest.mark.parametrize(
@@ -37,25 +37,25 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
         ([CORRIDOR, CORRIDOR.shifted(3000, 0)], (2,), "3650.*allowed"),
     ],
 )
-def test_what_is_no_world(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
+def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
         PymunkWorld(arenas, markers, NONE)
 
 
-def test_the_laboratory_noise_is_the_default() -> None:
+def test_default_noise_is_the_laboratorys() -> None:
     assert PymunkWorld([CORRIDOR]).noise.wheel_slip > 0
 
 
-def test_nothing_moves_before_the_first_reset() -> None:
+def test_advance_before_reset_is_refused() -> None:
     with pytest.raises(RuntimeError, match="reset"):
         PymunkWorld([CORRIDOR]).advance()
 
 
-# ---------------------------------------------------------------- resets that are refused
+# ---------------------------------------------------------------- refused layouts
 
 
 @pytest.mark.parametrize("starts", [(), (START,), (START, START, START)])
-def test_one_start_a_robot(starts: tuple[Pose, ...]) -> None:
+def test_reset_needs_one_start_for_each_robot(starts: tuple[Pose, ...]) -> None:
     with pytest.raises(ValueError, match=rf"{len(starts)} starts for 2 robots"):
         reset(pair(), starts)
 
@@ -72,19 +72,19 @@ def test_one_start_a_robot(starts: tuple[Pose, ...]) -> None:
         (Pose(340, 115, 0), r"food at \(370, 115\) mm overlaps robot at \(340, 115\)"),
     ],
 )
-def test_a_robot_stands_on_the_free_floor(start: Pose, complaint: str) -> None:
+def test_reset_refuses_a_robot_off_the_free_floor(start: Pose, complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
         reset(pair(), (start, START._replace(y=415)))
 
 
 @pytest.mark.parametrize("start", [Pose(300, 202, math.pi / 2), Pose(300, 170, 1.2), Pose(600, 115, 0.0)])
-def test_a_gripper_does_not_stand_in_a_wall(start: Pose) -> None:
-    """It would be stuck there, or be thrown out of it."""
+def test_reset_refuses_a_gripper_in_a_wall(start: Pose) -> None:
+    """The gripper would be stuck in the wall, or the solver would throw the robot out of it."""
     with pytest.raises(ValueError, match=rf"robot at \({start.x:g}, {start.y:g}\)"):
         reset(pair(), (start, START._replace(y=415)))
 
 
-def test_two_robots_do_not_stand_in_one_place() -> None:
+def test_reset_refuses_overlapping_robots() -> None:
     world = PymunkWorld([RECTANGLE], (1, 2), NONE)
     with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at \(100, 300\)"):
         reset(world, (Pose(100, 300, 0), Pose(154, 300, 0)), (Point(400, 300),))
@@ -101,12 +101,12 @@ def test_two_robots_do_not_stand_in_one_place() -> None:
         (Point(120, 115), r"food at \(120, 115\) mm overlaps robot"),
     ],
 )
-def test_food_lies_on_the_free_floor(food: Point, complaint: str) -> None:
+def test_reset_refuses_food_off_the_free_floor_or_overlapping(food: Point, complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
         reset(pair(), (START, START._replace(y=415)), (FOOD, food))
 
 
-def test_nothing_stands_in_an_obstacle() -> None:
+def test_reset_refuses_places_in_an_obstacle() -> None:
     world = PymunkWorld([ELL], (2,), NONE)
     with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
         reset(world, (ELL.start,), (Point(180, 120),))
@@ -117,10 +117,10 @@ def test_nothing_stands_in_an_obstacle() -> None:
 # ---------------------------------------------------------------- a user's arena
 
 
-def test_a_robot_sees_an_obstacle_and_stops_at_it() -> None:
-    world = stage(Pose(300, 120, math.pi), (450, 150), arena=ELL)
+def test_robot_senses_an_obstacle_and_stops_at_it() -> None:
+    world = make_world(Pose(300, 120, math.pi), (450, 150), arena=ELL)
     assert max(world.robots[0].sense().proximity[:6]) == 0
-    # Its raised fingers touch the block first: the body stays their length away.
+    # The raised fingers touch the block first: the body stays their length away.
     senses = run(world, 40, 10, 10)
     x, y, heading = world.poses()[0]
     assert 210 + RADIUS <= x < 300 - 5
@@ -129,15 +129,15 @@ def test_a_robot_sees_an_obstacle_and_stops_at_it() -> None:
     assert senses.left_pulses == 40 * 100
 
 
-def test_an_obstacle_beside_a_robot_is_seen_on_that_side() -> None:
-    world = stage(Pose(180, 190, 0), (450, 150), arena=ELL)
+def test_obstacle_beside_a_robot_is_sensed_on_that_side() -> None:
+    world = make_world(Pose(180, 190, 0), (450, 150), arena=ELL)
     proximity = world.robots[0].sense().proximity
     assert proximity[5] > 400
     assert proximity[:3] == (0, 0, 0)
 
 
-def test_a_corner_is_driven_round() -> None:
-    world = stage(Pose(500, 200, math.pi), (450, 60), arena=ELL)
+def test_robot_drives_around_a_corner() -> None:
+    world = make_world(Pose(500, 200, math.pi), (450, 60), arena=ELL)
     run(world, 30, 10, 10)
     run(world, 4, 13, -13)  # to the right: north, into the other leg
     run(world, 30, 10, 10)
@@ -146,10 +146,10 @@ def test_a_corner_is_driven_round() -> None:
     assert y > 300
 
 
-# ---------------------------------------------------------------- and again
+# ---------------------------------------------------------------- repeated resets
 
 
-def test_a_reset_leaves_nothing_of_the_last_episode() -> None:
+def test_reset_leaves_nothing_of_the_last_episode() -> None:
     world = PymunkWorld([FIELD], (2,), NONE)
     layout = Layout((Pose(1000, 1000, 0.3),), (Point(1057 * 1.0, 1018),))
     world.reset(np.random.default_rng(3), layout)
@@ -163,7 +163,7 @@ def test_a_reset_leaves_nothing_of_the_last_episode() -> None:
     assert world.poses()[0] == pytest.approx(layout.starts[0])
 
 
-def test_numbers_of_food_may_change_from_reset_to_reset() -> None:
+def test_amount_of_food_may_change_at_a_reset() -> None:
     world = pair()
     starts = START, START._replace(y=415)
     for count in (3, 0, 1):

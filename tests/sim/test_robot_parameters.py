@@ -22,7 +22,7 @@ from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.stage import FIELD, NONE
+from tests.sim.worlds import FIELD, NONE
 
 HERE = Pose(1000, 1000, 0)
 FAR_AWAY = Point(100, 100)
@@ -43,7 +43,7 @@ def run(world: PymunkWorld, motors: Motors, rounds: int) -> Senses:
     return world.robots[0].sense()
 
 
-def test_a_slow_left_wheel_turns_the_robot_left() -> None:
+def test_slow_left_wheel_turns_the_robot_left() -> None:
     straight, slow = stand(RobotParameters()), stand(RobotParameters(left_wheel_error=-0.2))
     for world in (straight, slow):
         run(world, Motors(10, 10, ARM_RAISED, JAW_OPEN), 10)
@@ -118,6 +118,6 @@ def test_values_out_of_range_are_rejected(change: dict[str, float], message: str
         RobotParameters(**change)
 
 
-def test_a_wrong_number_of_parameters_is_rejected() -> None:
+def test_wrong_number_of_parameters_is_rejected() -> None:
     with pytest.raises(ValueError, match="1 robot_parameters given; allowed: 2, one per robot"):
         PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(),))

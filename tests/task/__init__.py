@@ -1,1 +1,1 @@
-"""The task as pure functions."""
+"""The rules of the task."""

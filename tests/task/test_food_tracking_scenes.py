@@ -1,4 +1,4 @@
-"""The food tracker with made-up scenes: what seldom happens in a simulated run, and what must not confuse it."""
+"""The food tracker with made-up scenes: events that are rare in simulated runs."""
 
 import math
 

@@ -28,7 +28,7 @@ from khepera_forage.task.placement import (
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.geometry.shapes import star
-from tests.sim.stage import ELL, FIELD
+from tests.sim.worlds import ELL, FIELD
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD, RECTANGLE.shifted(700.0, 400.0)]

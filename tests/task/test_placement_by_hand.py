@@ -15,7 +15,7 @@ from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, co
 from khepera_forage.sim.layout_checks import check_layout
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.placement import Place, Start, layout_is_free, place_by_hand
-from tests.sim.stage import ELL, FIELD
+from tests.sim.worlds import ELL, FIELD
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]

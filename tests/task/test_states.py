@@ -45,7 +45,7 @@ TABLE: dict[State, Row] = {
     State.ORIENTED_WITH_FOOD: lambda v: (
         bool(v.object_presence) and v.robot_home_distance > HOME_RADIUS and v.food_type == FoodType.UNKNOWN
     ),
-    # The table leaves the arm out here; with it alone the row is kept apart from FOOD IN HAND.
+    # The table omits the arm here, which alone separates this row from FOOD IN HAND.
     State.READY_TO_PICK_UP_FOOD: lambda v: (
         bool(v.object_presence)
         and v.robot_home_distance > HOME_RADIUS

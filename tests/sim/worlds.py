@@ -1,4 +1,4 @@
-"""Worlds in which a test knows what should happen: a wide floor, no noise, food out of the way."""
+"""Worlds for tests: a wide floor, no noise, food out of the way."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ FIELD = Arena(
     start=Pose(1000, 1000, 0),
     foods=(Point(100, 100),),
 )
-"""So wide that nothing is hit by chance."""
+"""So wide that a robot hits nothing by chance."""
 
 ELL = Arena(
     name="ell",
@@ -44,10 +44,10 @@ ELL = Arena(
     foods=(Point(450, 150), Point(170, 300)),
     obstacles=((Point(150, 90), Point(210, 90), Point(210, 150), Point(150, 150)),),
 )
-"""A user's arena: a corner to drive round and a block on the floor."""
+"""A user's arena: not convex, with an obstacle."""
 
 
-def stage(
+def make_world(
     start: Pose,
     *foods: tuple[float, float],
     arena: Arena = FIELD,
@@ -60,7 +60,7 @@ def stage(
     return world
 
 
-def crowd(arena: Arena, *starts: Pose) -> PymunkWorld:
+def make_robots(arena: Arena, *starts: Pose) -> PymunkWorld:
     """Several robots in one arena, without food."""
     world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE)
     world.reset(np.random.default_rng(0), Layout(starts, ()))
@@ -76,7 +76,7 @@ def run(
     jaw: int = JAW_OPEN,
     robot: int = 0,
 ) -> Senses:
-    """So many rounds under one command; returns what the robot senses then."""
+    """Rounds under one command; returns what the robot senses then."""
     for _ in range(rounds):
         world.robots[robot].drive(Motors(left, right, arm, jaw))
         world.advance()
@@ -86,7 +86,7 @@ def run(
 def holding(start: Pose = FIELD.start, *others: tuple[float, float], arena: Arena = FIELD) -> PymunkWorld:
     """A robot that holds food number 0 in its raised gripper."""
     ahead = start.x + 57 * math.cos(start.heading), start.y + 57 * math.sin(start.heading)
-    world = stage(start, ahead, *others, arena=arena)
+    world = make_world(start, ahead, *others, arena=arena)
     run(world, 12, arm=ARM_DOWN)
     run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
@@ -99,5 +99,5 @@ def apart(a: Pose | FoodPlace | Point, b: Pose | FoodPlace | Point) -> float:
 
 
 def narrow(length: float) -> Arena:
-    """The corridor, but so long."""
+    """The corridor with another length."""
     return replace(CORRIDOR, walls=box(length, 230))
