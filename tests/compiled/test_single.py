@@ -13,14 +13,12 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.compilation.widths import at_width
 from khepera_forage.envs import entry_points as physics
 from khepera_forage.envs.compiled.rounds import decide
 from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled import rows as at
-from khepera_forage.sim.compiled.drive import towards
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
@@ -193,13 +191,3 @@ def test_the_physics_are_two(monkeypatch: Any) -> None:
     monkeypatch.setattr(physics, "find_spec", lambda name: None)
     with pytest.raises(ImportError, match=r"needs numba: pip install 'khepera-forage\[fast\]'"):
         _make()
-
-
-def test_a_kernel_at_another_width_leaves_the_other_lanes_alone() -> None:
-    narrow = at_width(decide, 8)
-    assert narrow is not decide
-    assert at_width(towards, 8) is towards
-    tasks, robots = np.zeros(8 * 37), np.zeros(8 * at.ROBOT_ROWS)
-    narrow(tasks, robots)
-    assert (tasks.reshape(-1, 8)[20:22] == 1.0).all()
-    assert tasks.sum() == 16
