@@ -218,14 +218,16 @@ class Decisions:
         """The set that the command line's `--decision NAME=VALUE` options describe.
 
         Raises:
-            ValueError: Not of this form, an unknown field, or a value out of range.
+            ValueError: Not of this form, an unknown or repeated field, or a value out of range.
         """
-        changes = {}
+        changes: dict[str, Any] = {}
         by_name = {field.name: Field.of(field) for field in fields(cls)}
         for assignment in assignments:
             name, sign, text = assignment.partition("=")
             if not sign:
                 raise ValueError(f"decision {assignment!r}; allowed: NAME=VALUE, such as next_to_food=17")
+            if name in changes:
+                raise ValueError(f"decision {name} is set twice; allowed: once")
             changes[name] = parse(by_name[name], text) if name in by_name else text
         return cls.from_changes(changes)
 
