@@ -11,7 +11,7 @@ from _throughput.lines import Job, Measure, Values
 
 WORLDS = 4096
 SECTION = "Thousands of worlds at once"
-NOTE = "Worlds in kernels compiled by numba, the expert deciding; docs/batch.md says what they share with pymunk's."
+NOTE = "Worlds in kernels compiled by numba, the expert deciding; docs/compiled.md says what they share with pymunk's."
 KERNEL = Measure(
     SECTION,
     "recall in the corridor under the teacher, in the kernel",
