@@ -53,6 +53,9 @@ class Script:
 
 
 SCRIPTS = {
+    "agreement": Script(
+        ("--episodes", "--jobs", "--fresh"), ("pymunk_recalls",), run=("--episodes", "10"), needs=("numba",)
+    ),
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),

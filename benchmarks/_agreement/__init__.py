@@ -1,1 +1,0 @@
-"""What `benchmarks/agreement.py` plays, compares and shows."""

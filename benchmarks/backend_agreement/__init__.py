@@ -1,0 +1,1 @@
+"""The agreement of the two backends, tested by `benchmarks/agreement.py`."""

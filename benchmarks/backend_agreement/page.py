@@ -1,0 +1,113 @@
+"""The tables and the picture of the page."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from harness.figures import GREY, OURS, THESIS, grid, new_figure
+
+from backend_agreement.samples import CONDITIONS, IMITATORS, SLOW, TRAININGS, Condition, Sample
+from backend_agreement.two_sample_tests import LEVEL, Comparison, Power, holm
+from khepera_forage.thesis.tables import Column, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_COLUMNS = (
+    Column("policy"),
+    Column("arena"),
+    Column("measure"),
+    Column("pymunk", digits=2, estimate=True),
+    Column("compiled", digits=2, estimate=True),
+    Column("difference", digits=2, estimate=True),
+    Column("p of means", digits=3),
+    Column("p of distributions", digits=3),
+    Column("corrected: means", digits=3),
+    Column("corrected: distributions", digits=3),
+)
+_POWER_COLUMNS = (
+    Column("policy"),
+    Column("arena"),
+    Column("detected by means (%)", estimate=True),
+    Column("detected by distributions (%)", estimate=True),
+    Column("false alarm by means (%)", estimate=True),
+    Column("false alarm by distributions (%)", estimate=True),
+)
+
+
+def agreement_table(results: Sequence[Comparison], pymunk: int, compiled: int) -> Table:
+    """Both backends side by side."""
+    corrected = _corrected(results)
+    different = [
+        f"{result.measure} of the {' in the '.join(result.condition)}"
+        for result, ps in zip(results, corrected, strict=True)
+        if min(ps) < LEVEL
+    ]
+    verdict = f"Differences: {', '.join(different)}." if different else "No test detects a difference."
+    note = (
+        f"{pymunk:,} recalls with pymunk and {compiled:,} compiled recalls in every line; noise of the laboratory, the "
+        f"thesis' arenas, food and limits, random starts. {IMITATORS} imitators of {TRAININGS} training episodes each "
+        "take turns, the same on both backends. Brackets: 95 % intervals. Means: Welch's test. Distributions: "
+        "Kolmogorov-Smirnov test, whose p-value is too large for counts with many ties, never too small. Corrected by "
+        f"Holm's rule for the {2 * len(results)} tests of this table. {verdict}"
+    )
+    rows = [(*result.condition, *result[1:], *ps) for result, ps in zip(results, corrected, strict=True)]
+    return Table("agreement", "Compiled recalls against pymunk's", note, _COLUMNS, rows)
+
+
+def slow_wheels_table(results: Sequence[Comparison]) -> Table:
+    """Both backends side by side, with slow wheels in the compiled recalls."""
+    note = (
+        f"The same with an artificial difference: in the compiled recalls wheels reach {100 * SLOW:g} % of the "
+        "commanded speed. Not corrected for the number of tests."
+    )
+    rows = [(*result.condition, *result[1:]) for result in results]
+    return Table("slow_wheels", "Wheels 2 % slow", note, _COLUMNS[:-2], rows)
+
+
+def power_table(results: Sequence[Power], repeats: int) -> Table:
+    """The rates at which the artificial difference is detected."""
+    note = (
+        f"Share of {repeats} repeated samples, as large as above and drawn with replacement from the compiled recalls, "
+        f"in which the steps of recalls differ at the {100 * LEVEL:g} % level with wheels 2 % slow; false alarms: with "
+        "equal wheels. Brackets: Wilson's 95 % intervals."
+    )
+    rows = [(*result.condition, *result[1:]) for result in results]
+    return Table("power", "Power of the tests", note, _POWER_COLUMNS, rows)
+
+
+def picture(samples: Mapping[tuple[Condition, str], Sample]) -> "Figure":
+    """The distributions of steps and of scores.
+
+    Args:
+        samples: By condition and `pymunk`, `compiled` or `slow`.
+    """
+    figure = new_figure(12.0, 5.6)
+    axes = figure.subplots(2, len(CONDITIONS))
+    styles = (
+        ("pymunk", "pymunk", {"color": GREY, "lw": 3.2, "alpha": 0.6}),
+        ("slow", "compiled, wheels 2 % slow", {"color": THESIS, "lw": 1.0, "ls": "--"}),
+        ("compiled", "compiled", {"color": OURS, "lw": 1.2}),
+    )
+    for column, condition in enumerate(CONDITIONS):
+        for row, (measure, label) in enumerate((("steps", "steps of a recall"), ("score", "score (%)"))):
+            panel = axes[row][column]
+            for kind, name, style in styles:
+                values = np.sort(getattr(samples[condition, kind], measure))
+                shares = 100 * np.arange(len(values) + 1) / len(values)
+                panel.plot(np.append(values[:1], values), shares, label=name, drawstyle="steps-post", **style)
+            grid(panel, "both")
+            panel.set_xlabel(label, fontsize=9)
+            panel.tick_params(labelsize=8)
+        axes[1][column].set_xlim(-24, 104)
+        axes[0][column].set_title(" in the ".join(condition), fontsize=10)
+    for row in range(2):
+        axes[row][0].set_ylabel("recalls with at most that (%)", fontsize=9)
+    axes[0][0].legend(fontsize=8, loc="lower right")
+    return figure
+
+
+def _corrected(results: Sequence[Comparison]) -> list[tuple[float, float]]:
+    """The corrected p-values of means and of distributions."""
+    values = holm([p for result in results for p in (result.p_mean, result.p_distribution)])
+    return list(zip(values[::2], values[1::2], strict=True))
