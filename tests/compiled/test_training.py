@@ -1,0 +1,138 @@
+"""Training in compiled paired corridors without noise: as on pymunk, round by round."""
+
+from contextlib import nullcontext
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.arguments import timing_of
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.rollouts.compiled import training
+from khepera_forage.rollouts.compiled.records import HEARD
+from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.compiled.training_results import Trained
+from khepera_forage.rollouts.rows import TrainingRow
+from khepera_forage.rollouts.training import train
+from khepera_forage.sim.arena import CORRIDOR, Arena, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import Behaviour
+
+ARENAS, DEFAULT = copies(CORRIDOR, 2), Decisions()
+
+
+def _check_same(trained: Trained, experience: Experience, rows: list[TrainingRow]) -> None:
+    """The same behaviours heard, and state vectors within one pixel."""
+    vectors, heard = experience.arrays()
+    mine = trained.vectors_of(0)
+    assert mine[:, HEARD].tolist() == heard.tolist()
+    assert np.abs(mine[:, :HEARD] - vectors)[:, (0, 2, 3)].max() == 0
+    assert np.abs(mine[:, :HEARD] - vectors).max() <= 1
+    attempts = trained.attempts
+    assert attempts.rounds.tolist() == [row.rounds for row in rows]
+    assert attempts.separations.tolist() == [row.separations for row in rows]
+
+
+@pytest.mark.parametrize("food_type", ["pickable", "pushable", "poisonous"])
+def test_without_noise_a_learner_records_the_experience_that_it_records_on_pymunk(food_type: str) -> None:
+    env = TrainingEnv(noise=Noise.none(), food_types=food_type)
+    single = train(env, np.random.SeedSequence(0))
+    _check_same(train_learners(1, noise=Noise.none(), food_types=food_type), *single)
+    avoided = Behaviour.AVOID_FOOD in single[0].behaviours
+    assert avoided == (food_type == "poisonous")
+
+
+def _learner_beside_its_mark(
+    monkeypatch: pytest.MonkeyPatch, ahead: float, aside: float, turned: float
+) -> tuple[Arena, Arena]:
+    """The paired corridors with another mark for the learner, on both backends."""
+    x, y, heading = ARENAS[1].start
+    arenas = ARENAS[0], replace(ARENAS[1], start=Pose(x + ahead, y + aside, heading + turned))
+    monkeypatch.setattr(training, "copies", lambda arena, count: arenas)
+    return arenas
+
+
+def _on_pymunk(arenas: tuple[Arena, Arena], decisions: Decisions = DEFAULT, **kwargs: Any) -> TrainingEnv:
+    world = PymunkWorld(arenas, (1, 2), Noise.none(), timing=timing_of(decisions))
+    return TrainingEnv(noise=Noise.none(), world=world, decisions=decisions, **kwargs)
+
+
+@pytest.mark.parametrize(
+    ("ahead", "aside", "turned", "separations"),
+    [(0.0, 20.0, 0.3, 0), (-30.0, -10.0, 0.3, 0), (100.0, -10.0, 0.3, 1), (90.0, 20.0, -0.5, 3)],
+)
+def test_a_learner_beside_its_mark_is_led_and_waited_for_as_on_pymunk(
+    ahead: float, aside: float, turned: float, separations: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Following and recovery: beyond 70 mm the teacher waits."""
+    arenas = _learner_beside_its_mark(monkeypatch, ahead, aside, turned)
+    experience, rows = train(_on_pymunk(arenas), np.random.SeedSequence(0), attempts=1)
+    _check_same(train_learners(1, noise=Noise.none(), attempts=1), experience, rows)
+    assert rows[0].separations == separations
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [
+        Decisions(round_duration=0.2),
+        Decisions(arm_travel_time=0.5),
+        Decisions(jaw_travel_time=0.8),
+        Decisions(close_to_food=35),
+        Decisions(equal_distance="farther state"),
+        Decisions(home_speed=10),
+    ],
+    ids=lambda decisions: "-".join(decisions.changed()),
+)
+def test_decisions_change_training_as_on_pymunk(
+    decisions: Decisions, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _check_changed(_learner_beside_its_mark(monkeypatch, -30.0, -10.0, 0.3), decisions)
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [Decisions(separation=20), Decisions(following_gain=0.2)],
+    ids=lambda d: "-".join(d.changed()),
+)
+def test_decisions_on_following_change_training_as_on_pymunk(
+    decisions: Decisions, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _check_changed(_learner_beside_its_mark(monkeypatch, 90.0, 20.0, -0.5), decisions)
+
+
+def _check_changed(arenas: tuple[Arena, Arena], decisions: Decisions) -> None:
+    """The same training on both backends, and another one than under the default decisions."""
+    env = _on_pymunk(arenas, decisions)
+    experience, rows = train(env, np.random.SeedSequence(0), attempts=1, teacher=Teacher.of(env))
+    compiled = train_learners(1, noise=Noise.none(), attempts=1, decisions=decisions)
+    _check_same(compiled, experience, rows)
+    usual = train_learners(1, noise=Noise.none(), attempts=1)
+    assert not np.array_equal(compiled.experience, usual.experience)
+
+
+def test_an_attempt_ends_in_the_same_round_as_on_pymunk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the smallest limit and patience an attempt is complete; with one round less it is not."""
+    arenas = _learner_beside_its_mark(monkeypatch, 90.0, 20.0, -0.5)
+    env, separated = _on_pymunk(arenas), [0]
+    _, rows = train(
+        env,
+        np.random.SeedSequence(0),
+        callback=lambda: separated.append(env.infos["learner_0"]["separated_rounds"]),
+    )
+    rounds, longest = rows[0].rounds, max(separated)
+    assert longest > 3
+    for patience, max_cycles, complete in (
+        (longest + 1, rounds, True),
+        (longest, rounds, False),
+        (longest + 1, rounds - 1, False),
+    ):
+        terms: dict[str, Any] = {"patience": patience, "max_cycles": max_cycles}
+        with nullcontext() if complete else pytest.raises(RuntimeError, match="none of 1 attempts"):
+            train(_on_pymunk(arenas, **terms), np.random.SeedSequence(0), attempts=1)
+        with nullcontext() if complete else pytest.raises(RuntimeError, match="none of 1 attempts"):
+            train_learners(1, noise=Noise.none(), attempts=1, **terms)
