@@ -12,13 +12,17 @@ from numpy.typing import NDArray
 
 from khepera_forage.experience.reader import read
 from khepera_forage.experience.text_format import (
+    DEFAULT_DECISIONS,
     ExperienceError,
     checked_header,
     checked_row,
     closing_line,
+    header_decisions_text,
     header_text,
     row_text,
 )
+from khepera_forage.task.decision_text import differences
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
 
@@ -31,6 +35,8 @@ class Experience:
         arena: Name of the arena.
         seed: Of the training, if known.
         episodes: Number of training episodes; at least 1.
+        decisions: Of the training, such as `env.decisions`; the defaults by default; None if experience of different
+            decisions was joined.
 
     Attributes:
         vectors: The state vectors.
@@ -38,6 +44,7 @@ class Experience:
         arena: Name of the arena.
         seed: Seed of the training; None if unknown or if experience of different seeds was joined.
         episodes: Number of training episodes.
+        decisions: Of the training; None if experience of different decisions was joined.
 
     Raises:
         ExperienceError: The numbers of vectors and behaviours differ, or a value is out of range.
@@ -53,8 +60,11 @@ class Experience:
         arena: str = "corridor",
         seed: int | None = None,
         episodes: int = 1,
+        decisions: Decisions | None = DEFAULT_DECISIONS,
     ) -> None:
-        self.arena, self.seed, self.episodes = checked_header(arena, seed, episodes)
+        self.arena, self.seed, self.episodes, self.decisions = checked_header(
+            arena, seed, episodes, decisions
+        )
         vectors, behaviours = list(vectors), list(behaviours)
         if len(vectors) != len(behaviours):
             raise ExperienceError(
@@ -70,33 +80,85 @@ class Experience:
         self.behaviours = tuple(behaviour for _, behaviour in rows)
 
     @classmethod
-    def load(cls, *paths: str | PathLike[str], arena: str | None = None, recover: bool = False) -> Self:
+    def load(
+        cls,
+        *paths: str | PathLike[str],
+        arena: str | None = None,
+        decisions: Decisions | None = None,
+        allow_other_decisions: bool = False,
+        recover: bool = False,
+    ) -> Self:
         """Read files and join them in the given order: g1, g2 and g3 give the thesis's g123.
 
         Args:
             paths: One file or more.
             arena: The arena that all files must have; by default the arena of the first file.
+            decisions: The decisions that all files must have, such as `env.decisions`; by default those of the first
+                file.
+            allow_other_decisions: Accept files of any decisions.
             recover: Read the complete rows of a file that a killed recording left without a closing line, with an
                 `ExperienceWarning`. By default such a file is an error.
 
         Raises:
-            ExperienceError: A file is not an experience file, is incomplete, or has another arena.
+            ExperienceError: A file is not an experience file, is incomplete, or has another arena or other decisions.
             OSError: A file cannot be read.
             TypeError: There is no path.
         """
         if not paths:
             raise TypeError("no path to load; allowed: one or more")
-        joined = None
+        parts: list[Self] = []
         for path in paths:
-            (name, seed, episodes), rows = read(path, recover)
-            expected = arena if arena is not None else name if joined is None else joined.arena
-            if name != expected:
+            header, rows = read(path, recover)
+            expected = arena if arena is not None else parts[0].arena if parts else header.arena
+            if header.arena != expected:
                 source = "the argument" if arena is not None else f"that of {paths[0]}"
-                raise ExperienceError(f"{path}, line 3: arena is {name!r}; allowed: {expected!r}, {source}")
-            part = cls([vector for vector, _ in rows], [heard for _, heard in rows], name, seed, episodes)
-            joined = part if joined is None else joined + part
-        assert joined is not None
-        return joined
+                raise ExperienceError(
+                    f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}"
+                )
+            part = cls([vector for vector, _ in rows], [heard for _, heard in rows], *header)
+            if not allow_other_decisions and (decisions is not None or parts):
+                wanted = decisions if decisions is not None else parts[0].decisions
+                _require_same(part.decisions, wanted, f"{path}: ")
+            parts.append(part)
+        return cls.join(parts, allow_other_decisions=allow_other_decisions)
+
+    @classmethod
+    def join(cls, parts: Sequence["Experience"], *, allow_other_decisions: bool = False) -> Self:
+        """Join experience of one arena in the given order.
+
+        Args:
+            parts: At least one.
+            allow_other_decisions: Accept parts of different decisions; the joined experience then has none.
+
+        Raises:
+            ExperienceError: There is no part, or the arenas or the decisions differ.
+        """
+        if not parts:
+            raise ExperienceError("no experience to join; allowed: at least one")
+        first = parts[0]
+        for part in parts[1:]:
+            if part.arena != first.arena:
+                raise ExperienceError(
+                    f"{part.arena!r} added to experience of {first.arena!r}; allowed: the same arena"
+                )
+            if not allow_other_decisions:
+                part.require_decisions(first.decisions)
+        return cls(
+            [vector for part in parts for vector in part.vectors],
+            [behaviour for part in parts for behaviour in part.behaviours],
+            first.arena,
+            first.seed if all(part.seed == first.seed for part in parts) else None,
+            sum(part.episodes for part in parts),
+            first.decisions if all(part.decisions == first.decisions for part in parts) else None,
+        )
+
+    def require_decisions(self, decisions: Decisions | None) -> None:
+        """Check that this experience was recorded under certain decisions, such as those of an environment.
+
+        Raises:
+            ExperienceError: It was recorded under others.
+        """
+        _require_same(self.decisions, decisions, "")
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file, and replace an existing one; an error leaves the existing file unchanged.
@@ -104,7 +166,7 @@ class Experience:
         Raises:
             OSError: The file cannot be written.
         """
-        text = header_text(checked_header(self.arena, self.seed, self.episodes))
+        text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
         text += "".join(row_text(*row) for row in self) + closing_line(len(self))
         # In the same folder, hence on the same file system: only there is replacing a file atomic.
         temporary = Path(path).with_name(f".{uuid.uuid4().hex}.tmp")
@@ -125,17 +187,7 @@ class Experience:
     def __add__(self, other: "Experience") -> Self:
         if not isinstance(other, Experience):
             return NotImplemented
-        if other.arena != self.arena:
-            raise ExperienceError(
-                f"{other.arena!r} added to experience of {self.arena!r}; allowed: the same arena"
-            )
-        return type(self)(
-            self.vectors + other.vectors,
-            self.behaviours + other.behaviours,
-            self.arena,
-            self.seed if self.seed == other.seed else None,
-            self.episodes + other.episodes,
-        )
+        return self.join((self, other))
 
     def __len__(self) -> int:
         return len(self.vectors)
@@ -149,4 +201,22 @@ class Experience:
         return self.__dict__ == other.__dict__
 
     def __repr__(self) -> str:
-        return f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}>"
+        changed = header_decisions_text(self.decisions)
+        return (
+            f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}"
+            + (f", decisions={changed!r}>" if changed else ">")
+        )
+
+
+def _require_same(decisions: Decisions | None, other: Decisions | None, where: str) -> None:
+    """Check that two sets of decisions are the same; None, mixed ones, equals nothing."""
+    if decisions is not None and decisions == other:
+        return
+    if decisions is None or other is None:
+        found = "experience of mixed decisions"
+    else:
+        found = f"recorded under other decisions: {differences(decisions, other)}"
+    raise ExperienceError(
+        f"{where}{found}; allowed: the same decisions, "
+        "or any with allow_other_decisions=True (--allow-other-decisions)"
+    )

@@ -15,22 +15,27 @@ from numpy.typing import NDArray
 
 import khepera_forage  # noqa: F401 - registers the environments, whose spaces the dataset has
 from khepera_forage.experience import Experience, ExperienceError
+from khepera_forage.experience.text_format import header_decisions, header_decisions_text
 from khepera_forage.task.states import StateVector
 
 FLAT = ("object_presence", "food_type")
 """Attributes that are a number in observations; the others are arrays with one element."""
 
 
-def to_minari(experiences: Iterable[Experience], dataset_id: str, **about: Any) -> Any:
+def to_minari(
+    experiences: Iterable[Experience], dataset_id: str, *, allow_other_decisions: bool = False, **about: Any
+) -> Any:
     """Write experience as a new Minari dataset, with one episode for each `Experience`.
 
     Values that experience does not contain are filled in: all rewards are 0; the last observation is repeated, because
     Minari has one more observation than actions; the last step terminates, because incomplete episodes are discarded
-    (5.2).
+    (5.2). The decisions of the training are metadata of every episode, which `from_minari` reads. Minari cannot store
+    them for its `recover_environment()`, which always returns an environment under the default decisions.
 
     Args:
         experiences: At least one vector each, all of the same arena.
         dataset_id: Minari's name of the dataset, such as `khepera/corridor-v0`.
+        allow_other_decisions: Accept experience of different decisions in one dataset.
         **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
     Returns:
@@ -38,7 +43,7 @@ def to_minari(experiences: Iterable[Experience], dataset_id: str, **about: Any) 
 
     Raises:
         ExperienceError: There is no experience, one is empty, the arenas differ or have no registered environment, or a
-            value is outside the observation space.
+            value is outside the observation space, or the decisions differ.
         ImportError: Minari is not installed.
         ValueError: The name is invalid, or Minari already has a dataset of that name.
     """
@@ -51,6 +56,9 @@ def to_minari(experiences: Iterable[Experience], dataset_id: str, **about: Any) 
     arenas = sorted({part.arena for part in parts})
     if len(arenas) > 1 or arenas[0] not in ("corridor", "rectangle"):
         raise ExperienceError(f"experience of {arenas}; allowed: one arena, corridor or rectangle")
+    if not allow_other_decisions:
+        for part in parts[1:]:
+            part.require_decisions(parts[0].decisions)
     import gymnasium as gym
 
     env = gym.make(f"khepera_forage/{arenas[0].capitalize()}-v0")
@@ -71,8 +79,8 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
         arena: Name of the arena; by default the one in the dataset.
 
     Raises:
-        ExperienceError: An episode has no state vectors or no behaviours, or neither argument nor dataset names an
-            arena.
+        ExperienceError: An episode has no state vectors or no behaviours, neither argument nor dataset names an arena,
+            or the decisions in the dataset cannot be read.
         ImportError: Minari is not installed.
     """
     if isinstance(dataset, str):
@@ -85,6 +93,10 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
         if not isinstance(name, str):
             raise ExperienceError(f"episode {episode.id}: the dataset has no arena; pass arena=")
         seed = options.get("seed", "None")
+        try:
+            decisions = header_decisions(str(options.get("decisions", "")))
+        except ValueError as error:
+            raise ExperienceError(f"episode {episode.id}: {error}") from None
         parts.append(
             Experience(
                 _vectors(episode.observations, len(episode.actions), episode.id),
@@ -92,6 +104,7 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
                 name,
                 None if seed == "None" else int(seed),
                 int(options.get("episodes", 1)),
+                decisions,
             )
         )
     return parts
@@ -111,7 +124,12 @@ def _buffer(minari: Any, number: int, part: Experience, space: Any) -> Any:
     return minari.data_collector.EpisodeBuffer(
         id=number,
         # Not Minari's `seed`, which has 64 bits and resets a single environment.
-        options={"arena": part.arena, "episodes": part.episodes, "seed": str(part.seed)},
+        options={
+            "arena": part.arena,
+            "episodes": part.episodes,
+            "seed": str(part.seed),
+            "decisions": header_decisions_text(part.decisions),
+        },
         observations=shown,
         actions=behaviours,
         rewards=[0.0] * len(part),

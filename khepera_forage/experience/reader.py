@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from khepera_forage.experience.text_format import (
     COLUMNS,
+    DEFAULT_DECISIONS,
     FOOD_TYPES,
     MAGIC,
     RECORDED,
@@ -19,11 +20,15 @@ from khepera_forage.experience.text_format import (
     checked_header,
     checked_row,
     closing_line,
+    header_decisions,
     quoted,
 )
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 HEADER_LINES = 7
+"""One more in a file with a line of decisions."""
+DECISIONS_KEY = "# decisions: "
 
 
 class Contents(NamedTuple):
@@ -53,10 +58,15 @@ def read(path: str | PathLike[str], recover: bool) -> Contents:
     _check_first_line(path, complete[0] if complete else rest)
     lines = [_decoded(path, number, line) for number, line in enumerate(complete, 1)]
     incomplete = rest.decode(errors="replace")
-    header = _header(path, lines)
+    decisions: Decisions | None = DEFAULT_DECISIONS
+    header_lines = HEADER_LINES
+    if len(lines) > 5 and lines[5].startswith(DECISIONS_KEY):
+        decisions = _decisions(path, lines[5].removeprefix(DECISIONS_KEY))
+        header_lines += 1
+    header = _header(path, lines, header_lines, decisions)
     rows: list[tuple[StateVector, Behaviour]] = []
     closed = False
-    for number, line in enumerate(lines[HEADER_LINES:], HEADER_LINES + 1):
+    for number, line in enumerate(lines[header_lines:], header_lines + 1):
         if closed:
             raise _error(path, number, f"{quoted(line)} follows the closing line; allowed: nothing")
         if line.startswith("#"):
@@ -101,14 +111,28 @@ def _decoded(path: str | PathLike[str], number: int, line: bytes) -> str:
         raise _error(path, number, f"{quoted(line)} is not text; allowed: UTF-8") from None
 
 
-def _header(path: str | PathLike[str], lines: list[str]) -> Header:
-    """Read the lines before the rows; a file without all of them has nothing to recover."""
-    if len(lines) < HEADER_LINES:
+def _decisions(path: str | PathLike[str], text: str) -> Decisions | None:
+    if not text:
         raise _error(
-            path, len(lines) + 1, f"ends in the header; allowed: {HEADER_LINES} lines before the rows"
+            path, 6, "decisions are ''; allowed: those that differ from the defaults, or no such line"
+        )
+    try:
+        return header_decisions(text)
+    except ValueError as error:
+        raise _error(path, 6, str(error)) from None
+
+
+def _header(
+    path: str | PathLike[str], lines: list[str], header_lines: int, decisions: Decisions | None
+) -> Header:
+    """Read the lines before the rows; a file without all of them has nothing to recover."""
+    if len(lines) < header_lines:
+        raise _error(
+            path, len(lines) + 1, f"ends in the header; allowed: {header_lines} lines before the rows"
         )
     values = []
-    for number, name in enumerate(("package", "arena", "seed", "episodes", "units"), 2):
+    numbers = (2, 3, 4, 5, header_lines - 1)
+    for number, name in zip(numbers, ("package", "arena", "seed", "episodes", "units"), strict=True):
         key = f"# {name}: "
         line = lines[number - 1]
         if not line.startswith(key):
@@ -116,13 +140,14 @@ def _header(path: str | PathLike[str], lines: list[str]) -> Header:
         values.append(line.removeprefix(key))
     _, arena, seed, episodes, units = values
     if units != UNITS:
-        raise _error(path, 6, f"units are {quoted(units)}; allowed: {UNITS!r}")
-    if lines[6] != ",".join(COLUMNS):
-        raise _error(path, 7, f"columns are {quoted(lines[6])}; allowed: {','.join(COLUMNS)!r}")
+        raise _error(path, header_lines - 1, f"units are {quoted(units)}; allowed: {UNITS!r}")
+    columns = lines[header_lines - 1]
+    if columns != ",".join(COLUMNS):
+        raise _error(path, header_lines, f"columns are {quoted(columns)}; allowed: {','.join(COLUMNS)!r}")
     seed_number = None if seed == "none" else _integer(path, 4, "seed", seed)
     episodes_number = _integer(path, 5, "episodes", episodes)
     try:
-        return checked_header(arena, seed_number, episodes_number)
+        return checked_header(arena, seed_number, episodes_number, decisions)
     except ExperienceError as error:
         raise _error(path, 3 if str(error).startswith("arena") else 5, str(error)) from None
 

@@ -10,7 +10,9 @@
     0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD
     # complete: 1 vectors
 
-The closing line distinguishes a complete recording from a killed one.
+The closing line distinguishes a complete recording from a killed one. A line `# decisions: next_to_food=17` before the
+units lists the decisions that differ from the defaults, or says that they are `mixed`. A file without it, such as one
+that an older version wrote, is of the default decisions.
 """
 
 from collections.abc import Sequence
@@ -18,6 +20,8 @@ from operator import index
 from typing import Any, NamedTuple
 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.task.decision_text import decisions_from_text, decisions_text
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 VERSION = 1
@@ -26,6 +30,10 @@ UNITS = f"distances in pixels of 5 mm; arms_height {ARM_DOWN} (down) to {ARM_RAI
 COLUMNS = (*StateVector._fields, "behaviour")
 MAX_DISTANCE = 2**31 - 1
 """Pixels: more than in any arena, and the largest number of a 32-bit integer."""
+
+MIXED = "mixed"
+"""Text of the decisions of joined experience that was recorded under different ones."""
+DEFAULT_DECISIONS = Decisions()
 
 RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
 FOOD_TYPES = [food_type.name for food_type in FoodType]
@@ -52,14 +60,16 @@ class Header(NamedTuple):
         arena: Name of the arena in which the experience was recorded.
         seed: Of the training, if known.
         episodes: Number of training episodes.
+        decisions: Of the training; None if experience of different decisions was joined.
     """
 
     arena: str
     seed: int | None
     episodes: int
+    decisions: Decisions | None
 
 
-def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
+def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decisions | None) -> Header:
     """Check the values of a header, and return it.
 
     Raises:
@@ -70,14 +80,32 @@ def checked_header(arena: str, seed: int | None, episodes: int) -> Header:
             f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
         )
     try:
-        header = Header(arena, None if seed is None else index(seed), index(episodes))
+        header = Header(arena, None if seed is None else index(seed), index(episodes), decisions)
     except TypeError:
         raise ExperienceError(f"seed is {seed!r}, episodes {episodes!r}; allowed: integers") from None
     if header.seed is not None and abs(header.seed) >= 10**100:
         raise ExperienceError("seed has more than 100 digits; allowed: at most 100")
     if header.episodes < 1:
         raise ExperienceError(f"episodes is {episodes!r}; allowed: at least 1")
+    if not (decisions is None or isinstance(decisions, Decisions)):
+        raise ExperienceError(
+            f"decisions is {decisions!r}; allowed: a khepera_forage.Decisions, or None if mixed"
+        )
     return header
+
+
+def header_decisions_text(decisions: Decisions | None) -> str:
+    """Decisions as a header stores them; empty for the defaults."""
+    return MIXED if decisions is None else decisions_text(decisions)
+
+
+def header_decisions(text: str) -> Decisions | None:
+    """The decisions that a text of `header_decisions_text` describes; None if mixed.
+
+    Raises:
+        ValueError: Not of this form.
+    """
+    return None if text == MIXED else decisions_from_text(text)
 
 
 def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Behaviour]:
@@ -115,9 +143,12 @@ def header_text(header: Header) -> str:
     from khepera_forage import __version__  # imported late: the package may be importing this module now
 
     seed = "none" if header.seed is None else header.seed
+    decisions = header_decisions_text(header.decisions)
     return (
         f"{MAGIC}{VERSION}\n# package: {__version__}\n# arena: {header.arena}\n# seed: {seed}\n"
-        f"# episodes: {header.episodes}\n# units: {UNITS}\n{','.join(COLUMNS)}\n"
+        f"# episodes: {header.episodes}\n"
+        + (f"# decisions: {decisions}\n" if decisions else "")
+        + f"# units: {UNITS}\n{','.join(COLUMNS)}\n"
     )
 
 

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Self
 
 from khepera_forage.experience.text_format import (
+    DEFAULT_DECISIONS,
     ExperienceError,
     checked_header,
     checked_row,
@@ -15,6 +16,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
+from khepera_forage.task.decisions import Decisions
 
 
 class ExperienceWriter:
@@ -30,6 +32,7 @@ class ExperienceWriter:
         arena: Name of the arena.
         seed: Of the training, if known.
         episodes: Number of training episodes.
+        decisions: Of the training; the defaults by default.
         overwrite: Replace an existing file. By default an existing file is an error.
 
     Attributes:
@@ -48,9 +51,10 @@ class ExperienceWriter:
         seed: int | None = None,
         episodes: int = 1,
         *,
+        decisions: Decisions = DEFAULT_DECISIONS,
         overwrite: bool = False,
     ) -> None:
-        header = checked_header(arena, seed, episodes)
+        header = checked_header(arena, seed, episodes, decisions)
         self.path = Path(path)
         self.count = 0
         try:

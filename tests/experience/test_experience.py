@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 DISTANCES = st.one_of(st.integers(0, 177), st.integers(0, 2**31 - 1))
@@ -28,9 +29,13 @@ NAMES = st.text(min_size=1, max_size=20).filter(lambda text: text == text.strip(
 
 
 SEEDS = st.one_of(st.none(), st.integers(), st.integers(0, 2**128))
+DECISIONS = st.one_of(
+    st.builds(Decisions, next_to_food=st.floats(10, 20), patience=st.integers(1, 10_000)),
+    st.sampled_from([Decisions(), Decisions(equal_distance="farther state")]),
+)
 EXPERIENCES = st.builds(
     lambda rows, *about: Experience([row[0] for row in rows], [row[1] for row in rows], *about),
-    *(ROWS, NAMES, SEEDS, st.integers(1, 100)),
+    *(ROWS, NAMES, SEEDS, st.integers(1, 100), DECISIONS),
 )
 SEARCH = StateVector(0, 52, 0, 215, 28)
 HOME = StateVector(1, 48, FoodType.PICKABLE, 215, 14)
@@ -46,8 +51,14 @@ def test_saved_experience_loads_equal(experience: Experience) -> None:
         assert loaded == experience
         assert list(loaded) == list(experience)
         assert os.listdir(folder) == ["g1.csv"]
+        assert experience.decisions is not None
         with ExperienceWriter(
-            path, experience.arena, experience.seed, experience.episodes, overwrite=True
+            path,
+            experience.arena,
+            experience.seed,
+            experience.episodes,
+            decisions=experience.decisions,
+            overwrite=True,
         ) as writer:
             for vector, behaviour in experience:
                 writer.append(vector, behaviour)
@@ -160,6 +171,7 @@ BAD_HEADERS: list[tuple[dict[str, Any], str]] = [
     ({"arena": "a", "seed": 0.5}, "seed is 0.5, episodes 1; allowed: integers"),
     ({"arena": "a", "seed": 10**100}, "seed has more than 100 digits"),
     ({"arena": "a", "episodes": 0}, "episodes is 0; allowed: at least 1"),
+    ({"arena": "a", "decisions": 17}, r"decisions is 17; allowed: a khepera_forage\.Decisions"),
 ]
 
 
@@ -196,9 +208,7 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
     with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
         writer.append(SEARCH, 0)
         raise KeyboardInterrupt
-    with pytest.raises(
-        ExperienceError, match="1 complete rows, no incomplete line; recover=True reads the"
-    ):
+    with pytest.raises(ExperienceError, match="1 complete rows, no incomplete line; recover=True reads the"):
         Experience.load(path)
     with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)

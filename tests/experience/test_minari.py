@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.minari import from_minari, to_minari
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 
 VECTORS = st.builds(
@@ -24,12 +25,13 @@ VECTORS = st.builds(
     st.integers(0, 138),
 )
 EXPERIENCE = st.builds(
-    lambda rows, seed, episodes: Experience(
-        [vector for vector, _ in rows], [heard for _, heard in rows], "corridor", seed, episodes
+    lambda rows, seed, episodes, decisions: Experience(
+        [vector for vector, _ in rows], [heard for _, heard in rows], "corridor", seed, episodes, decisions
     ),
     st.lists(st.tuples(VECTORS, st.integers(0, 9)), min_size=1, max_size=12),
     st.none() | st.integers(-(10**30), 10**30),
     st.integers(1, 9),
+    st.sampled_from([Decisions(), Decisions(next_to_food=17, equal_distance="farther state"), None]),
 )
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2], "corridor", 7)
 # Minari warns if these are missing.
@@ -50,7 +52,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @given(st.lists(EXPERIENCE, min_size=1, max_size=4))
 def test_conversion_to_minari_and_back_gives_equal_experience(parts: list[Experience]) -> None:
     minari = import_module("minari")
-    dataset = to_minari(parts, "khepera/back-v0")
+    dataset = to_minari(parts, "khepera/back-v0", allow_other_decisions=True)
     try:
         assert dataset.total_episodes == len(parts)
         assert dataset.total_steps == sum(map(len, parts))
@@ -127,11 +129,23 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
             [Experience([(0, 177, 0, 215, 1)], [0], "corridor")],
             r"robot_home_distance is 177\.\.177; allowed: 0\.\.138",
         ),
+        (
+            [SOME, Experience([SOME.vectors[0]], [0], decisions=Decisions(next_to_food=17))],
+            "recorded under other decisions: next_to_food is 17, not 20; allowed: the same",
+        ),
     ],
 )
 def test_experience_that_has_no_environment_is_an_error(parts: list[Experience], message: str) -> None:
     with pytest.raises(ExperienceError, match=message):
         to_minari(parts, "khepera/bad-v0")
+
+
+def test_dataset_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    dataset = to_minari([SOME], "khepera/damaged-v0")
+    options = {"arena": "corridor", "decisions": "next_to_food=9"}
+    monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [{"options": options}])
+    with pytest.raises(ExperienceError, match=r"episode 0: decision next_to_food is 9\.0; allowed: a number"):
+        from_minari(dataset)
 
 
 def test_dataset_without_state_vectors_is_an_error() -> None:

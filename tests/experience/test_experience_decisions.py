@@ -1,0 +1,170 @@
+"""Decisions of experience: stored in files, and refused where they differ."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
+from khepera_forage.task.decisions import Decisions
+
+VECTOR = (0, 52, 0, 215, 28)
+OTHER = Decisions(next_to_food=17, separation=20)
+DIFFERENCES = "next_to_food is 17, not 20; separation is 20, not 14"
+FLAG = "or any with allow_other_decisions=True (--allow-other-decisions)"
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> tuple[Path, Path]:
+    """A file of the default decisions, and one of others."""
+    paths = tmp_path / "default.csv", tmp_path / "other.csv"
+    Experience([VECTOR], [0], seed=1).save(paths[0])
+    Experience([VECTOR] * 2, [0] * 2, seed=1, decisions=OTHER).save(paths[1])
+    return paths
+
+
+def test_file_lists_the_decisions_that_differ_from_the_defaults(files: tuple[Path, Path]) -> None:
+    default, other = files
+    assert "decisions" not in default.read_text()
+    assert other.read_text().splitlines()[4:7] == [
+        "# episodes: 1",
+        "# decisions: next_to_food=17;separation=20",
+        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
+    ]
+    assert Experience.load(default).decisions == Decisions()
+    assert Experience.load(other).decisions == OTHER
+    assert repr(Experience.load(other)).endswith("decisions='next_to_food=17;separation=20'>")
+
+
+def test_file_of_an_older_version_has_the_default_decisions(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    path.write_text(
+        "# khepera_forage experience, version 1\n# package: 0.1.0\n# arena: corridor\n# seed: 7\n# episodes: 1\n"
+        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)\n"
+        "object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour\n"
+        "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n# complete: 1 vectors\n"
+    )
+    assert Experience.load(path) == Experience([VECTOR], [0], seed=7)
+    assert Experience.load(path, decisions=Decisions()).decisions == Decisions()
+
+
+def test_recording_stores_its_decisions(tmp_path: Path) -> None:
+    path = tmp_path / "g1.csv"
+    with ExperienceWriter(path, "corridor", decisions=OTHER) as writer:
+        writer.append(VECTOR, 0)
+    assert Experience.load(path) == Experience([VECTOR], [0], decisions=OTHER)
+    path.write_text(path.read_text().replace("# complete: 1 vectors\n", ""))
+    with pytest.warns(ExperienceWarning, match="ends before its closing line: 1 complete rows"):
+        assert Experience.load(path, recover=True).decisions == OTHER
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "decisions are ''; allowed: those that differ from the defaults, or no such line"),
+        ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: "),
+        ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE"),
+        ("next_to_food=9", "decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels"),
+        ("next_to_food=near", "decision next_to_food is 'near'; allowed: a number"),
+        ("next_to_food=017", "decision 'next_to_food=017'; allowed: 'next_to_food=17'"),
+        ("next_to_food=17;next_to_food=17", "decision next_to_food is set twice; allowed: once"),
+        (
+            "close_to_food=20;next_to_food=25",
+            "decision close_to_food is 20.0; allowed: at least next_to_food, 25.0",
+        ),
+        ("Mixed", "decision 'Mixed'; allowed: NAME=VALUE"),
+    ],
+)
+def test_damaged_decisions_are_an_error_with_file_and_line(
+    text: str, message: str, files: tuple[Path, Path]
+) -> None:
+    path = files[1]
+    path.write_text(path.read_text().replace("next_to_food=17;separation=20", text))
+    with pytest.raises(ExperienceError, match=re.escape(f"{path}, line 6: {message}")):
+        Experience.load(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "message"),
+    [
+        ("5 mm", "4 mm", 7, "units are 'distances in pixels of 4 mm"),
+        ("arms_height,", "arms,", 8, "columns are 'object_presence"),
+        ("28,", "x,", 9, "robot_food_distance is 'x'; allowed: an integer"),
+        ("# episodes: 1\n", "# episodes: 1\n# decisions: patience=5\n", 7, "'# decisions: next_to_food=17"),
+    ],
+)
+def test_errors_after_the_line_of_decisions_have_the_right_line(
+    old: str, new: str, line: int, message: str, files: tuple[Path, Path]
+) -> None:
+    path = files[1]
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: {message}")):
+        Experience.load(path)
+
+
+def test_header_that_ends_after_the_decisions_is_an_error(files: tuple[Path, Path]) -> None:
+    path = files[1]
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:7]))
+    with pytest.raises(ExperienceError, match="line 8: ends in the header; allowed: 8 lines before the rows"):
+        Experience.load(path)
+
+
+def test_files_of_different_decisions_are_refused(files: tuple[Path, Path]) -> None:
+    default, other = files
+    with pytest.raises(ExperienceError) as error:
+        Experience.load(default, other)
+    assert str(error.value) == (
+        f"{other}: recorded under other decisions: {DIFFERENCES}; allowed: the same decisions, {FLAG}"
+    )
+    joined = Experience.load(default, other, allow_other_decisions=True)
+    assert (len(joined), joined.decisions) == (3, None)
+
+
+def test_file_of_other_decisions_than_those_of_an_environment_is_refused(files: tuple[Path, Path]) -> None:
+    default, other = files
+    assert Experience.load(other, decisions=OTHER).decisions == OTHER
+    with pytest.raises(
+        ExperienceError, match=re.escape(f"{other}: recorded under other decisions: {DIFFERENCES}")
+    ):
+        Experience.load(other, decisions=Decisions())
+    with pytest.raises(
+        ExperienceError,
+        match=re.escape(f"{default}: recorded under other decisions: next_to_food is 20, not 17"),
+    ):
+        Experience.load(other, default, decisions=OTHER)
+    allowed = Experience.load(other, decisions=Decisions(), allow_other_decisions=True)
+    assert allowed.decisions == OTHER
+
+
+def test_joining_different_decisions_is_an_error() -> None:
+    default, other = Experience([VECTOR], [0]), Experience([VECTOR], [0], decisions=OTHER)
+    assert default != other
+    with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
+        default + other
+    with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
+        Experience.join([default, other])
+    with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
+        other.require_decisions(Decisions())
+    other.require_decisions(OTHER)
+    assert (other + other).decisions == OTHER
+    with pytest.raises(ExperienceError, match="no experience to join"):
+        Experience.join([])
+
+
+def test_mixed_experience_stays_mixed_and_fits_no_environment(tmp_path: Path) -> None:
+    parts = Experience([VECTOR], [0]), Experience([VECTOR], [0], decisions=OTHER)
+    mixed = Experience.join(parts, allow_other_decisions=True)
+    path = tmp_path / "mixed.csv"
+    mixed.save(path)
+    assert "# decisions: mixed\n" in path.read_text()
+    assert Experience.load(path) == mixed
+    for refused in (
+        lambda: mixed.require_decisions(Decisions()),
+        lambda: parts[0] + mixed,
+        lambda: mixed + mixed,
+        lambda: Experience.load(path, decisions=OTHER),
+    ):
+        with pytest.raises(
+            ExperienceError, match="experience of mixed decisions; allowed: the same decisions, or"
+        ):
+            refused()
