@@ -1,7 +1,4 @@
-"""Other learners as policies: scikit-learn's classifiers, models of Stable-Baselines3, and whatever else acts.
-
-`as_policy` is the one line that makes a forager of any of them.
-"""
+"""Other learners as policies: classifiers of scikit-learn, models of stable-baselines3, and objects with `act`."""
 
 import copy
 import inspect
@@ -11,11 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.policies.model_policy import ModelPolicy
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
 from khepera_forage.task.states import Behaviour, StateVector
 
-MEMO_SIZE = 32768
-"""State vectors whose probabilities are remembered."""
+CACHE_SIZE = 32768
+"""State vectors whose probabilities are cached."""
 
 
 class Classifier(Protocol):
@@ -30,20 +28,20 @@ class Classifier(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ClassifierPolicy:
-    """Executes what a classifier makes of the state vector.
+    """Executes the behaviour that a classifier predicts from the state vector.
 
     Attributes:
         classifier: Fitted on state vectors of five columns and behaviours as numbers.
         sample: Whether a behaviour is drawn with its probability, as with the imitator's confidence levels,
             or the most probable one executed.
-        remember: Whether what the classifier says is kept for state vectors that come again: decisions are then
-            ten to a thousand times as fast. Only for a classifier that learns no further.
+        remember: Whether probabilities are cached by state vector, which makes decisions ten to a thousand times as
+            fast. Only for a classifier that learns no further.
     """
 
     classifier: Classifier
     sample: bool = True
     remember: bool = False
-    _memo: dict[StateVector, NDArray[np.float64]] = field(
+    _cache: dict[StateVector, NDArray[np.float64]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -69,56 +67,21 @@ class ClassifierPolicy:
 
     def _levels(self, vector: StateVector) -> NDArray[np.float64]:
         if not self.remember:
-            return self._asked(vector)
-        levels = self._memo.get(vector)
+            return self._predicted(vector)
+        levels = self._cache.get(vector)
         if levels is None:
-            if len(self._memo) >= MEMO_SIZE:
-                self._memo.clear()
-            levels = self._memo[vector] = self._asked(vector)
+            if len(self._cache) >= CACHE_SIZE:
+                self._cache.clear()
+            levels = self._cache[vector] = self._predicted(vector)
         return levels
 
-    def _asked(self, vector: StateVector) -> NDArray[np.float64]:
+    def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
         levels: NDArray[np.float64] = self.classifier.predict_proba(np.array([vector], np.int64))[0]
         return levels
 
 
-class Model(Protocol):
-    """A trained model of Stable-Baselines3 or of its kind."""
-
-    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, Any]:
-        """The action, and the state of a recurrent model."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class ModelPolicy:
-    """Executes what a model without memory says; it is shown observations as the environment gives them.
-
-    Attributes:
-        model: Trained in an environment with the same observations.
-        deterministic: Whether the model takes its most probable action. If not, it draws from its own source
-            of chance, which has to be seeded where the model is made.
-    """
-
-    model: Model
-    deterministic: bool = True
-
-    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour that the model says.
-
-        Args:
-            observation: What the robot perceives, passed on unchanged.
-            rng: Not used.
-
-        Raises:
-            ValueError: The model's action is not a behaviour.
-        """
-        action, _ = self.model.predict(observation, deterministic=self.deterministic)
-        return Behaviour(int(action))
-
-
 class Agent(Protocol):
-    """Whatever decides by the observation alone."""
+    """An object that decides by the observation alone."""
 
     def act(self, observation: Observation, /) -> Any:
         """The behaviour to execute now, as its number in table 4.1."""
@@ -127,16 +90,16 @@ class Agent(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class AgentPolicy:
-    """Executes what an agent without `rng` says.
+    """Executes the behaviours of an agent that takes no `rng`.
 
     Attributes:
-        agent: It is shown observations as the environment gives them.
+        agent: It gets the observations as the environment gives them.
     """
 
     agent: Agent
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour that the agent says.
+        """The agent's behaviour.
 
         Args:
             observation: What the robot perceives, passed on unchanged.
@@ -149,17 +112,17 @@ class AgentPolicy:
 
 
 def as_policy(learner: Any) -> Policy:
-    """A policy of whatever can decide.
+    """A policy made of any learner that can decide.
 
     Args:
         learner: One of these, the first that fits: something with `act(observation, rng)`, which is a policy
             already; with `act(observation)`; a fitted classifier with `predict_proba`, whose behaviours are drawn
-            with their probabilities (the policy is of a copy: what the classifier learns later, it does not know); a
+            with their probabilities (the policy copies the classifier, so that later learning does not change it); a
             trained model with `predict(observation, deterministic=...)`. For other choices make `ClassifierPolicy`
             or `ModelPolicy` yourself.
 
     Raises:
-        TypeError: Nothing of these, or a class where an instance of it is needed.
+        TypeError: The learner is none of these, or a class where an instance is needed.
     """
     if not isinstance(learner, type):
         if callable(getattr(learner, "act", None)):

@@ -1,4 +1,4 @@
-"""What environments show, as one row of numbers about -1..1 for learners that calculate; many rows at a time."""
+"""Features: observations as rows of numbers about -1..1, for networks and other learners that calculate."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.policies.nearest_neighbour.distance import ARM_SPAN, STATE_WIDTH
+from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.task.states import FoodType
 
@@ -51,10 +52,10 @@ def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.
 
 
 def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """State vectors of `Corridor-v0` and its kind, encoded.
+    """Observations of `Corridor-v0` and `Rectangle-v0`, encoded.
 
     Args:
-        shown: One observation, or as many as a vector environment shows at a time.
+        shown: One observation, or those of a vector environment.
 
     Returns:
         Of shape (n, 9); see `encoded`.
@@ -64,6 +65,18 @@ def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     """
     keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
     return state_vector_features(np.column_stack([_column(shown, key, 1)[:, 0] for key in keys]))
+
+
+def observation_features(observation: Observation) -> NDArray[np.float32]:
+    """The state vector of one observation, encoded, of shape (1, 9).
+
+    Args:
+        observation: What the robot perceives; see `policies.policy.state_vector_of`.
+
+    Raises:
+        ValueError: The observation holds no state vector.
+    """
+    return state_vector_features(np.array([state_vector_of(observation)]))
 
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
@@ -79,10 +92,10 @@ def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Raw data of `CorridorWheels-v0` and its kind, as the robot would tell it: places ahead and to the left of it.
+    """Observations of `CorridorWheels-v0` and `RectangleWheels-v0`, with places relative to the robot.
 
     Args:
-        shown: One observation, or as many as a vector environment shows at a time; of `home` one will do.
+        shown: One observation, or those of a vector environment; one `home` may serve all.
 
     Returns:
         Of shape (n, 25): six infra-reds, arm, jaw, object presence, tracked, food seen; four columns of food type;
@@ -114,14 +127,14 @@ def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
 
 
 def _ahead(apart: NDArray[np.float64], heading: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Ahead, to the left, and distance, of what lies `apart` in the camera's picture."""
+    """Place `apart` from the robot in the camera's picture: ahead of it, to its left, and its distance."""
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y = apart.T
     return np.column_stack((x * cosine + y * sine, y * cosine - x * sine, np.hypot(x, y))) / SCALE
 
 
 def _column(shown: Mapping[str, Any], key: str, width: int) -> NDArray[Any]:
-    """One part of what is shown, one row an environment."""
+    """One part of the observations, one row an environment."""
     if key not in shown:
         raise ValueError(f"observation lacks {key!r}, it has {list(shown)}")
     return np.asarray(shown[key]).reshape(-1, width)

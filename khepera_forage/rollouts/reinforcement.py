@@ -1,4 +1,4 @@
-"""Learning by trial and error: stable-baselines3 on the recall environments (extra `baselines`)."""
+"""Reinforcement learning: stable-baselines3 on the recall environments (extra `baselines`)."""
 
 import copy
 import logging
@@ -16,50 +16,52 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 - registers the environments
-from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
-from khepera_forage.policies.features import behaviour_features, wheels_features
+from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
+from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
 from khepera_forage.sim.arena import ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
-"""From a number of environments to as many in one, starting again in the step that ends an episode."""
-ENVS = 8
-"""How many where they are not batched."""
+"""From a number of environments to a vector environment that begins new episodes in the step that ends one."""
+COMPILED_MODE = "vector_entry_point"
+"""Gymnasium's `vectorization_mode` for compiled environments."""
+PYMUNK_ENVS = 8
+"""Environments that learners train in on pymunk."""
 _log = logging.getLogger(__name__)
 
 
 class Trained(NamedTuple):
-    """A policy and what it took.
+    """A policy and the training behind it.
 
     Attributes:
         policy: It learns no further.
-        steps: Steps of the environment, over all copies of it, that it has learned from.
+        steps: Steps that it has learned from, over all environments.
         seconds: Wall time of the training so far.
     """
 
-    policy: BaselinePolicy | WheelsPolicy
+    policy: ModelPolicy
     steps: int
     seconds: float
 
 
 def recall_envs(arena: str = "corridor", wheels: bool = False, mode: str = "sync", **kwargs: Any) -> MakeEnv:
-    """Makes as many recall environments as are asked for.
+    """A function that makes recall environments.
 
     Args:
         arena: `corridor` or `rectangle`.
-        wheels: Whether motors are commanded, and not behaviours.
-        mode: `sync`, in this process, or `async`, a process each.
-        **kwargs: Others of the environment.
+        wheels: Whether actions are motors, and not behaviours.
+        mode: Gymnasium's `vectorization_mode`: `sync` or `async` on pymunk, `vector_entry_point` compiled.
+        **kwargs: Other arguments of the environment.
     """
+    same_step = {"autoreset_mode": AutoresetMode.SAME_STEP}
+    if mode == COMPILED_MODE:
+        kwargs |= same_step
+    else:
+        kwargs["vector_kwargs"] = same_step
 
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
-        return gym.make_vec(
-            f"khepera_forage:{_name(arena, wheels)}",
-            num_envs=count,
-            vectorization_mode=mode,
-            vector_kwargs={"autoreset_mode": AutoresetMode.SAME_STEP},
-            **kwargs,
-        )
+        name = f"khepera_forage:{_name(arena, wheels)}"
+        return gym.make_vec(name, num_envs=count, vectorization_mode=mode, **kwargs)
 
     return make
 
@@ -83,9 +85,9 @@ def reinforce(
         amounts: Steps over all environments after which to keep the policy, each above 0; reached to within what the
             algorithm takes at a time.
         seed: Of the algorithm and of the environments.
-        make_env: Makes the environments, all in one. By default those of `arena`: a batch of worlds where numba is
-            installed, plain environments side by side otherwise; the log says which, at level INFO.
-        envs: How many; by default as many as the learner's settings say in a batch, 8 otherwise.
+        make_env: Makes the environments, all in one. By default those of `arena`: compiled where numba is installed,
+            on pymunk otherwise; the log says which, at level INFO.
+        envs: How many; by default as many as the learner's settings say if compiled, 8 otherwise.
         watch: Called with the steps so far.
         arena: `corridor` or `rectangle`.
 
@@ -104,7 +106,7 @@ def reinforce(
     from stable_baselines3.common.logger import Logger
 
     env = vec_env(learner, make_env, envs, arena)
-    # All of it a copy: stable-baselines3 writes into the `policy_kwargs` that it is given.
+    # A deep copy, because stable-baselines3 writes into the `policy_kwargs` that it is given.
     settings = copy.deepcopy(dict(learner.settings))
     if "n_steps" in settings:
         # A rollout smaller than a batch is one batch.
@@ -113,7 +115,7 @@ def reinforce(
     began = perf_counter()
 
     class Keeper(BaseCallback):  # type: ignore[misc, unused-ignore]
-        """Keeps the policy as it is before it collects more steps, after each amount of them."""
+        """Keeps a copy of the policy after each amount of steps, before more steps are collected."""
 
         def _on_step(self) -> bool:
             return True
@@ -124,22 +126,22 @@ def reinforce(
             self.keep(wanted[:-1])
 
         def keep(self, reached: Sequence[int]) -> None:
-            """A copy for each of these amounts that is reached and not kept yet."""
-            kind = WheelsPolicy if learner.wheels else BaselinePolicy
-            policy = kind(self.model, learner.hold, learner.sample)
+            """Keep a copy for each of these amounts that is reached and not kept yet."""
+            features = wheels_features if learner.wheels else observation_features
+            policy = ModelPolicy(self.model, features, learner.hold, learner.sample)
             for amount in reached[len(kept) :]:
                 if self.steps >= amount:
-                    twin = pickle.loads(pickle.dumps(policy))
-                    kept.append(Trained(twin, self.steps, perf_counter() - began))
+                    copied = pickle.loads(pickle.dumps(policy))
+                    kept.append(Trained(copied, self.steps, perf_counter() - began))
 
         @property
         def steps(self) -> int:
-            """Of the environment: a decision counts as many as it holds."""
+            """Steps of the environment: an action counts for all rounds that it holds."""
             return int(self.model.num_timesteps) * learner.hold
 
-    with closing(env), _chance_of_its_own():
+    with closing(env), _own_random_state():
         model = algorithm("MlpPolicy", env, seed=seed, device="cpu", **settings)
-        # The logger of its own makes a temporary folder at each training, and leaves it there.
+        # The default logger makes a temporary folder at each training, and leaves it there.
         model.set_logger(Logger(None, []))
         keeper = Keeper()
         model.learn(-(-wanted[-1] // learner.hold), callback=keeper)
@@ -150,10 +152,10 @@ def reinforce(
 def vec_env(
     learner: FromSteps, make_env: MakeEnv | None = None, envs: int | None = None, arena: str = "corridor"
 ) -> Any:
-    """The environments that a learner learns in, as stable-baselines3 takes them.
+    """The environments that a learner trains in, for stable-baselines3.
 
     Args:
-        learner: What it commands, for how long, and in how many worlds it learns.
+        learner: Its actions, how long they hold, and in how many environments it trains.
         make_env: As for `reinforce`; so are the next two.
         envs: How many.
         arena: `corridor` or `rectangle`.
@@ -161,19 +163,16 @@ def vec_env(
     Raises:
         ValueError: Another arena.
     """
-    if make_env is None and find_spec("numba") is not None:
-        from khepera_forage.rollouts.sb3_compiled_vec_env import BatchVecEnv
+    from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
 
-        count = learner.worlds if envs is None else envs
-        _log.info("%s learns in a batch of %d worlds", learner.title, count)
-        kwargs = gym.spec(_name(arena, learner.wheels)).kwargs
-        return BatchVecEnv(count, **kwargs, wheels=learner.wheels, hold=learner.hold)
-    from khepera_forage.rollouts.sb3_vector_env import VectorBridge
-
-    count = ENVS if envs is None else envs
-    _log.info("%s learns in %d environments side by side", learner.title, count)
-    make = recall_envs(arena, learner.wheels) if make_env is None else make_env
-    return VectorBridge(make(count), wheels_features if learner.wheels else behaviour_features, learner.hold)
+    compiled = make_env is None and find_spec("numba") is not None
+    count = envs if envs is not None else learner.worlds if compiled else PYMUNK_ENVS
+    if make_env is None:
+        make_env = recall_envs(arena, learner.wheels, COMPILED_MODE if compiled else "sync")
+        backend = "compiled" if compiled else "pymunk"
+        _log.info("%s trains in %d environments on the backend %s", learner.title, count, backend)
+    features = wheels_features if learner.wheels else behaviour_features
+    return VecEnvAdapter(make_env(count), features, learner.hold)
 
 
 def _name(arena: str, wheels: bool) -> str:
@@ -183,11 +182,11 @@ def _name(arena: str, wheels: bool) -> str:
 
 
 @contextmanager
-def _chance_of_its_own() -> Iterator[None]:
-    """Give back the global sources of chance as they were, which stable-baselines3 seeds and draws from.
+def _own_random_state() -> Iterator[None]:
+    """Restore the global random states afterwards, which stable-baselines3 seeds and draws from.
 
-    On one thread: networks this small are slower on two, and their sums would depend on how many there are; a batch of
-    a few hundred worlds spends longer waiting for a second thread than computing.
+    Training runs on one thread: networks this small are slower on two, and their sums would depend on the number of
+    threads; a few hundred compiled worlds wait longer for a second thread than they compute.
     """
     torch = import_module("torch")
     before, python = np.random.get_state(), random.getstate()  # noqa: NPY002

@@ -1,6 +1,7 @@
-"""Gymnasium's vector environments as stable-baselines3 takes them (extra `baselines`)."""
+"""Gymnasium's vector environments as vector environments of stable-baselines3 (extra `baselines`)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
+from time import perf_counter
 from typing import Any
 
 import gymnasium as gym
@@ -11,65 +12,87 @@ from gymnasium.vector.utils import create_empty_array
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from khepera_forage.envs.arguments import whole_number
+
 Features = Callable[[Any], NDArray[np.float32]]
+Indices = int | Iterable[int] | None
 
 
-class VectorBridge(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where stable-baselines3 is not installed
-    """Shows the features of what a vector environment shows.
+class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where stable-baselines3 is not installed
+    """A `VecEnv` whose observations are features of the observations of a Gymnasium vector environment.
+
+    The info of an ended episode holds the environment's final info and, as stable-baselines3 has it,
+    `terminal_observation`, `TimeLimit.truncated`, `is_success` (whether the episode terminated) and `episode` with its
+    return `r`, its length `l` in rounds and the time `t` since the adapter was made, in seconds. All other infos are
+    empty.
 
     Args:
-        env: Whose environments start again in the very step that ends an episode (`AutoresetMode.SAME_STEP`).
-        features: From observations of all environments to one row of numbers each.
-        hold: Rounds that a decision holds; what they bring is added up. Above 1 the environment must know the option
-            `reset_mask`, as Gymnasium's own do: an episode that ends in between starts again at the end.
+        env: Its environments begin a new episode in the step that ends one (`AutoresetMode.SAME_STEP`).
+        features: From the observations of all environments to one row of numbers each.
+        hold: Rounds that an action holds; their rewards are added up. Above 1 the environment must know the option
+            `reset_mask`, as Gymnasium's own do: an episode that ends in between begins again at the last round.
 
     Raises:
-        ValueError: A vector environment that starts again in another way.
+        ValueError: Another `AutoresetMode`, or `hold` out of range.
     """
 
     def __init__(self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features, hold: int = 1) -> None:
         mode = env.metadata.get("autoreset_mode")
         if mode != AutoresetMode.SAME_STEP:
             raise ValueError(f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}")
-        self._env, self._features, self._hold = env, features, hold
+        self.hold = whole_number("hold", hold, 1)
+        self._env, self._features = env, features
         self._next_seed: int | None = None
         self._actions: NDArray[Any] | None = None
+        self._returns, self._lengths = np.zeros(env.num_envs), np.zeros(env.num_envs, np.int64)
+        self._made = perf_counter()
         shape = features(create_empty_array(env.single_observation_space)).shape
         space = spaces.Box(-np.inf, np.inf, shape[1:], np.float32)
         super().__init__(env.num_envs, space, env.single_action_space)
 
     def seed(self, seed: int | None = None) -> list[int | None]:
-        """Seed the next reset."""
+        """Seed the next reset: environment i with `seed` + i."""
         self._next_seed = seed
-        return [seed] * self.num_envs
+        return [None if seed is None else seed + i for i in range(self.num_envs)]
 
     def reset(self) -> NDArray[np.float32]:
-        """Start an episode in every environment."""
-        shown, _ = self._env.reset(seed=self._next_seed)
+        """Begin an episode in every environment, with the options of `set_options`."""
+        shared = self._options[0] if all(options == self._options[0] for options in self._options) else {}
+        shown, _ = self._env.reset(seed=self._next_seed, options=dict(shared))
+        seeds: Any = None if self._next_seed is None else self.seed(self._next_seed)
+        for i, options in enumerate(self._options):
+            if options != shared:
+                mask = np.arange(self.num_envs) == i
+                shown, _ = self._env.reset(seed=seeds, options={**options, "reset_mask": mask})
         self._next_seed = None
+        self._reset_options()
+        self._returns[:], self._lengths[:] = 0.0, 0
         return self._features(shown)
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Take the actions of all environments."""
+        """Note the actions of all environments."""
         self._actions = actions
 
     def step_wait(
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """What came of them; what an ended episode showed last is in its info."""
+        """Carry out the actions; returns observations, rewards, ends and infos."""
         rewards, ended = np.zeros(self.num_envs), np.zeros(self.num_envs, np.bool_)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         early = ended
-        for _ in range(self._hold):
+        for _ in range(self.hold):
             early = ended
             shown, more, terminated, truncated, info = self._env.step(self._actions)
             rewards += np.where(ended, 0.0, more)
-            for i in (~ended & (terminated | truncated)).nonzero()[0]:
-                infos[i] = {
-                    "terminal_observation": self._features(info["final_obs"][i])[0],
-                    "TimeLimit.truncated": bool(truncated[i] and not terminated[i]),
-                }
+            self._lengths += ~ended
+            for i in (~ended & (terminated | truncated)).nonzero()[0].tolist():
+                infos[i] = self._final_info(info, i, bool(terminated[i]), bool(truncated[i]))
             ended = ended | terminated | truncated
+        self._returns += rewards
+        for i in ended.nonzero()[0].tolist():
+            seconds = perf_counter() - self._made
+            infos[i]["episode"] = {"r": float(self._returns[i]), "l": int(self._lengths[i]), "t": seconds}
+        self._returns[ended], self._lengths[ended] = 0.0, 0
         if early.any():
             shown, _ = self._env.reset(options={"reset_mask": early})
         return self._features(shown), rewards.astype(np.float32), ended, infos
@@ -78,21 +101,43 @@ class VectorBridge(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped wher
         """Close every environment."""
         self._env.close()
 
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute of the vector environment, once for every environment asked for."""
-        return [getattr(self._env, attr_name)] * len(self._chosen(indices))
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """An attribute of the vector environment, once for each environment of `indices`.
 
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Not possible: the environments may live elsewhere."""
-        raise NotImplementedError(f"{attr_name} cannot be set from outside")
+        Raises:
+            AttributeError: There is no such attribute.
+        """
+        return [getattr(self._env, attr_name) for _ in self._get_indices(indices)]
 
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        """Not possible: the environments may live elsewhere."""
-        raise NotImplementedError(f"{method_name} cannot be called from outside")
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Not possible: compiled environments are no objects, and others may be in another process.
 
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        Raises:
+            AttributeError: Always.
+        """
+        raise AttributeError(f"{attr_name!r} cannot be set in the environments of a vector environment")
+
+    def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
+        """Not possible, for the same reason.
+
+        Raises:
+            AttributeError: Always.
+        """
+        raise AttributeError(f"{method_name!r} cannot be called in the environments of a vector environment")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Indices = None) -> list[bool]:
         """No environment is wrapped in anything of stable-baselines3."""
-        return [False] * len(self._chosen(indices))
+        return [False for _ in self._get_indices(indices)]
 
-    def _chosen(self, indices: int | Sequence[int] | None) -> list[int]:
-        return list(range(self.num_envs)) if indices is None else list(np.atleast_1d(indices))
+    def _final_info(self, info: dict[str, Any], i: int, terminated: bool, truncated: bool) -> dict[str, Any]:
+        """What is known of an episode that has just ended in environment i, but for `episode`."""
+        final = info.get("final_info", {})
+        known = {
+            name: values[i] for name, values in final.items() if f"_{name}" in final and final[f"_{name}"][i]
+        }
+        return {
+            **known,
+            "terminal_observation": self._features(info["final_obs"][i])[0],
+            "TimeLimit.truncated": truncated and not terminated,
+            "is_success": terminated,
+        }

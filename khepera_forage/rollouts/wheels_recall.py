@@ -11,7 +11,7 @@ from khepera_forage.rollouts.recall import Callback, RecallInterruptedError, unw
 
 
 class MotorPolicy(Protocol):
-    """Chooses motor commands; `policies.baselines.WheelsPolicy` is one."""
+    """Chooses motor commands; `policies.ModelPolicy` can be one."""
 
     def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
         """Left wheel, right wheel, arm and jaw, each -1..1, as `CorridorWheels-v0` takes them.

@@ -1,4 +1,4 @@
-"""stable-baselines3's own check of what it can train on."""
+"""The environment checker of stable-baselines3."""
 
 import gymnasium as gym
 import pytest
@@ -8,7 +8,7 @@ import khepera_forage  # noqa: F401 (registers)
 
 
 @pytest.mark.parametrize("name", ["Corridor", "Rectangle", "CorridorWheels", "RectangleWheels"])
-def test_check_env(name: str) -> None:
+def test_environments_pass_check_env(name: str) -> None:
     env = gym.make(f"khepera_forage/{name}-v0", render_mode="rgb_array")
     check_env(env.unwrapped, warn=True)
     env.close()

@@ -1,4 +1,4 @@
-"""stable-baselines3 as policies: short trainings, the contract of policies, the same outcome for the same seed."""
+"""Learners of stable-baselines3: short trainings, the contract of policies, the same outcome for the same seed."""
 
 import copy
 import pickle
@@ -14,17 +14,15 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.policies import Policy
-from khepera_forage.policies.baselines import BaselinePolicy, WheelsPolicy, algorithm_named
-from khepera_forage.policies.features import behaviour_features
+from khepera_forage.policies import ModelPolicy, Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
+from khepera_forage.policies.model_policy import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.reinforcement import Trained, recall_envs, reinforce, vec_env
-from khepera_forage.rollouts.sb3_vector_env import VectorBridge
+from khepera_forage.rollouts.reinforcement import Trained, reinforce, vec_env
 from khepera_forage.rollouts.wheels_recall import recall_wheels, recall_wheels_env
 from tests.contracts.suites import PolicyContract
 
-TRIAL = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
+FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
 SMALL: dict[str, dict[str, Any]] = {
     "PPO": {"n_steps": 64, "batch_size": 128},
     "DQN": {"learning_starts": 100},
@@ -34,70 +32,70 @@ AMOUNTS = 600, 1_300
 
 
 def short(name: str, amounts: tuple[int, ...], seed: int = 0) -> list[Trained]:
-    """A short training with a learner's own settings, but for those that ask for a long one."""
-    learner = TRIAL[name]
+    """A short training with a learner's own settings, except those that need a long one."""
+    learner = FROM_STEPS[name]
     learner = replace(learner, settings={**learner.settings, **SMALL[learner.algorithm]})
     return reinforce(learner, amounts, seed, envs=2)
 
 
 @pytest.fixture(scope="module")
 def trained() -> dict[str, list[Trained]]:
-    return {name: short(name, AMOUNTS) for name in TRIAL}
+    return {name: short(name, AMOUNTS) for name in FROM_STEPS}
 
 
 class TestBehaviours(PolicyContract):
-    @pytest.fixture(params=[name for name, learner in TRIAL.items() if not learner.wheels])
+    @pytest.fixture(params=[name for name, learner in FROM_STEPS.items() if not learner.wheels])
     def policy(self, request: pytest.FixtureRequest, trained: dict[str, list[Trained]]) -> Policy:
         policy = trained[request.param][-1].policy
-        assert isinstance(policy, BaselinePolicy)
+        assert isinstance(policy, ModelPolicy)
         return policy
 
 
-@pytest.mark.parametrize("name", TRIAL)
+@pytest.mark.parametrize("name", FROM_STEPS)
 def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[Trained]]) -> None:
     early, late = trained[name]
-    a_time = 2 * 64 * TRIAL[name].hold
+    a_time = 2 * 64 * FROM_STEPS[name].hold
     assert 600 <= early.steps < min(600 + a_time, late.steps)
     assert 1_300 <= late.steps < 1_300 + a_time
-    assert early.steps % TRIAL[name].hold == late.steps % TRIAL[name].hold == 0
+    assert early.steps % FROM_STEPS[name].hold == late.steps % FROM_STEPS[name].hold == 0
     assert 0 < early.seconds < late.seconds
-    assert parameters(early) != parameters(late), "it went on learning, and the early one did not"
+    assert parameters(early) != parameters(late), "the late policy has learned more than the early one"
 
 
-@pytest.mark.parametrize("name", TRIAL)
-def test_same_seed_same_policy(name: str, trained: dict[str, list[Trained]]) -> None:
+@pytest.mark.parametrize("name", FROM_STEPS)
+def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[Trained]]) -> None:
     assert parameters(short(name, AMOUNTS)[-1]) == parameters(trained[name][-1])
     assert parameters(short(name, AMOUNTS, seed=1)[-1]) != parameters(trained[name][-1])
 
 
-@pytest.mark.parametrize("name", TRIAL)
-def test_a_pickle_decides_the_same(name: str, trained: dict[str, list[Trained]]) -> None:
+@pytest.mark.parametrize("name", FROM_STEPS)
+def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained]]) -> None:
     policy = trained[name][-1].policy
     twin = pickle.loads(pickle.dumps(policy))
-    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if TRIAL[name].wheels else ''}-v0")
+    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v0")
     observation, _ = env.reset(seed=3)
     rng, other = np.random.default_rng(0), np.random.default_rng(0)
     for _ in range(30):
         action = policy.act(observation, rng)
         np.testing.assert_array_equal(action, twin.act(observation, other))
-        assert env.action_space.contains(action if TRIAL[name].wheels else int(np.asarray(action)))
+        assert env.action_space.contains(action if FROM_STEPS[name].wheels else int(np.asarray(action)))
         observation, *_ = env.step(action)
     env.close()
 
 
-def test_it_forages_where_the_thesis_learner_does(trained: dict[str, list[Trained]]) -> None:
+def test_policy_forages_in_the_recall_environment(trained: dict[str, list[Trained]]) -> None:
     policy = trained["ppo"][-1].policy
-    assert isinstance(policy, BaselinePolicy)
+    assert isinstance(policy, ModelPolicy)
     env = recall_env("rectangle", limit=58)
     rows = [recall(env, policy, 3, learner="ppo") for _ in range(2)]
-    assert rows[0] == rows[1], "also where the last decision of the first recall still held"
+    assert rows[0] == rows[1], "also if the last action of the first recall still held"
     assert rows[0].steps == 58
 
 
 @pytest.mark.parametrize("name", ["ppo_wheels", "sac_wheels"])
-def test_it_forages_with_wheels(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_policy_forages_with_wheels(name: str, trained: dict[str, list[Trained]]) -> None:
     policy = trained[name][-1].policy
-    assert isinstance(policy, WheelsPolicy)
+    assert isinstance(policy, ModelPolicy)
     env = recall_wheels_env("corridor", limit=58)
     rows = [recall_wheels(env, policy, 3) for _ in range(2)]
     assert rows[0] == rows[1]
@@ -105,9 +103,9 @@ def test_it_forages_with_wheels(name: str, trained: dict[str, list[Trained]]) ->
 
 
 @pytest.mark.parametrize("name", ["ppo", "ppo_wheels"])
-def test_a_decision_holds(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_action_holds_for_its_rounds(name: str, trained: dict[str, list[Trained]]) -> None:
     policy = replace(trained[name][-1].policy, hold=4)
-    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if TRIAL[name].wheels else ''}-v0")
+    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v0")
     shown = [env.reset(seed=seed)[0] for seed in range(40)]
     env.close()
 
@@ -121,8 +119,8 @@ def test_a_decision_holds(name: str, trained: dict[str, list[Trained]]) -> None:
     assert decisions(np.random.default_rng(0), 40) == first, "another generator, another episode"
 
 
-def test_what_a_short_training_can_learn_is_learned() -> None:
-    """A world with one right behaviour: the machinery from environment to policy works."""
+def test_short_training_learns_one_right_behaviour() -> None:
+    """An environment with one right behaviour: everything from environment to policy works."""
 
     class OneRight(gym.Env[dict[str, Any], int]):
         """GO HOME is rewarded, all else is not."""
@@ -147,83 +145,54 @@ def test_what_a_short_training_can_learn_is_learned() -> None:
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
         return gym.vector.SyncVectorEnv([OneRight] * count, autoreset_mode=AutoresetMode.SAME_STEP)
 
-    learner = replace(TRIAL["ppo"], settings={**TRIAL["ppo"].settings, **SMALL["PPO"]}, sample=False)
+    learner = replace(
+        FROM_STEPS["ppo"], settings={**FROM_STEPS["ppo"].settings, **SMALL["PPO"]}, sample=False
+    )
     (out,) = reinforce(learner, [3_000], 0, make_env=make, envs=4)
-    assert isinstance(out.policy, BaselinePolicy)
+    assert isinstance(out.policy, ModelPolicy)
     space, policy = recall_env("corridor").observation_space, replace(out.policy, hold=1)
     assert [int(policy.act(space.sample())) for _ in range(20)].count(7) >= 18
 
 
-def test_global_chance_is_left_as_it_was() -> None:
+def test_global_random_states_stay_unchanged() -> None:
     before = str(np.random.get_state(legacy=False)), random.getstate()  # noqa: NPY002
     short("dqn", (200,))
     assert (str(np.random.get_state(legacy=False)), random.getstate()) == before  # noqa: NPY002
 
 
-@pytest.mark.parametrize("name", TRIAL)
-def test_settings_are_left_as_they_were(name: str) -> None:
-    before = copy.deepcopy(dict(TRIAL[name].settings))
+@pytest.mark.parametrize("name", FROM_STEPS)
+def test_settings_stay_unchanged(name: str) -> None:
+    before = copy.deepcopy(dict(FROM_STEPS[name].settings))
     short(name, (200,))
-    assert dict(TRIAL[name].settings) == before
+    assert dict(FROM_STEPS[name].settings) == before
 
 
-def test_what_an_episode_showed_last_is_told() -> None:
-    make = recall_envs("corridor", limit=5)
-    env = VectorBridge(make(2), behaviour_features)
-    env.seed(3)
-    first = env.reset()
-    plain = make(2)
-    shown, _ = plain.reset(seed=3)
-    np.testing.assert_array_equal(first, behaviour_features(shown))
-    for step in range(1, 11):
-        env.step_async(np.array([0, 8]))
-        rows, _, ended, infos = env.step_wait()
-        shown, _, _, _, info = plain.step(np.array([0, 8]))
-        np.testing.assert_array_equal(rows, behaviour_features(shown))
-        assert ended.tolist() == [step % 5 == 0] * 2
-        for i in range(2):
-            if ended[i]:
-                last = behaviour_features(info["final_obs"][i])[0]
-                np.testing.assert_array_equal(infos[i]["terminal_observation"], last)
-                assert infos[i]["TimeLimit.truncated"]
-            else:
-                assert infos[i] == {}
-    env.close()
-    plain.close()
-
-
-def test_a_batch_or_side_by_side(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+def test_log_names_the_backend(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "khepera_forage")
     short("dqn", (50,))
     monkeypatch.setattr("khepera_forage.rollouts.reinforcement.find_spec", lambda name: None)
     short("dqn", (50,))
     assert [record.message for record in caplog.records] == [
-        "DQN on behaviours learns in a batch of 2 worlds",
-        "DQN on behaviours learns in 2 environments side by side",
+        "DQN on behaviours trains in 2 environments on the backend compiled",
+        "DQN on behaviours trains in 2 environments on the backend pymunk",
     ]
 
 
-def test_arenas() -> None:
-    env = vec_env(TRIAL["ppo_wheels"], envs=1, arena="rectangle")
-    assert (env.get_attr("limit"), env.get_attr("foods"), env.action_space.shape) == ([700], [2], (4,))
+def test_arena_decides_the_environment() -> None:
+    env = vec_env(FROM_STEPS["ppo_wheels"], envs=1, arena="rectangle")
+    (spec,) = env.get_attr("spec")
+    assert (spec.kwargs["limit"], spec.kwargs["foods"], env.action_space.shape) == (700, 2, (4,))
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
-        reinforce(TRIAL["ppo"], [1], 0, arena="ring")
-
-
-def test_environments_that_start_again_too_late() -> None:
-    env = gym.make_vec("khepera_forage:khepera_forage/Corridor-v0", num_envs=2, vectorization_mode="sync")
-    with pytest.raises(ValueError, match=r"autoreset_mode is .*; allowed: .*SAME_STEP"):
-        VectorBridge(env, behaviour_features)
-    env.close()
+        reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
 
 
 @pytest.mark.parametrize("amounts", [[], [0], [-5, 10]])
-def test_no_steps(amounts: list[int]) -> None:
+def test_amounts_of_steps_out_of_range_are_refused(amounts: list[int]) -> None:
     with pytest.raises(ValueError, match=r"amounts are \[.*\]; allowed: one or more, each above 0"):
-        reinforce(TRIAL["ppo"], amounts, 0)
+        reinforce(FROM_STEPS["ppo"], amounts, 0)
 
 
-def test_no_such_algorithm_and_none_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="algorithm is 'A2C'; allowed: PPO, DQN, SAC"):
         algorithm_named("A2C")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
@@ -233,19 +202,18 @@ def test_no_such_algorithm_and_none_at_all(monkeypatch: pytest.MonkeyPatch) -> N
         algorithm_named("PPO")
 
 
-def test_who_draws_needs_a_generator(trained: dict[str, list[Trained]]) -> None:
+def test_sampling_without_a_generator_is_refused(trained: dict[str, list[Trained]]) -> None:
     for name, shown in (("ppo", [0, 60, 0, 215, 40]), ("ppo_wheels", {})):
         with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator"):
-            trained[name][-1].policy.act(shown)  # type: ignore[arg-type]
+            trained[name][-1].policy.act(shown)
 
 
 def parameters(trained: Trained) -> bytes:
-    policy = trained.policy
-    assert isinstance(policy, BaselinePolicy | WheelsPolicy)
-    return b"".join(value.numpy().tobytes() for value in policy.model.policy.state_dict().values())
+    model: Any = trained.policy.model
+    return b"".join(value.numpy().tobytes() for value in model.policy.state_dict().values())
 
 
-def test_the_block_of_the_page_on_learners(capsys: pytest.CaptureFixture[str]) -> None:
+def test_code_on_the_page_about_learners_runs(capsys: pytest.CaptureFixture[str]) -> None:
     page = (Path(__file__).parents[2] / "docs" / "plug_in_a_learner.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```python\n(# needs the extra: baselines\n.*?)```", page, flags=re.DOTALL)
     exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": recall_env("corridor", limit=50)})

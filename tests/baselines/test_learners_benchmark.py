@@ -1,20 +1,22 @@
-"""`benchmarks/learners.py` with learners by trial and error: a row each, beside an imitator's."""
+"""`benchmarks/learners.py` with the reinforcement learners: a row each, beside an imitator's."""
 
 from pathlib import Path
 
 from khepera_forage.policies.learners import LEARNERS, Needs
 from tests.benchmarks.running import is_picture, quick, read
 
-TRIAL = [name for name, learner in LEARNERS.items() if learner.needs is Needs.STEPS]
+FROM_STEPS = [name for name, learner in LEARNERS.items() if learner.needs is Needs.STEPS]
 
 
-def test_trial_and_error_takes_part(tmp_path: Path) -> None:
+def test_benchmark_has_rows_of_reinforcement_learners(tmp_path: Path) -> None:
     out = tmp_path / "learners"
-    names = ["imitator", *TRIAL]
+    names = ["imitator", *FROM_STEPS]
     only = [part for name in names for part in ("--only", name)]
     quick("learners.py", out, *only, "--seeds", "1", "--jobs", "1")
     rows = read(out / "rows.csv")
-    assert [row["learner"] for row in rows] == ["imitator"] * 4 + [name for name in TRIAL for _ in range(2)]
+    assert [row["learner"] for row in rows] == ["imitator"] * 4 + [
+        name for name in FROM_STEPS for _ in range(2)
+    ]
     for row in rows[4:]:
         assert int(row["steps"]) >= int(row["amount"]) == 1_000
         assert int(row["vectors"]) == 0

@@ -1,4 +1,4 @@
-"""One line makes a forager of whatever decides."""
+"""Learners of all kinds become policies in one line."""
 
 import pickle
 from typing import Any
@@ -16,7 +16,7 @@ from khepera_forage.policies import (
     Teacher,
     as_policy,
 )
-from khepera_forage.policies.adapters import Model
+from khepera_forage.policies.model_policy import Model
 from khepera_forage.task.states import Behaviour
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
@@ -24,14 +24,14 @@ Y = np.array([0, 2, 3, 7] * 3)
 
 
 class Agent:
-    """Has no use for a generator."""
+    """Takes no generator."""
 
     def act(self, observation: Any) -> np.int64:
         return np.int64(observation[0] + 6)
 
 
 class Trained:
-    """As models of stable-baselines3 are."""
+    """Has the interface of a stable-baselines3 model."""
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = False
@@ -39,16 +39,16 @@ class Trained:
         return np.array(4 if deterministic else 5), None
 
 
-def test_what_each_becomes() -> None:
+def test_learners_become_the_policy_of_their_kind() -> None:
     teacher, imitator = Teacher(), NearestNeighbourImitator().fit(X, Y)
     assert as_policy(teacher) is teacher
-    assert as_policy(imitator) is imitator, "it draws by itself"
+    assert as_policy(imitator) is imitator, "the imitator is a policy already"
     assert type(as_policy(GaussianNB().fit(X, Y))) is ClassifierPolicy
     assert type(as_policy(Trained())) is ModelPolicy
     assert type(as_policy(Agent())) is AgentPolicy
 
 
-def test_and_what_it_then_does() -> None:
+def test_policies_of_learners_act() -> None:
     rng = np.random.default_rng(0)
     assert as_policy(Agent()).act(X[2], rng) is Behaviour.GO_HOME
     assert as_policy(Trained()).act(X[2], rng) is Behaviour.PICK_UP_FOOD
@@ -58,44 +58,44 @@ def test_and_what_it_then_does() -> None:
 @pytest.mark.parametrize(
     "learner", [Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3]
 )
-def test_what_is_no_learner(learner: Any) -> None:
+def test_objects_that_cannot_decide_are_refused(learner: Any) -> None:
     with pytest.raises(TypeError, match=r"learner is .*; allowed: an instance with act\(observation\), "):
         as_policy(learner)
 
 
-def test_an_action_that_is_no_behaviour() -> None:
+def test_actions_that_are_no_behaviour_are_refused() -> None:
     with pytest.raises(ValueError, match="11 is not a valid Behaviour"):
         as_policy(Agent()).act([5], None)
 
 
 class Counting(GaussianNB):  # type: ignore[misc]  # scikit-learn is untyped
-    """Counts how often it is asked."""
+    """Counts its predictions."""
 
-    asked = 0
+    predictions = 0
 
     def predict_proba(self, rows: Any) -> Any:
-        self.asked += 1
+        self.predictions += 1
         return super().predict_proba(rows)
 
 
-def test_what_is_remembered_is_what_would_be_said() -> None:
+def test_cached_probabilities_equal_predicted_ones() -> None:
     classifier = Counting().fit(X, Y)
-    forgetful, remembering = ClassifierPolicy(classifier), ClassifierPolicy(classifier, remember=True)
+    plain, cached = ClassifierPolicy(classifier), ClassifierPolicy(classifier, remember=True)
     rng, other = np.random.default_rng(1), np.random.default_rng(1)
-    assert [forgetful.act(row, rng) for row in X] == [remembering.act(row, other) for row in X]
-    assert classifier.asked == len(X) + 4
-    twin = pickle.loads(pickle.dumps(remembering))
-    assert twin.act(X[0], np.random.default_rng(0)) == remembering.act(X[0], np.random.default_rng(0))
+    assert [plain.act(row, rng) for row in X] == [cached.act(row, other) for row in X]
+    assert classifier.predictions == len(X) + 4
+    twin = pickle.loads(pickle.dumps(cached))
+    assert twin.act(X[0], np.random.default_rng(0)) == cached.act(X[0], np.random.default_rng(0))
 
 
-def test_a_memory_that_is_full_starts_over(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.policies.adapters.MEMO_SIZE", 2)
+def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("khepera_forage.policies.adapters.CACHE_SIZE", 2)
     policy = ClassifierPolicy(GaussianNB().fit(X, Y), remember=True)
     decisions = [policy.act(row, np.random.default_rng(0)) for row in X]
     assert decisions[:4] == decisions[4:8]
-    assert len(policy._memo) <= 2
+    assert len(policy._cache) <= 2
 
 
-def test_protocols_are_what_they_say() -> None:
+def test_model_protocol_is_satisfied() -> None:
     model: Model = Trained()
     assert ModelPolicy(model).act(X[0]) is Behaviour.PICK_UP_FOOD

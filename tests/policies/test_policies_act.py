@@ -120,7 +120,7 @@ def test_a_classifier_is_drawn_from_by_its_probabilities() -> None:
     check_frequencies(counts, expected, 2_000)
 
 
-def test_one_number_is_drawn_whether_there_is_a_conflict_or_not() -> None:
+def test_act_draws_one_number_with_and_without_a_conflict() -> None:
     imitator = NearestNeighbourImitator().fit(X, Y)
     alone = StateVector(0, 90, 0, 215, 60)
     assert imitator.neighbours(QUERY).conflict
@@ -141,6 +141,6 @@ def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(imitator._cache.found) <= 3
 
 
-def test_a_model_is_asked_as_it_was_set_up() -> None:
+def test_deterministic_is_passed_to_the_model() -> None:
     assert ModelPolicy(Constant()).act(QUERY) is Behaviour.GO_HOME
     assert ModelPolicy(Constant(), deterministic=False).act(QUERY) is Behaviour.AVOID_HOME

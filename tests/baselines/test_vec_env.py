@@ -1,4 +1,4 @@
-"""The batch as a `VecEnv`: the same as `gym.make_vec`, and what stable-baselines3 asks of one."""
+"""The adapter for vector environments: the same as the environment behind it, in the form of stable-baselines3."""
 
 from typing import Any
 
@@ -6,28 +6,25 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
-from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecCheckNan, VecMonitor, VecNormalize
 
-import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.policies.features import behaviour_features, wheels_features
-from khepera_forage.rollouts.sb3_compiled_vec_env import BatchVecEnv
-from khepera_forage.rollouts.sb3_vector_env import VectorBridge
+from khepera_forage.rollouts.reinforcement import COMPILED_MODE, recall_envs
+from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
 
 WORLDS, LIMIT = 5, 40
+MODES = ["sync", COMPILED_MODE]
 
 
-def plain(wheels: bool, **kwargs: Any) -> gym.vector.VectorEnv[Any, Any, Any]:
-    return gym.make_vec(
-        f"khepera_forage/Corridor{'Wheels' if wheels else ''}-v0",
-        num_envs=WORLDS,
-        vectorization_mode="vector_entry_point",
-        autoreset_mode=AutoresetMode.SAME_STEP,
-        limit=LIMIT,
-        **kwargs,
-    )
+def vector_env(mode: str, wheels: bool = False, worlds: int = WORLDS) -> gym.vector.VectorEnv[Any, Any, Any]:
+    return recall_envs("corridor", wheels, mode, limit=LIMIT)(worlds)
+
+
+def adapter(mode: str, wheels: bool = False, worlds: int = WORLDS, hold: int = 1) -> Any:
+    features = wheels_features if wheels else behaviour_features
+    return VecEnvAdapter(vector_env(mode, wheels, worlds), features, hold)
 
 
 def drawn(wheels: bool, rng: np.random.Generator) -> NDArray[Any]:
@@ -36,12 +33,12 @@ def drawn(wheels: bool, rng: np.random.Generator) -> NDArray[Any]:
     return rng.integers(0, 10, WORLDS)
 
 
+@pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("wheels", [False, True])
-def test_it_is_what_make_vec_makes(wheels: bool) -> None:
+def test_adapter_equals_the_vector_environment(mode: str, wheels: bool) -> None:
     features = wheels_features if wheels else behaviour_features
-    env: Any = BatchVecEnv(WORLDS, limit=LIMIT, wheels=wheels)
-    other = plain(wheels)
-    env.seed(3)
+    env, other = adapter(mode, wheels), vector_env(mode, wheels)
+    assert env.seed(3) == [3, 4, 5, 6, 7]
     rows = env.reset()
     shown, info = other.reset(seed=3)
     rng, total = np.random.default_rng(0), np.zeros(WORLDS)
@@ -60,7 +57,7 @@ def test_it_is_what_make_vec_makes(wheels: bool) -> None:
                 assert infos[i] == {}
                 continue
             ends += 1
-            last = features({name: values[None] for name, values in info["final_obs"][i].items()})[0]
+            last = features(info["final_obs"][i])[0]
             np.testing.assert_array_equal(infos[i]["terminal_observation"], last)
             assert infos[i]["TimeLimit.truncated"] == truncated[i]
             for name in ("score", "correct", "steps", "delivered", "poison_home"):
@@ -70,15 +67,13 @@ def test_it_is_what_make_vec_makes(wheels: bool) -> None:
             assert infos[i]["episode"]["l"] == infos[i]["steps"]
             total[i] = 0.0
     assert ends >= 3 * WORLDS
+    env.close()
+    other.close()
 
 
-@pytest.mark.parametrize("bridge", [False, True])
-def test_a_decision_that_holds_is_a_decision_repeated(bridge: bool) -> None:
-    made: dict[bool, Any] = {
-        False: lambda: BatchVecEnv(WORLDS, limit=LIMIT, hold=3),
-        True: lambda: VectorBridge(plain(False), behaviour_features, hold=3),
-    }
-    env, each = made[bridge](), BatchVecEnv(WORLDS, limit=LIMIT)
+@pytest.mark.parametrize("mode", MODES)
+def test_held_action_equals_a_repeated_action(mode: str) -> None:
+    env, each = adapter(mode, hold=3), adapter(mode)
     rng = np.random.default_rng(1)
     for vec in (env, each):
         vec.seed(4)
@@ -95,13 +90,15 @@ def test_a_decision_that_holds_is_a_decision_repeated(bridge: bool) -> None:
     for i in range(WORLDS):
         last = parts[-1][3][i]["terminal_observation"]
         np.testing.assert_array_equal(infos[i]["terminal_observation"], last)
-    # The next episode has not begun yet for those that ended early: it lasts as long as any.
+        assert infos[i]["episode"]["l"] == LIMIT
+    # Episodes that ended early begin again at the end of the decision: the next episode has its full length.
     lengths = [bool(env.step(drawn(False, rng))[2].any()) for _ in range(14)]
     assert lengths == [False] * 13 + [True]
 
 
-def test_what_wraps_others_wraps_it() -> None:
-    env: Any = VecNormalize(VecCheckNan(VecMonitor(BatchVecEnv(WORLDS, limit=LIMIT)), raise_exception=True))
+def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:
+    monitored = VecMonitor(adapter(COMPILED_MODE))
+    env: Any = VecNormalize(VecCheckNan(monitored, raise_exception=True))
     env.seed(0)
     rows, rng = env.reset(), np.random.default_rng(0)
     for step in range(1, LIMIT + 1):
@@ -111,8 +108,9 @@ def test_what_wraps_others_wraps_it() -> None:
     assert all(info["episode"]["l"] == LIMIT for info in infos)
 
 
-def test_infos_and_arrays_are_fresh() -> None:
-    env: Any = BatchVecEnv(2)
+@pytest.mark.parametrize("mode", MODES)
+def test_infos_and_arrays_are_fresh(mode: str) -> None:
+    env = adapter(mode, worlds=2)
     first = env.reset()
     kept = first.copy()
     for _ in range(2):
@@ -123,8 +121,9 @@ def test_infos_and_arrays_are_fresh() -> None:
     np.testing.assert_array_equal(first, kept)
 
 
-def test_places_asked_for_and_seeds() -> None:
-    env = BatchVecEnv(2)
+@pytest.mark.parametrize("mode", MODES)
+def test_options_and_seeds_decide_the_start(mode: str) -> None:
+    env = adapter(mode, worlds=2)
     env.set_options([{"start": (100.0, 100.0, 0.0)}, {}])
     env.seed(5)
     one = env.reset()
@@ -132,23 +131,27 @@ def test_places_asked_for_and_seeds() -> None:
     two = env.reset()
     assert not np.array_equal(one[0], two[0])
     np.testing.assert_array_equal(one[1], two[1])
+    env.set_options({"start": (100.0, 100.0, 0.0)})
+    env.seed(5)
+    np.testing.assert_array_equal(env.reset()[0], one[0])
     env.seed(5)
     np.testing.assert_array_equal(env.reset(), two)
-    assert not np.array_equal(env.reset(), two), "without a seed worlds go on with their numbers"
-    assert not np.array_equal(BatchVecEnv(2).reset(), BatchVecEnv(2).reset()), "never seeded: at random"
+    assert not np.array_equal(env.reset(), two), "without a seed the random numbers go on"
+    assert env.seed(None) == [None, None]
+    first, second = adapter(mode, worlds=2).reset(), adapter(mode, worlds=2).reset()
+    assert not np.array_equal(first, second), "never seeded: at random"
 
 
-def test_attributes() -> None:
-    env = BatchVecEnv(3, limit=LIMIT)
-    assert env.get_attr("limit") == [LIMIT] * 3
+@pytest.mark.parametrize("mode", MODES)
+def test_attributes_are_those_of_the_vector_environment(mode: str) -> None:
+    env = adapter(mode, worlds=3)
+    assert env.get_attr("num_envs") == [3] * 3
     assert env.get_attr("render_mode", 1) == [None]
-    env.set_attr("difficulty", 2, [0, 2])
-    assert env.get_attr("difficulty", [0, 2]) == [2, 2]
     with pytest.raises(AttributeError, match="difficulty"):
         env.get_attr("difficulty")
-    with pytest.raises(AttributeError, match="'limit' is the same in all worlds"):
+    with pytest.raises(AttributeError, match="'limit' cannot be set"):
         env.set_attr("limit", 3)
-    with pytest.raises(AttributeError, match="no method 'jump'"):
+    with pytest.raises(AttributeError, match="'jump' cannot be called"):
         env.env_method("jump")
     assert env.env_is_wrapped(Monitor, [0, 1]) == [False, False]
     env.close()
@@ -164,19 +167,26 @@ def test_attributes() -> None:
         (True, [[np.nan] * 4] * 2),
     ],
 )
-def test_actions_that_are_none(wheels: bool, actions: Any) -> None:
-    env = BatchVecEnv(2, wheels=wheels)
+def test_actions_outside_the_action_space_are_refused(wheels: bool, actions: Any) -> None:
+    env = adapter(COMPILED_MODE, wheels, worlds=2)
     env.reset()
     with pytest.raises(ValueError, match=r"actions are array(.|\n)*; allowed: "):
         env.step(np.array(actions))
 
 
-def test_a_step_before_the_first_reset() -> None:
-    env = BatchVecEnv(2)
+def test_step_before_the_first_reset_is_refused() -> None:
+    env = adapter(COMPILED_MODE, worlds=2)
     with pytest.raises(ResetNeeded, match="not reset yet"):
         env.step(np.array([0, 0]))
 
 
-def test_no_rounds_to_hold() -> None:
+def test_hold_below_1_is_refused() -> None:
     with pytest.raises(ValueError, match="hold is 0; allowed: a whole number of at least 1"):
-        BatchVecEnv(2, hold=0)
+        adapter("sync", worlds=2, hold=0)
+
+
+def test_environments_that_begin_again_a_step_later_are_refused() -> None:
+    env = gym.make_vec("khepera_forage:khepera_forage/Corridor-v0", num_envs=2, vectorization_mode="sync")
+    with pytest.raises(ValueError, match=r"autoreset_mode is .*; allowed: .*SAME_STEP"):
+        VecEnvAdapter(env, behaviour_features)
+    env.close()
