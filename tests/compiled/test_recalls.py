@@ -1,4 +1,4 @@
-"""Recalls wholly in the kernel: the imitator there is the imitator, and the account is that of `recall`."""
+"""Recalls in kernels: the imitators, the counts and the rows are those of Python."""
 
 from typing import Any
 
@@ -7,21 +7,20 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from khepera_forage.envs.compiled import rows as at
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
-from khepera_forage.sim.compiled import rows as body
-from khepera_forage.sim.compiled.numbers import upper, word
-from khepera_forage.task.states import CLOSE_TO_FOOD, Behaviour
+from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper, word
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import Behaviour, FoodType
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
 
 
-class Given:
+class FixedNumber:
     """A generator whose next number is known."""
 
     def __init__(self, chance: float) -> None:
@@ -31,52 +30,54 @@ class Given:
         return self.chance
 
 
+def _teacher_records(food_types: Any) -> tuple[Any, Any]:
+    """State vectors, shape (rounds, 8, 5), and the teacher's behaviours in the rectangle, shape (rounds, 8)."""
+    env: Any = BehavioursVectorEnv(8, "rectangle", 2, 300, food_types=food_types)
+    observation, infos = env.reset(seed=11)
+    vectors, behaviours = [], []
+    for _ in range(250):
+        vectors.append(_state_vectors(observation))
+        behaviours.append(infos["correct_behaviour"])
+        observation, _, _, _, infos = env.step(behaviours[-1])
+    return np.array(vectors), np.array(behaviours)
+
+
 @pytest.fixture(scope="module")
 def experience() -> list[tuple[Any, Any]]:
-    """Three memories of the teacher's forages in the rectangle, one to three of them, now and then noted wrong."""
-    env: Any = BehavioursVectorEnv(8, "rectangle", 2, 300, food_types=MIXED)
-    observation, infos = env.reset(seed=11)
+    """Three memories of one to three forages of the teacher; one behaviour in ten is replaced."""
+    vectors, heard = _teacher_records(MIXED)
     rng = np.random.default_rng(0)
-    vectors: list[Any] = [[] for _ in range(3)]
-    heard: list[Any] = [[] for _ in range(3)]
-    for _ in range(250):
-        rows = np.column_stack([np.asarray(v).reshape(8, -1) for v in _columns(observation)])
-        behaviours = infos["correct_behaviour"]
-        noted = np.where(rng.random(8) < 0.1, rng.integers(0, 10, 8), behaviours)
-        for world, memory in enumerate((0, 1, 1, 2, 2, 2)):
-            vectors[memory].append(rows[world])
-            heard[memory].append(noted[world])
-        observation, _, _, _, infos = env.step(behaviours)
-    return [(np.array(v), np.array(h)) for v, h in zip(vectors, heard, strict=True)]
+    heard = np.where(rng.random(heard.shape) < 0.1, rng.integers(0, 10, heard.shape), heard)
+    worlds = ([0], [1, 2], [3, 4, 5])
+    return [(vectors[:, some].reshape(-1, 5), heard[:, some].ravel()) for some in worlds]
 
 
-def _columns(observation: Any) -> list[Any]:
+def _state_vectors(observation: Any) -> Any:
     names = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
-    return [observation[name] for name in names]
+    return np.column_stack([np.asarray(observation[name]).ravel() for name in names])
 
 
-def test_an_episode_is_that_of_the_imitator_playing_step_by_step(experience: Any) -> None:
+@pytest.mark.parametrize("decisions", [Decisions(), Decisions(close_to_food=40)], ids=("default", "changed"))
+def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decisions: Decisions) -> None:
     """The environment stepped from Python, the imitator drawing with the kernel's numbers: the same counts."""
     worlds, seed = 30, 4
     which = np.arange(worlds) % 3
-    kernel = run_recalls("rectangle", memories_of(experience), which, seed, **RECTANGLE)
-    env: Any = BehavioursVectorEnv(worlds, "rectangle", **RECTANGLE)
+    kernel = run_recalls("rectangle", memories_of(experience), which, seed, decisions=decisions, **RECTANGLE)
+    env: Any = BehavioursVectorEnv(worlds, "rectangle", decisions=decisions, **RECTANGLE)
     batch = env.batch
     imitators = [NearestNeighbourImitator(batch.diagonal).fit(*part) for part in experience]
     observation, infos = env.reset(seed=seed)
     over = np.zeros(worlds, np.bool_)
     rounds, wrong = np.zeros((2, worlds, 10), np.int64)
-    ghosts, ties, conflicts = np.zeros((3, worlds), np.int64)
+    without_food, ties, conflicts = np.zeros((3, worlds), np.int64)
     while not over.all():
-        keys = batch.worlds.bodies.keys.reshape(body.KEY_ROWS, -1)
-        numbers = keys[body.ROUND] * np.uint64(body.DRAWS) + np.uint64(body.DRAW_POLICY)
-        bits: Any = word(keys[body.KEY], numbers)
-        chances = np.array(upper(bits))
+        numbers = batch.robot("round", np.uint64) * np.uint64(DRAWS) + np.uint64(DRAW_POLICY)
+        chances = np.array(upper(word(batch.robot("key", np.uint64), numbers)))
         actions = np.zeros(worlds, np.int64)
-        rows = np.column_stack([np.asarray(v).reshape(worlds, -1) for v in _columns(observation)])
+        rows = _state_vectors(observation)
         for i in np.flatnonzero(~over).tolist():
             neighbours = imitators[which[i]].neighbours(rows[i])
-            rng: Any = Given(chances[i])
+            rng: Any = FixedNumber(chances[i])
             actions[i] = neighbours.draw(rng)
             right = infos["correct_behaviour"][i]
             rounds[i, right] += 1
@@ -84,8 +85,8 @@ def test_an_episode_is_that_of_the_imitator_playing_step_by_step(experience: Any
             conflicts[i] += neighbours.conflict
             if actions[i] != right:
                 wrong[i, right] += 1
-                far = batch.task(at.FOOD_DISTANCE)[i] > CLOSE_TO_FOOD
-                ghosts[i] += actions[i] == Behaviour.ORIENT_WITH_FOOD and far
+                far = batch.task("robot_food_distance")[i] > decisions.close_to_food
+                without_food[i] += actions[i] == Behaviour.ORIENT_WITH_FOOD and far
         observation, _, terminated, truncated, infos = env.step(actions)
         for i in np.flatnonzero((terminated | truncated) & ~over).tolist():
             over[i] = True
@@ -93,29 +94,32 @@ def test_an_episode_is_that_of_the_imitator_playing_step_by_step(experience: Any
                 assert infos[name][i] == getattr(kernel, name)[i], name
     assert (rounds == kernel.rounds_by_state).all()
     assert (wrong == kernel.wrong_by_state).all()
-    for name, counts in (("orient_ghost", ghosts), ("ties", ties), ("conflicts", conflicts)):
+    for name, counts in (("orient_without_food", without_food), ("ties", ties), ("conflicts", conflicts)):
         assert (counts == getattr(kernel, name)).all(), name
         assert counts.any(), name
     assert kernel.delivered.any()
 
 
-def test_starts_and_foods_are_those_of_the_worlds() -> None:
+def test_starts_and_food_places_are_those_of_the_vector_environment() -> None:
     env = BehavioursVectorEnv(12, "rectangle", 2)
     env.reset(seed=9)
     kernel = run_recalls("rectangle", None, np.full(12, TEACHER), 9, foods=2, limit=1)
-    food = env.batch.worlds.bodies.food.reshape(2, body.FOOD_ROWS, -1)[:, :2, :12]
-    assert (food.transpose(2, 0, 1) == kernel.foods).all()
-    robots = env.batch.worlds.bodies.robots.reshape(body.ROBOT_ROWS, -1)[:, :12]
+    foods = env.batch.worlds.bodies.foods[0]
+    places = np.stack([foods[name].T[:12] for name in ("x", "y")], axis=2)
+    assert (places == kernel.foods).all()
     # One round at rest has passed, in which nothing moves.
-    for column, row in enumerate((body.X, body.Y, body.HEADING)):
-        assert robots[row] == pytest.approx(kernel.start[:, column], abs=1e-9)
+    poses = np.stack([env.batch.robot(name) for name in ("x", "y", "heading")], axis=1)
+    assert poses == pytest.approx(kernel.start, abs=1e-9)
 
 
-def test_every_episode_makes_a_row(experience: Any) -> None:
+def test_recalls_are_valid_rows(experience: Any) -> None:
     """`RecallRow` refuses fields that contradict each other."""
-    which = np.arange(400) % 5 - 2
-    kernel = run_recalls("rectangle", memories_of(experience), which, **RECTANGLE)
-    for i in range(400):
+    # The last imitator pushes poison home: it learned with poison's type in the place of pushable food's.
+    vectors, heard = _teacher_records("PUSHABLE")
+    vectors[:, :, 2][vectors[:, :, 2] == FoodType.PUSHABLE] = FoodType.POISONOUS
+    memories = memories_of([*experience, (vectors.reshape(-1, 5), heard.ravel())])
+    kernel = run_recalls("rectangle", memories, np.arange(600) % 6 - 2, **RECTANGLE)
+    for i in range(600):
         _row(kernel, i)
     assert (kernel.deliverable <= 2).all()
     assert (kernel.deliverable < 2).any()
@@ -149,15 +153,15 @@ def _row(kernel: Episodes, i: int) -> RecallRow:
         start_heading=float(kernel.start[i, 2]),
         rounds_by_state=tuple(kernel.rounds_by_state[i].tolist()),
         wrong_by_state=tuple(kernel.wrong_by_state[i].tolist()),
-        orient_ghost=int(kernel.orient_ghost[i]),
+        orient_without_food=int(kernel.orient_without_food[i]),
         ties=int(kernel.ties[i]),
         conflicts=int(kernel.conflicts[i]),
         experience_size=0,
     )
 
 
-def test_an_episode_does_not_depend_on_what_is_beside_it(experience: Any) -> None:
-    """How many there are, on how many threads, and who else is there and in which order their memories stand."""
+def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:
+    """Neither their number, nor the threads, nor the other imitators and the order of their memories matter."""
     which = np.arange(300) % 5 - 2
     whole = run_recalls("rectangle", memories_of(experience), which, 3, **RECTANGLE)
     threads = numba.get_num_threads()
@@ -171,7 +175,7 @@ def test_an_episode_does_not_depend_on_what_is_beside_it(experience: Any) -> Non
             assert (a[: len(b)] == b).all()
 
 
-def test_the_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
+def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     teacher = run_teacher("corridor", 300, 2)
     assert (teacher.correct == teacher.steps).all()
     assert not teacher.wrong_by_state.any()
@@ -186,7 +190,7 @@ def test_the_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     assert not chance.ties.any()
 
 
-def test_who_knows_one_thing_does_one_thing() -> None:
+def test_imitator_of_one_vector_always_executes_its_behaviour() -> None:
     memories = memories_of([([(0, 50, 0, 215, 40)], [Behaviour.MOVE_SLOWLY])])
     kernel = run_recalls("corridor", memories, np.zeros(50, np.int64), limit=40)
     moving = kernel.rounds_by_state[:, Behaviour.MOVE_SLOWLY]
@@ -205,7 +209,7 @@ def test_who_knows_one_thing_does_one_thing() -> None:
         ([], r"memory_of_episode is \[\]"),
     ],
 )
-def test_bad_memories_are_quoted(which: Any, message: str) -> None:
+def test_bad_policies_are_quoted(which: Any, message: str) -> None:
     memories = memories_of([([(0, 50, 0, 215, 40)], [0])])
     with pytest.raises(ValueError, match=message):
         run_recalls("corridor", memories, which)
