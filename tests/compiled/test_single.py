@@ -1,4 +1,4 @@
-"""`gym.make(..., physics="batch")`: the environments' forms in the batch's physics, one world at a time."""
+"""`gym.make(..., backend="compiled")`: one compiled world with the interface of the pymunk environments."""
 
 import copy
 import json
@@ -13,19 +13,16 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs import entry_points as physics
-from khepera_forage.envs.compiled.rounds import decide
 from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.compiled import rows as at
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 
 
 def _make(name: Any = "Corridor", **kwargs: Any) -> Any:
-    return gym.make(f"khepera_forage/{name}-v0", physics="batch", **kwargs)
+    return gym.make(f"khepera_forage/{name}-v0", backend="compiled", **kwargs)
 
 
 def _same(one: Any, two: Any) -> bool:
@@ -33,7 +30,7 @@ def _same(one: Any, two: Any) -> bool:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_gymnasium_finds_nothing_wrong(name: Any) -> None:
+def test_gymnasium_checker_passes(name: Any) -> None:
     env = _make(name)
     assert isinstance(env.unwrapped, CompiledBehavioursEnv | CompiledWheelsEnv)
     check_env(env.unwrapped)
@@ -41,7 +38,7 @@ def test_gymnasium_finds_nothing_wrong(name: Any) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_spaces_forms_and_infos_are_those_in_pymunk(name: Any) -> None:
+def test_spaces_types_and_infos_are_those_on_pymunk(name: Any) -> None:
     env, plain = _make(name), gym.make(f"khepera_forage/{name}-v0")
     assert env.observation_space == plain.observation_space
     assert env.action_space == plain.action_space
@@ -63,7 +60,7 @@ def test_spaces_forms_and_infos_are_those_in_pymunk(name: Any) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_one_world_is_world_0_of_make_vec_to_the_last_bit(name: Any) -> None:
+def test_one_world_is_world_0_of_make_vec_bit_for_bit(name: Any) -> None:
     """Kernels of one lane and of 128 compute the same, through episodes that end and begin."""
     kwargs: Any = {"limit": 90, "food_types": MIXED}
     one = _make(name, **kwargs)
@@ -88,7 +85,7 @@ def test_one_world_is_world_0_of_make_vec_to_the_last_bit(name: Any) -> None:
 
 
 @pytest.mark.parametrize("name", ["Rectangle", "RectangleWheels"])
-def test_rollouts_repeat_in_fresh_arrays_and_copies_go_on_alike(name: Any) -> None:
+def test_rollouts_repeat_in_fresh_arrays_and_in_copies(name: Any) -> None:
     def roll(env: Any, steps: Any) -> Any:
         return [env.step(env.action_space.sample()) for _ in range(steps)]
 
@@ -113,7 +110,7 @@ def test_rollouts_repeat_in_fresh_arrays_and_copies_go_on_alike(name: Any) -> No
             assert _same(a[0], b[0])
 
 
-def test_given_places_and_seeds() -> None:
+def test_places_are_as_given_and_seeds_repeat_them() -> None:
     env = _make("Rectangle", noise=Noise.none())
     options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
     obs, info = env.reset(options=options)
@@ -126,7 +123,7 @@ def test_given_places_and_seeds() -> None:
     assert len({tuple(pose) for pose in poses}) == 3
 
 
-def test_pictures_show_the_true_world() -> None:
+def test_view_shows_the_true_world() -> None:
     env = _make("Corridor", noise=Noise.none(), render_mode="rgb_array")
     _, info = env.reset(seed=3)
     first = env.render()
@@ -178,16 +175,3 @@ def test_bad_input_is_quoted() -> None:
     small = _make(arena=box)
     with pytest.raises(ValueError, match="no room for a robot and 1 food"):
         small.reset(seed=0)
-
-
-def test_the_physics_are_two(monkeypatch: Any) -> None:
-    with pytest.raises(ValueError, match="physics is 'bach'; allowed: 'pymunk', 'batch'"):
-        gym.make("khepera_forage/Corridor-v0", physics="bach")
-    with pytest.raises(ValueError, match="physics is 'bach'; allowed: 'pymunk', 'batch'"):
-        gym.make_vec("khepera_forage/Corridor-v0", num_envs=2, physics="bach")
-    plain = gym.make_vec("khepera_forage/Corridor-v0", num_envs=2, physics="pymunk")
-    assert isinstance(plain, gym.vector.SyncVectorEnv)
-    plain.close()
-    monkeypatch.setattr(physics, "find_spec", lambda name: None)
-    with pytest.raises(ImportError, match=r"needs numba: pip install 'khepera-forage\[fast\]'"):
-        _make()

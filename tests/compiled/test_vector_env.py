@@ -1,4 +1,4 @@
-"""`gym.make_vec` over the batch: Gymnasium's forms, seeds, resets and errors."""
+"""`gym.make_vec` on compiled worlds: spaces, seeds, resets and errors."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs import vector_entry_points as vectorized
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv, WheelsVectorEnv
 from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import Arena, Point, Pose
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 
@@ -21,28 +21,28 @@ def _make(name: Any = "Corridor", num_envs: Any = 5, **kwargs: Any) -> Any:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_spaces_forms_and_infos_are_those_of_the_single_environment_side_by_side(name: Any) -> None:
-    batch, plain = _make(name), _make(name, vectorization_mode="sync")
-    assert isinstance(batch, BehavioursVectorEnv | WheelsVectorEnv)
-    assert batch.observation_space == plain.observation_space
-    assert batch.action_space == plain.action_space
-    batch.action_space.seed(0)
-    (obs, infos), (_, plain_infos) = batch.reset(seed=1), plain.reset(seed=1)
-    assert obs in batch.observation_space
+def test_spaces_types_and_infos_are_those_of_synchronous_environments(name: Any) -> None:
+    compiled, plain = _make(name), _make(name, vectorization_mode="sync")
+    assert isinstance(compiled, BehavioursVectorEnv | WheelsVectorEnv)
+    assert compiled.observation_space == plain.observation_space
+    assert compiled.action_space == plain.action_space
+    compiled.action_space.seed(0)
+    (obs, infos), (_, plain_infos) = compiled.reset(seed=1), plain.reset(seed=1)
+    assert obs in compiled.observation_space
     for _ in range(4):
-        actions = batch.action_space.sample()
-        obs, rewards, terminated, truncated, infos = batch.step(actions)
+        actions = compiled.action_space.sample()
+        obs, rewards, terminated, truncated, infos = compiled.step(actions)
         _, plain_rewards, plain_terminated, _, plain_infos = plain.step(actions)
-        assert obs in batch.observation_space
+        assert obs in compiled.observation_space
         assert rewards.dtype == plain_rewards.dtype
         assert terminated.dtype == truncated.dtype == plain_terminated.dtype
         assert set(infos) == set(plain_infos)
         for key in infos:
             assert infos[key].shape == plain_infos[key].shape, key
             assert infos[key].dtype.kind == plain_infos[key].dtype.kind, key
-    assert batch.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
+    assert compiled.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
     plain.close()
-    batch.close()
+    compiled.close()
 
 
 def _roll(env: Any, steps: Any, seed: Any = 3) -> Any:
@@ -54,7 +54,7 @@ def _roll(env: Any, steps: Any, seed: Any = 3) -> Any:
     return out
 
 
-def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_whatever_the_number_of_worlds() -> None:
+def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_for_any_number_of_worlds() -> None:
     one, two, three = (
         _roll(_make(num_envs=6), 150),
         _roll(_make(num_envs=6), 150),
@@ -70,7 +70,7 @@ def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_whatever_the_number_of_worl
     assert any(a[2].any() for a in one)
 
 
-def test_the_next_step_begins_a_new_episode_where_one_has_ended() -> None:
+def test_next_step_autoreset_begins_new_episodes_one_step_later() -> None:
     before = None
     episodes = 0
     for obs, rewards, terminated, truncated, infos in _roll(_make("Rectangle", 40, limit=60), 130):
@@ -85,7 +85,7 @@ def test_the_next_step_begins_a_new_episode_where_one_has_ended() -> None:
     assert episodes >= 80
 
 
-def test_same_step_shows_the_last_of_one_episode_beside_the_first_of_the_next() -> None:
+def test_same_step_autoreset_reports_final_observations_and_infos() -> None:
     ended = 0
     for _, _, terminated, truncated, infos in _roll(_make(num_envs=30, autoreset_mode="SameStep"), 120):
         over = terminated | truncated
@@ -99,7 +99,7 @@ def test_same_step_shows_the_last_of_one_episode_beside_the_first_of_the_next() 
     assert ended > 10
 
 
-def test_disabled_waits_for_a_reset_mask_that_touches_no_other_world() -> None:
+def test_disabled_autoreset_waits_for_a_reset_mask() -> None:
     env = _make(num_envs=8, autoreset_mode="Disabled")
     _, infos = env.reset(seed=0)
     over = np.zeros(8, np.bool_)
@@ -115,7 +115,7 @@ def test_disabled_waits_for_a_reset_mask_that_touches_no_other_world() -> None:
     env.step(np.zeros(8, np.int64))
 
 
-def test_seeds_of_single_worlds_and_given_places() -> None:
+def test_each_world_has_its_seed_and_places_are_as_given() -> None:
     env = _make("Rectangle", 3, noise=Noise.none())
     env.reset(seed=[5, 6, 5])
     poses = env.reset(seed=[5, 6, 5])[1]["pose"]
@@ -151,9 +151,7 @@ def test_bad_input_is_quoted() -> None:
         wheels.step(np.full((2, 4), 1.5))
 
 
-def test_an_arena_with_no_room_says_so() -> None:
-    from khepera_forage.sim.arena import Arena, Point, Pose
-
+def test_arena_without_room_is_refused() -> None:
     box = Arena(
         "box",
         (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180)),
@@ -164,11 +162,3 @@ def test_an_arena_with_no_room_says_so() -> None:
     )
     with pytest.raises(ValueError, match="no room for a robot and 1 food"):
         BehavioursVectorEnv(2, arena=box).reset(seed=0)
-
-
-def test_without_numba_worlds_stand_side_by_side_and_a_warning_says_so(monkeypatch: Any) -> None:
-    monkeypatch.setattr(vectorized, "find_spec", lambda name: None)
-    with pytest.warns(UserWarning, match="numba is not installed"):
-        env = _make(num_envs=2)
-    assert isinstance(env, gym.vector.SyncVectorEnv)
-    env.close()
