@@ -21,6 +21,7 @@ from harness.tables import percent, pick, quantiles
 
 from khepera_forage.policies import Observation, Policy, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.thesis.statistics import Estimate
 from khepera_forage.thesis.tables import Column, Table
@@ -133,13 +134,13 @@ class Block(NamedTuple):
         """Forage from each start, in the laboratory's noise."""
         arena, food, name = self.condition
         env = recall_env(arena, food_types=food)
-        teacher = Teacher(env.home_radius)
+        teacher = Teacher.of(env)
         policy: Policy = teacher if name == TEACHER else WithoutOrienting(teacher)
         rows = []
         for seed in self.seeds:
             row = recall(env, policy, seed, learner=name)
-            register = env.forager.register
-            left = sum(kind == FoodType.POISONOUS for kind in register.known) - row.poison_home
+            tracker = env.forager.tracker
+            poisonous = sum(food.known == FoodType.POISONOUS for food in tracker.foods)
             rows.append(
                 Forage(
                     arena=arena,
@@ -150,9 +151,9 @@ class Block(NamedTuple):
                     limit=row.limit,
                     foods=row.foods,
                     delivered=row.delivered,
-                    left=left,
+                    left=poisonous - row.poison_home,
                     poison_home=row.poison_home,
-                    finished=register.finished,
+                    finished=is_finished(tracker),
                 )
             )
         env.close()

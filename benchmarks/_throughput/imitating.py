@@ -61,7 +61,7 @@ def experience(seed: int, size: int = VECTORS) -> Experience:
 def forages(seed: int, size: int) -> Experience:
     """The state vectors of the teacher's forages from random places in the corridor, and what it does on each."""
     env = recall_env("corridor")
-    teacher = Teacher(env.home_radius)
+    teacher = Teacher.of(env)
     vectors, done = np.empty((size, 5), np.int64), np.empty(size, np.int64)
     observation, _ = env.reset(seed=seed)
     for i in range(size):

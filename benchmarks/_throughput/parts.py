@@ -11,9 +11,9 @@ from unittest.mock import patch
 
 import gymnasium as gym
 import pymunk
+from harness.stopwatch import Method, Sheet, Stopwatch
 
 from _throughput.lines import Job, Measure, Values
-from harness.stopwatch import Method, Sheet, Stopwatch
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera

@@ -100,7 +100,7 @@ class Block(NamedTuple):
         """Recall from each start, in the laboratory's noise."""
         policy, arena = self.condition
         env = recall_env(arena)
-        policies: dict[int, Policy] = {-1: Teacher(env.home_radius)}
+        policies: dict[int, Policy] = {-1: Teacher.of(env)}
         rows = []
         for number, seed in enumerate(self.seeds, self.first):
             imitator = number % len(self.experience) if policy == IMITATOR else -1

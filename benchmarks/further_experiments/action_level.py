@@ -32,7 +32,6 @@ from further_experiments.spatial_variety import ALL, ONE, setups
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learned_behaviours import LearnedBehaviours
 from khepera_forage.rollouts.recall import recall_env
-from khepera_forage.task.behaviours import command
 from khepera_forage.thesis.claims.claim import Above, Claim, Within
 
 if TYPE_CHECKING:
@@ -63,8 +62,8 @@ def run(trial: Trial) -> list[Row]:
     rows: list[Row] = [episode.row for episode in trained]
     for arena in ARENAS:
         given = recall_env(arena)
-        own = LearnedBehavioursEnv(command, arena=arena, foods=given.foods, limit=given.limit)
-        teacher = Teacher(given.home_radius)
+        own = LearnedBehavioursEnv(arena=arena, foods=given.foods, limit=given.limit)
+        teacher = Teacher.of(given)
         rows += recall_all(given, teacher, trial, 0, condition=condition_of(trial.condition, TEACHER))
         for amount, learned_behaviours in behaviours.items():
             own.command = learned_behaviours.command

@@ -9,18 +9,18 @@ import numpy as np
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import state_vector_of
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import (
     BEHAVIOURS,
-    CARRY_HEIGHT,
-    CLOSE_TO_FOOD,
-    NEXT_TO_FOOD,
     Behaviour,
     FoodType,
     State,
     StateVector,
     classify,
+    is_raised,
 )
 
+DECISIONS = Decisions().values()
 PATIENCE = 100
 """Steps after which a behaviour without success ends: ten seconds. Our decision (4.2.1)."""
 
@@ -35,15 +35,15 @@ def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
     """
     presence, home, food_type, arm, food = vector
     if behaviour == Behaviour.SEARCH_FOR_FOOD:
-        return food <= CLOSE_TO_FOOD
+        return bool(food <= DECISIONS.close_to_food)
     if behaviour == Behaviour.MOVE_SLOWLY:
-        return food <= NEXT_TO_FOOD
+        return bool(food <= DECISIONS.next_to_food)
     if behaviour == Behaviour.ORIENT_WITH_FOOD:
         return bool(presence)
     if behaviour == Behaviour.EXPLORE_FOOD:
         return food_type != FoodType.UNKNOWN
     if behaviour == Behaviour.PICK_UP_FOOD:
-        return bool(presence) and arm <= CARRY_HEIGHT
+        return bool(presence) and is_raised(arm, DECISIONS)
     if behaviour in (Behaviour.PUSH_FOOD, Behaviour.GO_HOME):
         return home <= home_radius
     if behaviour == Behaviour.AVOID_HOME:
@@ -114,7 +114,7 @@ class StateLabels:
         """
         if not isinstance(rng, np.random.Generator):
             raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw behaviours from")
-        state = classify(state_vector_of(observation), self.home_radius)
+        state = classify(state_vector_of(observation), self.home_radius, DECISIONS)
         counts = self.counts.get(state)
         if counts is None:
             return BEHAVIOURS[int(rng.integers(len(BEHAVIOURS) - 1))]

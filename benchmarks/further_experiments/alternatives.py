@@ -40,7 +40,7 @@ def run(trial: Trial) -> list[Row]:
     rows: list[Row] = [*trainings]
     for arena in ARENAS:
         env = recall_env(arena)
-        teacher = Teacher(env.home_radius)
+        teacher = Teacher.of(env)
         rows += recall_all(env, teacher, trial, 0, condition=TEACHER)
         until_goal = UntilGoal(teacher, env.home_radius)
         rows += recall_all(env, until_goal, trial, 0, condition=TEACHER_GOAL, fresh=True)

@@ -8,6 +8,8 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.robots.khepera import Motors
+from khepera_forage.task.behaviours import command
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import BEHAVIOURS
 
@@ -26,6 +28,11 @@ class CopiedMotorsEnv(TrainingEnv):
             learner.motors_for = teacher.motors_for  # type: ignore[method-assign]
 
 
+def hand_coded(behaviour: int, raw: RawData) -> Motors:
+    """The motor commands of the hand-coded behaviours."""
+    return command(behaviour, raw, Decisions().values())
+
+
 class LearnedBehavioursEnv(BehavioursEnv):
     """Recall with learned behaviours in place of the hand-coded ones.
 
@@ -36,7 +43,7 @@ class LearnedBehavioursEnv(BehavioursEnv):
         **kwargs: Of `BehavioursEnv`.
     """
 
-    def __init__(self, command: Callable[[int, RawData], Motors], **kwargs: Any) -> None:
+    def __init__(self, command: Callable[[int, RawData], Motors] = hand_coded, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.command = command
 

@@ -59,7 +59,7 @@ def run(trial: Trial) -> list[Row]:
     for arena in ARENAS:
         world = PymunkWorld([ARENAS_BY_NAME[arena]], (2,), robot_parameters=(robot,))
         alone = recall_env(arena, world=world)
-        rows += recall_all(alone, Teacher(alone.home_radius), trial, 0)
+        rows += recall_all(alone, Teacher.of(alone), trial, 0)
         rows += recall_imitators(alone, trial, files)
         alone.close()
     return rows

@@ -16,7 +16,7 @@ from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.task.states import FoodType, behaviour_for, classify
-from khepera_forage.thesis.replication import TRAINING_DISTANCE
+from khepera_forage.thesis.design import TRAINING_DISTANCE
 
 ARENAS = ("corridor", "rectangle")
 
@@ -72,7 +72,7 @@ def train_files(
             rounds=complete.rounds,
             all_rounds=sum(row.rounds for row in attempts),
             vectors=len(experience),
-            true=_true(experience, env.home_radius),
+            true=_true(experience, env),
             separations=complete.separations,
         )
         yield experience, row
@@ -123,7 +123,7 @@ def recall_all(
     rows = []
     for number, seed in enumerate(recall_seeds(trial, env.arena.name)):
         row = recall(env, copy(policy) if fresh else policy, seed)
-        poisonous = sum(kind == FoodType.POISONOUS for kind in env.forager.register.known)
+        poisonous = sum(food.known == FoodType.POISONOUS for food in env.forager.tracker.foods)
         rows.append(
             RecallEpisode(
                 replication=trial.replication,
@@ -169,5 +169,7 @@ def recall_everywhere(trial: Trial, files: Files) -> list[RecallEpisode]:
     return rows
 
 
-def _true(experience: Experience, home_radius: int) -> int:
-    return sum(behaviour_for(classify(vector, home_radius)) == heard for vector, heard in experience)
+def _true(experience: Experience, env: TrainingEnv) -> int:
+    """Vectors whose behaviour the teacher of section 4.4 would have chosen."""
+    radius, decisions = env.home_radius, env.decisions.values()
+    return sum(behaviour_for(classify(vector, radius, decisions)) == heard for vector, heard in experience)

@@ -60,10 +60,10 @@ class SimulatedPerson:
     env: TrainingEnv
     delay: int
     wrong: float
-    _decisions: deque[Behaviour] = field(init=False, repr=False)
+    _right_keys: deque[Behaviour] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self._decisions = deque(maxlen=self.delay + 1)
+        self._right_keys = deque(maxlen=self.delay + 1)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """What the teacher would have done `delay` rounds ago, or a wrong key.
@@ -78,11 +78,12 @@ class SimulatedPerson:
         if not isinstance(rng, np.random.Generator):
             raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw wrong keys from")
         if self.env.infos[TEACHER]["steps"] == 0:
-            self._decisions.clear()
-        self._decisions.append(behaviour_for(classify(state_vector_of(observation), self.env.home_radius)))
+            self._right_keys.clear()
+        radius, decisions = self.env.home_radius, self.env.decisions.values()
+        self._right_keys.append(behaviour_for(classify(state_vector_of(observation), radius, decisions)))
         if is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
-        key = self._decisions[0]
+        key = self._right_keys[0]
         if rng.random() < self.wrong:
             others = [behaviour for behaviour in BEHAVIOURS[: Behaviour.WAIT] if behaviour != key]
             return others[int(rng.integers(len(others)))]

@@ -57,7 +57,7 @@ class ObservingTeacher:
 
     def __init__(self, env: TrainingEnv) -> None:
         self._env = env
-        self._teacher = Teacher(env.home_radius)
+        self._teacher = Teacher.of(env)
         self._learner: Forager | None = None
         self._heard: list[tuple[RawData, Behaviour]] = []
         self._motors: list[Motors] = []

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,12 @@ from further_experiments.episodes import ARENAS, recall_everywhere, train_files,
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.layouts import random_layout
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.sim.arena import CORRIDOR
-from khepera_forage.task.placement import random_layout
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.placement import layout_key
 from khepera_forage.thesis.claims.claim import Above, Claim, points
 
 ONE, FOOD, ALL = "one set-up", "food moved", "start and food moved"
@@ -43,8 +47,9 @@ def setups(condition: str, rng: np.random.Generator) -> Iterator[Mapping[str, An
             food at random, as in recall.
         rng: Draws the places.
     """
-    while True:
-        layout = random_layout(CORRIDOR, 1, rng)
+    key, decisions = key_of(int(rng.integers(2**62))), Decisions().values()
+    for number in count():
+        layout = random_layout(CORRIDOR, 1, layout_key(key, number), decisions)
         start, foods = layout.starts[0], layout.foods
         if condition == ONE:
             yield {}

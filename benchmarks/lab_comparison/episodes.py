@@ -119,7 +119,7 @@ class Replication(NamedTuple):
         repeated = 0
         with closing(recall_env(arena, world=self._world(arena, 1))) as env:
             imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
-            policies: dict[str, Policy] = {TEACHER: Teacher(env.home_radius), IMITATOR: imitator}
+            policies: dict[str, Policy] = {TEACHER: Teacher.of(env), IMITATOR: imitator}
             work = [(learner, number) for learner in LEARNERS for number in range(len(seeds))]
             while work:
                 learner, number = work[0]

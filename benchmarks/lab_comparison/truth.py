@@ -6,16 +6,14 @@ Every robot has a second perception on the same camera scene, with senses from t
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from khepera_forage.envs.arguments import food_odds
 from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, Senses, applicable
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
-from khepera_forage.task.food_tracking import FoodRegister, FoodTypes
+from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import StateVector
-from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _PULSES_A_UNIT = 10
 """Encoder pulses a round and speed unit."""
@@ -63,13 +61,14 @@ class Truth:
     def __init__(self, lab: VirtualLaboratory, foragers: Sequence[Forager]) -> None:
         self._lab = lab
         self._reported = foragers
-        types = FoodTypes(len(lab.arenas[0].foods), food_odds(None), np.random.default_rng(0))
         self._foragers = []
         for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
             arena_map = arena_map_of(arena)
-            places = [(food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL) for food in arena.foods]
-            register = FoodRegister(arena_map, places, types)
-            self._foragers.append(Forager(_Body(body), arena_map, reported.holes, register))
+            tracker = tracker_of(arena.foods)
+            draw_food_types(tracker.foods, 0, *food_odds(None)[:2])
+            self._foragers.append(
+                Forager(_Body(body), arena_map, reported.holes, tracker, reported.decisions)
+            )
         for forager in self._foragers:
             forager.perceive(lab.camera.look())
         self._before = [(f.senses, true.senses) for f, true in self._pairs()]
@@ -93,7 +92,7 @@ class Truth:
         """The true state vector, as an environment shows it."""
         forager = self._foragers[robot]
         presence, home, food_type, arm, food = forager.vector
-        diagonal = forager.site.diagonal
+        diagonal = forager.arena.diagonal
         return StateVector(presence, min(home, diagonal), food_type, arm, min(food, diagonal))
 
     def _pairs(self) -> list[tuple[Forager, Forager]]:

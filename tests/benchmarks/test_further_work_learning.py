@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from further_experiments import redesigned_vector as new
 from further_experiments.attribute_weights import FIXED
-from further_experiments.copied_motors import CopiedMotorsEnv, LearnedBehavioursEnv
+from further_experiments.copied_motors import CopiedMotorsEnv, LearnedBehavioursEnv, hand_coded
 from further_experiments.observed_training import ObservingTeacher
 
 from khepera_forage.envs.training import TrainingEnv
@@ -18,7 +18,6 @@ from khepera_forage.policies.nearest_neighbour.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train
-from khepera_forage.task.behaviours import command
 from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import Behaviour
 from tests.benchmarks.conftest import QuickRun
@@ -164,10 +163,10 @@ def test_copied_motors_are_the_teachers_unless_following_bends_them() -> None:
 
 def test_recall_with_the_given_behaviours_is_recall() -> None:
     given = recall_env("corridor")
-    own = LearnedBehavioursEnv(command, arena="corridor", foods=given.foods, limit=given.limit)
+    own = LearnedBehavioursEnv(arena="corridor", foods=given.foods, limit=given.limit)
     for seed in (5, 6):
         assert recall(own, Teacher(), seed) == recall(given, Teacher(), seed)
-    own.command = lambda behaviour, raw: applicable(command(Behaviour.WAIT, raw))
+    own.command = lambda behaviour, raw: applicable(hand_coded(Behaviour.WAIT, raw))
     still = recall(own, Teacher(), 5)
     assert (still.steps, still.delivered) == (given.limit, 0)
     given.close()

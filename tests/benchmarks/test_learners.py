@@ -297,7 +297,14 @@ def test_tuned_learners_have_as_many_settings_each() -> None:
 
 
 def test_contradictions_in_rows_are_refused() -> None:
-    row = {"learner": "tree", "replication": 0, "amount": 1, "arena": "corridor", "steps": 90, "vectors": 90}
+    row: dict[str, Any] = {
+        "learner": "tree",
+        "replication": 0,
+        "amount": 1,
+        "arena": "corridor",
+        "steps": 90,
+        "vectors": 90,
+    }
     row |= {"recalls": 2, "score": 50.0, "delivered": 1, "foods": 2, "recall_steps": 300, "seconds": 0.5}
     RecallBatch(**row)
     wrong = {
