@@ -15,6 +15,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies.learned_behaviours import RELATIONS, LearnedBehaviours, relations
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.task.behaviours import command, wait
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 
@@ -72,7 +73,7 @@ def steps() -> Steps:
         while not over:
             raws.append(env.forager.raw)
             behaviours.append(info["correct_behaviour"])
-            motors.append(command(behaviours[-1], raws[-1]))
+            motors.append(command(behaviours[-1], raws[-1], Decisions().values()))
             _, _, terminated, truncated, info = env.step(behaviours[-1])
             over = terminated or truncated
     env.close()

@@ -10,6 +10,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from khepera_forage.policies import GrowingMemory, KNearestImitator, Policy, WeightedImitator, state_vector_of
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors, Needs
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import behaviour_for, classify
 from tests.contracts.suites import PolicyContract, observations
 
@@ -29,7 +30,8 @@ def experience(seed: int, count: int = 300) -> tuple[NDArray[np.int64], NDArray[
             rng.integers(0, 60, count),
         )
     )
-    return rows, np.array([behaviour_for(classify(state_vector_of(row), 20)) for row in rows])
+    decisions = Decisions().values()
+    return rows, np.array([behaviour_for(classify(state_vector_of(row), 20, decisions)) for row in rows])
 
 
 class TestLearners(PolicyContract):

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.policies import Teacher
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector, behaviour_for, classify
 
 VECTORS = st.builds(
@@ -20,9 +21,9 @@ VECTORS = st.builds(
 
 @settings(deadline=None)
 @given(VECTORS, st.integers(1, 60), st.sampled_from(list(Behaviour)))
-def test_every_decision_is_that_of_the_tree(vector: StateVector, radius: int, heard: int) -> None:
+def test_teacher_follows_the_tree_of_figure_4_2(vector: StateVector, radius: int, heard: int) -> None:
     teacher = Teacher(home_radius=radius)
-    decision = behaviour_for(classify(vector, radius))
+    decision = behaviour_for(classify(vector, radius, Decisions().values()))
     shown = {name: np.int64(value) for name, value in vector._asdict().items()}
     assert teacher.act(shown) is decision
     assert teacher.act(list(vector)) is decision
