@@ -32,8 +32,8 @@ class ClassifierPolicy:
 
     Attributes:
         classifier: Fitted on state vectors of five columns and behaviours as numbers.
-        sample: Whether a behaviour is drawn with its probability, as with the imitator's confidence levels,
-            or the most probable one executed.
+        sample: Whether a behaviour is drawn with its probability, like the imitator's with its confidence level.
+            If not, the most probable behaviour is executed.
         remember: Whether probabilities are cached by state vector, which makes decisions ten to a thousand times as
             fast. Only for a classifier that learns no further.
     """
@@ -50,7 +50,7 @@ class ClassifierPolicy:
 
         Args:
             observation: What the robot perceives; see `policies.policy.state_vector_of`.
-            rng: Must be given if behaviours are drawn: one number is drawn at every call.
+            rng: Must be given with `sample`: one number is drawn at every call.
 
         Raises:
             TypeError: A behaviour is to be drawn and `rng` is not a NumPy generator.

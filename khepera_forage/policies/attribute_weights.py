@@ -1,4 +1,4 @@
-"""The imitator with attribute weights learned from its experience (asked for in 5.4.1.2 and 5.5)."""
+"""The imitator with attribute weights learned from its experience (suggested in 5.4.1.2 and 5.5)."""
 
 from collections.abc import Sequence
 from typing import Any, Self
@@ -12,32 +12,31 @@ from khepera_forage.policies.nearest_neighbour.distance import attribute_distanc
 
 CHOICES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
 SWEEPS = 20
-"""Rounds over all attributes, at most; the search ends when a round changes nothing, mostly after three."""
+"""Most passes over all attributes; the search ends when a pass changes nothing, mostly after three."""
 
 
 class WeightedImitator(BruteForceClassifier):
     """The nearest vectors vote, by a distance whose attributes count with different weights.
 
-    "The more significant attributes should be weighted more" (5.5): here the experience says which. The weights are
-    those with the least leave-one-out error of the imitator itself: every vector is asked for in turn, is not among
-    the voters, and the share of the vote that goes to other behaviours than the one heard is the error. That is the
-    very probability with which the learner that draws (4.6.2) is wrong. The search goes attribute by attribute, from
-    equal weights: the error changes in steps, so there is no gradient to follow, and five attributes are few.
-    Weights are whole numbers, which keeps ties exact. Vectors of one episode are alike, so those of the vector's own
-    episode are better left out together: give `groups`.
+    "The more significant attributes should be weighted more" (5.5). The weights learned are those with the least
+    leave-one-out error of the imitator: each vector in turn is the query, the others vote, and the error is the share
+    of the votes for other behaviours than the one heard. This is the probability with which a learner that draws
+    behaviours (4.6.2) is wrong. The search changes one attribute at a time, from equal weights: the error is a step
+    function without a gradient, and there are only five attributes. Weights are whole numbers, which keeps ties exact.
+    Vectors of one episode are alike; with `groups`, all vectors of the query's episode are left out.
 
     Args:
         diagonal: Of the arena foraged in now, in pixels.
-        weights: One whole number for each column, at least 0 and not all 0; by default they are learned.
-        choices: Weights to choose from.
-        search_size: Vectors that the search asks for and compares, drawn if there are more.
+        weights: One whole number for each column, at least 0 and not all 0; learned by default.
+        choices: The weights that the search tries.
+        search_size: Most vectors that the search compares; with more, this many are drawn.
         random_state: Of that draw.
 
     Attributes:
         classes_: The labels seen, sorted.
         n_features_in_: Number of columns seen.
-        weights_: What each column counts.
-        error_: Leave-one-out error with these weights, 0..1; not there with weights that are given.
+        weights_: The weight of each column.
+        error_: Leave-one-out error with these weights, 0..1; missing if `weights` are given.
         plain_error_: The same with equal weights.
     """
 
@@ -65,7 +64,7 @@ class WeightedImitator(BruteForceClassifier):
         Args:
             X: State vectors, one a row, attributes in the order of `StateVector`.
             y: The behaviour heard with each.
-            groups: The training episode of each; vectors of one's own episode are left out with it.
+            groups: The training episode of each vector; by default each vector is its own group.
 
         Raises:
             ValueError: Parameters out of range, data that is no classification problem, or groups of another length.
@@ -97,14 +96,14 @@ class WeightedImitator(BruteForceClassifier):
         diagonal = checked_diagonal(self.diagonal)
         pairs = np.stack([attribute_distances(rows, row, diagonal) for row in rows])
         same, out = codes[:, None] == codes, own[:, None] == own
-        asked = ~out.all(axis=1)  # nobody is left to vote on the others
+        queries = ~out.all(axis=1)  # those that have vectors to vote on them
 
         def error(weights: list[int]) -> float:
             distances = pairs @ np.array(weights, np.float64)
             distances[out] = np.inf
-            voters = (distances == distances.min(axis=1, keepdims=True))[asked] & ~out[asked]
-            right = (voters & same[asked]).sum(axis=1) / voters.sum(axis=1)
-            return float(1 - right.mean()) if asked.any() else 0.0
+            voters = (distances == distances.min(axis=1, keepdims=True))[queries] & ~out[queries]
+            right = (voters & same[queries]).sum(axis=1) / voters.sum(axis=1)
+            return float(1 - right.mean()) if queries.any() else 0.0
 
         weights = [1] * rows.shape[1]
         self.plain_error_ = best = error(weights)

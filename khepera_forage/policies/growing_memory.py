@@ -1,4 +1,4 @@
-"""A memory that grows with experience and forgets, after Marom and Hayes (2001), as section 2.3 tells of it."""
+"""A memory that grows with experience and forgets, after Marom and Hayes (2001), as described in section 2.3."""
 
 from numbers import Real
 from typing import Any, Self
@@ -17,24 +17,24 @@ from khepera_forage.policies.nearest_neighbour.distance import (
 
 
 class GrowingMemory(ConfidenceClassifier):
-    """Nodes grow from experience; what is perceived often is remembered well, what is rare is slowly forgotten.
+    """Nodes grow from experience; frequent stimuli are remembered well, rare ones are slowly forgotten.
 
-    Stimuli (state vectors) come one by one, in the order of the rows. The node nearest to a stimulus, by the distance
-    of section 4.6.1, takes it up if it is within `reach`: it moves towards it, the less the better it knows its kind,
-    and counts the behaviour heard. Otherwise a new node grows where the stimulus is. Every node has a habituation
-    value: 1 is a stimulus never perceived, towards 0 one perceived all the time. Taking up a stimulus brings it down
-    by the share `habituation` of what it is; every other stimulus lets it recover by the share `recovery` of what is
-    missing to 1; above `forgetting` the node is forgotten. A node that is never visited again thus lasts for
-    log(habituation / (1 - forgetting)) / recovery stimuli, one that was visited often a few hundred more.
+    Stimuli (state vectors) come one by one, in the order of the rows. If the node nearest to a stimulus, by the
+    distance of section 4.6.1, is within `reach`, the node moves towards the stimulus and counts the behaviour heard.
+    Otherwise a new node grows at the stimulus. Every node has a habituation value: 1 for a stimulus never perceived,
+    near 0 for one perceived all the time. The lower the value, the less a node moves. A stimulus lowers the value
+    of its node by the share `habituation`; every stimulus first raises all values by the share `recovery` of what is
+    missing to 1. Above `forgetting` a node is forgotten. A node visited once lasts for
+    log(habituation / (1 - forgetting)) / recovery stimuli, a node visited often a few hundred more.
 
-    The thesis gives the mechanism and no numbers: the defaults are ours. A node lasts for some 1,600 stimuli, the
-    experience of about thirty training episodes.
+    The thesis gives no numbers; the defaults are ours. A node lasts for some 1,600 stimuli, the experience of about
+    thirty training episodes.
 
     Args:
         diagonal: Of the arena foraged in now, in pixels.
-        reach: Distance up to which a node takes up a stimulus; at least 0.
+        reach: Distance up to which a stimulus belongs to a node; at least 0.
         habituation: 0..1, above 0.
-        recovery: 0..1; 0 forgets nothing.
+        recovery: 0..1; with 0 nothing is forgotten.
         forgetting: Habituation value above which a node is forgotten, 0..1.
         moving: Share of the way to the stimulus that a node with habituation value 1 would move, 0..1.
 
@@ -43,7 +43,7 @@ class GrowingMemory(ConfidenceClassifier):
         n_features_in_: Number of columns seen.
         nodes_: The nodes, one a row.
         habituation_: The habituation value of each.
-        votes_: How often each was perceived with each class, one row a node.
+        votes_: How often each node was perceived with each class, one row a node.
     """
 
     classes_: NDArray[Any]
@@ -69,7 +69,7 @@ class GrowingMemory(ConfidenceClassifier):
         self.moving = moving
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
-        """Perceive one stimulus after the other, from an empty memory.
+        """Perceive one stimulus after the other, starting with an empty memory.
 
         Args:
             X: State vectors, one a row, attributes in the order of `StateVector`.
@@ -78,7 +78,7 @@ class GrowingMemory(ConfidenceClassifier):
         Raises:
             ValueError: Parameters out of range, or data that is no classification problem.
         """
-        return self._perceive(X, y, None, forget=True)
+        return self._learn(X, y, None, forget=True)
 
     def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
         """Perceive further stimuli.
@@ -86,12 +86,12 @@ class GrowingMemory(ConfidenceClassifier):
         Args:
             X: As for `fit`.
             y: As for `fit`.
-            classes: All labels that may come; it need not be given: `classes_` grows by those that do.
+            classes: All labels that may come; by default `classes_` grows by those that do.
 
         Raises:
             ValueError: As for `fit`; or a label that is not among `classes`.
         """
-        return self._perceive(X, y, classes, forget=not hasattr(self, "classes_"))
+        return self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
 
     def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
         """The share of each class of `classes_` in the node nearest to each row of `X`."""
@@ -102,7 +102,7 @@ class GrowingMemory(ConfidenceClassifier):
         levels: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
         return levels
 
-    def _perceive(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
+    def _learn(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
         self._check()
         rows, labels = validate_data(self, X, y, reset=forget, dtype=np.float64)
         allowed = checked_classes(labels, classes)
@@ -117,10 +117,10 @@ class GrowingMemory(ConfidenceClassifier):
             votes[:, np.searchsorted(self.classes_, known)] = self.votes_
             self.votes_ = votes
         for row, code in zip(rows, np.searchsorted(self.classes_, labels), strict=True):
-            self._take_up(row, int(code))
+            self._perceive_one(row, int(code))
         return self
 
-    def _take_up(self, row: NDArray[np.float64], code: int) -> None:
+    def _perceive_one(self, row: NDArray[np.float64], code: int) -> None:
         self.habituation_ += self.recovery * (1 - self.habituation_)
         away = self._distances(row)
         node = int(away.argmin()) if len(away) else -1

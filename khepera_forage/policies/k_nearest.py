@@ -1,4 +1,4 @@
-"""Variants of the imitator in which more than the nearest vectors vote."""
+"""Variants of the imitator in which `k` vectors vote."""
 
 from numbers import Integral
 from typing import Any
@@ -14,13 +14,13 @@ WEIGHTINGS = ("uniform", "distance")
 class KNearestImitator(BruteForceClassifier):
     """The `k` nearest experience vectors vote, by the distance of section 4.6.1.
 
-    All vectors as near as the `k`-th vote too, so that the outcome does not depend on the order of the records;
-    with `k` 1 this is the thesis' imitator.
+    Vectors at the same distance as the `k`-th also vote, so that the result does not depend on the order of the
+    experience. With `k` 1 this is the thesis's imitator.
 
     Args:
-        k: Vectors that vote, at least 1; with fewer on record all of them vote.
-        weighting: `uniform`, one vote each, or `distance`: votes count by the inverse of the distance, and where
-            there are vectors equal to the one perceived, they alone vote.
+        k: Vectors that vote, at least 1; if there are fewer, all vote.
+        weighting: `uniform`, one vote each, or `distance`: votes count by the inverse of the distance, and if some
+            vectors equal the query, only these vote.
         diagonal: Of the arena foraged in now, in pixels.
 
     Attributes:

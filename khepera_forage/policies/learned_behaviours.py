@@ -1,4 +1,4 @@
-"""Behaviours that are learned too: from raw data to motors, one regression a behaviour (action level, 4.8)."""
+"""Learned behaviours: a regression from raw data to motors for each behaviour (action level, 4.8)."""
 
 from collections.abc import Sequence
 from numbers import Integral
@@ -17,7 +17,7 @@ _ARM_HALF, _JAW_HALF = (ARM_DOWN + ARM_RAISED) / 2, (JAW_OPEN + JAW_CLOSED) / 2
 
 
 def relations(raw: RawData) -> tuple[float, ...]:
-    """Raw data as the robot stands to things, in whatever arena: what 4.3 does with places, with directions kept.
+    """Raw data relative to the robot, independent of the arena: distances as in section 4.3, and bearings.
 
     Args:
         raw: What the robot perceives now.
@@ -51,16 +51,15 @@ def _bearing(raw: RawData, x: float, y: float) -> float:
 
 
 class LearnedBehaviours:
-    """In the place of `task.behaviours.command`: what a behaviour commands, learned from the motors behind it.
+    """Motor commands of behaviours, learned from examples; replaces `task.behaviours.command`.
 
-    For every behaviour an ensemble of scikit-learn's extremely randomised trees goes from `relations` to wheels, arm
-    and jaw. Wheels are the mean of the trees; arm and jaw, which are told one of two things, that of the majority (of
-    as many votes raised and closed).
-    A behaviour that was never shown is to stand still, arm and jaw as they are.
+    For every behaviour an ensemble of scikit-learn's extremely randomised trees predicts wheels, arm and jaw from
+    `relations`. Wheel speeds are the mean of the trees. Arm and jaw have two positions each; the majority of the trees
+    decides, and a draw means raised and closed. A behaviour without examples stands still and keeps arm and jaw.
 
     Args:
-        trees: Of each ensemble, at least 1.
-        random_state: Of their splits; the same one gives the same behaviours.
+        trees: Trees of each ensemble, at least 1.
+        random_state: Seed of their splits.
 
     Raises:
         ValueError: A number of trees below 1.
@@ -78,19 +77,19 @@ class LearnedBehaviours:
 
     @property
     def known(self) -> frozenset[int]:
-        """The behaviours that were shown, by their numbers."""
+        """The behaviours with examples, by their numbers."""
         return frozenset(self._ensembles)
 
     def fit(self, raws: Sequence[RawData], behaviours: Sequence[int], motors: Sequence[Motors]) -> Self:
         """Learn from steps, forgetting earlier ones.
 
         Args:
-            raws: What the robot perceived before each.
-            behaviours: Which behaviour each was part of.
-            motors: What wheels, arm and jaw were told.
+            raws: What the robot perceived before each step.
+            behaviours: The behaviour of each step.
+            motors: The motor commands of each step.
 
         Raises:
-            ValueError: Not as many of each, or a number that is not finite.
+            ValueError: The lengths differ, or a number is not finite.
         """
         from sklearn.ensemble import ExtraTreesRegressor
 
@@ -99,16 +98,18 @@ class LearnedBehaviours:
                 f"{len(raws)} raw data, {len(behaviours)} behaviours, {len(motors)} motors; allowed: as many of each"
             )
         rows = np.array([relations(raw) for raw in raws], np.float32).reshape(-1, RELATIONS)
-        told = np.array(motors, np.float64).reshape(-1, len(Motors._fields))
-        for name, numbers in (("raw data", rows), ("motors", told)):
+        commands = np.array(motors, np.float64).reshape(-1, len(Motors._fields))
+        for name, numbers in (("raw data", rows), ("motors", commands)):
             if not np.isfinite(numbers).all():
                 worst = int((~np.isfinite(numbers)).any(axis=1).argmax())
                 raise ValueError(f"{name} {worst} are {numbers[worst].tolist()}; allowed: finite numbers")
-        words = np.array(behaviours, np.int64)
+        labels = np.array(behaviours, np.int64)
         self._ensembles = {}
-        for behaviour in np.unique(words).tolist():
-            own = words == behaviour
-            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(rows[own], told[own])
+        for behaviour in np.unique(labels).tolist():
+            own = labels == behaviour
+            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(
+                rows[own], commands[own]
+            )
             self._ensembles[behaviour] = [estimator.tree_ for estimator in forest.estimators_]
         return self
 
@@ -123,9 +124,9 @@ class LearnedBehaviours:
         if ensemble is None:
             return wait(raw)
         row = np.array([relations(raw)], np.float32)
-        # Straight from the trees: what scikit-learn checks at every `predict` takes thirty times as long.
-        said: NDArray[np.float64] = np.concatenate([tree.predict(row)[..., 0] for tree in ensemble])
-        left, right = said[:, :2].mean(axis=0).tolist()
-        arm = ARM_DOWN if 2 * (said[:, 2] > _ARM_HALF).sum() > len(said) else ARM_RAISED
-        jaw = JAW_OPEN if 2 * (said[:, 3] > _JAW_HALF).sum() > len(said) else JAW_CLOSED
+        # The trees themselves are thirty times as fast as `predict`, which validates its input.
+        predicted: NDArray[np.float64] = np.concatenate([tree.predict(row)[..., 0] for tree in ensemble])
+        left, right = predicted[:, :2].mean(axis=0).tolist()
+        arm = ARM_DOWN if 2 * (predicted[:, 2] > _ARM_HALF).sum() > len(predicted) else ARM_RAISED
+        jaw = JAW_OPEN if 2 * (predicted[:, 3] > _JAW_HALF).sum() > len(predicted) else JAW_CLOSED
         return Motors(left, right, arm, jaw)

@@ -1,6 +1,6 @@
-"""Every learner that comes with the package: how it is made, its settings, and what experience it needs.
+"""All learners of the package, with their settings and the experience they need.
 
-`LEARNERS` is what comparisons go through; add an entry and a learner has a row. Settings stand here and nowhere else.
+Benchmarks compare the entries of `LEARNERS`; a new entry adds a row. All settings are here.
 """
 
 from collections.abc import Callable, Mapping
@@ -28,9 +28,9 @@ class Needs(Enum):
     VECTORS = "experience vectors"
     """State vectors and what was heard with each, recorded in training (4.5)."""
     QUERIES = "expert queries"
-    """The teacher's word on state vectors that the learner itself comes to."""
+    """The teacher's behaviours for state vectors that the learner meets."""
     STEPS = "environment steps"
-    """Rewards of the environment, and nobody to imitate."""
+    """Rewards of the environment, without a teacher."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +39,12 @@ class FromVectors:
 
     Attributes:
         title: For tables and figures.
-        make: Makes the classifier, not fitted; it is given `settings` and what the next two ask for.
+        make: Makes the classifier, not fitted, from `settings` and, if it takes them, `diagonal` and `random_state`.
         settings: Its keyword arguments.
         diagonal: Whether it takes `diagonal`, that of the arena foraged in, in pixels.
         seeded: Whether it takes `random_state`.
-        sample: Whether behaviours are drawn with their probabilities, as the thesis' learner does, or the most
-            probable one executed.
+        sample: Whether behaviours are drawn with their probabilities, as the thesis's learner does. If not, the most
+            probable one is executed.
         grouped: Whether `fit` takes `groups`, the training episode of each vector.
     """
 
@@ -62,7 +62,7 @@ class FromVectors:
 
         Args:
             diagonal: Of the arena that will be foraged in, in pixels.
-            seed: Of its own draws, if it makes any.
+            seed: Seed of its random choices, if it makes any.
         """
         more = {"diagonal": diagonal} if self.diagonal else {}
         if self.seeded:
@@ -89,8 +89,8 @@ class FromVectors:
             vectors: Of shape (n, 5).
             behaviours: Of shape (n,).
             diagonal: Of the arena that will be foraged in, in pixels.
-            seed: Of the learner's own draws, if it makes any; the same seed gives the same policy.
-            groups: The training episode of each vector, of shape (n,), for learners that make use of it.
+            seed: Seed of the learner's random choices, if it makes any; the same seed gives the same policy.
+            groups: The training episode of each vector, of shape (n,), for learners that use it.
         """
         more = {"groups": groups} if self.grouped else {}
         return self.policy(self.classifier(diagonal, seed).fit(vectors, behaviours, **more))
@@ -98,11 +98,11 @@ class FromVectors:
 
 @dataclass(frozen=True, slots=True)
 class FromQueries:
-    """A learner that asks the teacher about what it comes to: `rollouts.dagger` runs it.
+    """A learner that queries the teacher about the state vectors it meets; `rollouts.dagger` trains it.
 
     Attributes:
         title: For tables and figures.
-        learner: What is fitted on all that was asked so far.
+        learner: Fitted on all queries so far.
         settings: Keyword arguments of `rollouts.dagger.dagger`.
     """
 
@@ -114,16 +114,16 @@ class FromQueries:
 
 @dataclass(frozen=True, slots=True)
 class FromSteps:
-    """A learner by trial and error, of stable-baselines3: `rollouts.reinforcement` trains it.
+    """A reinforcement learner of stable-baselines3; `rollouts.reinforcement` trains it.
 
     Attributes:
         title: For tables and figures.
         algorithm: Name of the class in stable-baselines3.
-        wheels: Whether it commands wheels, arm and jaw (`CorridorWheels-v0`) and not behaviours.
+        wheels: Whether its actions are motors (`CorridorWheels-v0`) and not behaviours.
         settings: Keyword arguments of the algorithm.
-        sample: Whether decisions are drawn with their probabilities in recall too (PPO only).
-        worlds: In how many it learns at a time, where they are batched.
-        hold: Rounds of 0.1 s that a decision holds, in training and in recall.
+        sample: Whether actions are drawn with their probabilities also in recall (PPO only).
+        worlds: Number of compiled environments it trains in.
+        hold: Rounds of 0.1 s that an action holds, in training and in recall.
     """
 
     title: str
@@ -167,12 +167,11 @@ LEARNERS: dict[str, Learner] = {
     "dagger_tree": FromQueries(
         "DAgger, tree", FromVectors("decision tree", tree, seeded=True), {"queries_a_round": 100}
     ),
-    # By trial and error. The settings were found in twelve trainings in the corridor, with seed 0 and at most five
-    # minutes on one core each, by the share of food delivered in the batch; neither the rectangle nor pymunk's worlds
-    # were looked at. What mattered most is `hold`. Behaviours bring food home if each lasts for many rounds: who draws
-    # one at random in every round delivers in 0.1 % of the episodes, who draws one every 5 rounds in 13 %. Next came
-    # few worlds, and so more updates for as many steps: PPO with 64 did in 0.5 million steps what it took 2 million
-    # with 1,024. Reward and perception are the environment's.
+    # Reinforcement learners. Their settings were found in twelve trainings in the compiled corridor, with seed 0 and at
+    # most five minutes on one core each, by the share of food delivered; the rectangle and pymunk were not used. `hold`
+    # matters most: a policy that draws a random behaviour in every round delivers in 0.1 % of the episodes, one that
+    # draws every 5 rounds in 13 %. Next come few worlds, which means more updates for the same number of steps: PPO
+    # with 64 worlds needed 0.5 million steps where it needed 2 million with 1,024.
     "ppo": FromSteps(
         "PPO on behaviours",
         "PPO",
@@ -240,4 +239,4 @@ LEARNERS: dict[str, Learner] = {
         hold=5,
     ),
 }
-"""By name. Every comparison goes through it."""
+"""All learners by name."""

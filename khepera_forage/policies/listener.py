@@ -1,4 +1,4 @@
-"""The learner in training: it does what it hears (section 4.5)."""
+"""The learner during training: it executes the behaviour it hears (section 4.5)."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The Policy contract, and from what an environment shows to the state vector of section 4.3."""
+"""The `Policy` contract, and the state vector of section 4.3 in an observation."""
 
 from collections.abc import Mapping, Sequence
 from operator import index
@@ -10,27 +10,26 @@ from numpy.typing import NDArray
 from khepera_forage.task.states import StateVector
 
 Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
-"""What the recall environments show (a mapping) or the training environment (seven integers in a row)."""
-
+"""An observation of a recall environment (a mapping) or of the training environment (seven integers)."""
 
 HEARD, SEPARATED = 5, 6
-"""Where an observation of the training environment has what is heard, and whether robots are separated."""
+"""Positions in an observation of the training environment: the behaviour heard, and whether robots are separated."""
 
 
 def is_training(observation: Observation) -> TypeGuard[Sequence[Any] | NDArray[Any]]:
-    """Whether an observation is one of the training environment: a row that goes on after the state vector."""
+    """Whether an observation is of the training environment: a sequence longer than the state vector."""
     return isinstance(observation, Sequence | np.ndarray) and len(observation) > SEPARATED
 
 
 class Policy(Protocol):
-    """Who decides what a robot does next."""
+    """Decides what a robot does next."""
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """The behaviour to execute now, as its number in table 4.1.
 
         Args:
             observation: What the robot perceives; see `state_vector_of`.
-            rng: Where a policy that decides by chance draws from; others take no notice of it.
+            rng: For policies that draw their behaviours; others ignore it.
         """
         ...
 
@@ -38,11 +37,11 @@ class Policy(Protocol):
 def state_vector_of(observation: Observation) -> StateVector:
     """The state vector in an observation, as plain integers.
 
-    Ranges are not looked at: an environment's spaces state them, and this runs at every step.
+    Ranges are not checked: the environment's spaces state them, and this function runs at every step.
 
     Args:
         observation: A mapping with the five attribute names as keys, or a sequence or one-dimensional array
-            that starts with the five attributes in the order of `StateVector`; what follows is left out. A
+            that starts with the five attributes in the order of `StateVector`; the rest is ignored. A
             value is an integer of Python or NumPy, or an array that holds one.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A decision tree of state vectors: what the teacher's own tree (figure 4.2) looks like to a learner."""
+"""A decision tree of state vectors, as the teacher has one (figure 4.2)."""
 
 from typing import Any
 
@@ -6,11 +6,11 @@ from typing import Any
 def tree(random_state: int = 0, **settings: Any) -> Any:
     """scikit-learn's decision tree, not fitted.
 
-    Categories are small whole numbers and stay so: a tree splits them as it needs.
+    Categories stay small whole numbers, which a tree can split.
 
     Args:
-        random_state: Of the choice between splits that are equally good.
-        **settings: Those of `sklearn.tree.DecisionTreeClassifier`.
+        random_state: Seed of the choice between equally good splits.
+        **settings: Arguments of `sklearn.tree.DecisionTreeClassifier`.
     """
     from sklearn.tree import DecisionTreeClassifier
 

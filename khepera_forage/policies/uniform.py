@@ -1,4 +1,4 @@
-"""The chance level: every behaviour equally likely."""
+"""The random baseline: every behaviour equally likely."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ from khepera_forage.task.states import Behaviour
 
 @dataclass(frozen=True, slots=True)
 class UniformPolicy:
-    """Draws one of the ten behaviours, whatever it perceives."""
+    """Draws one of the ten behaviours and ignores the observation."""
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """Any behaviour.
+        """A random behaviour.
 
         Args:
             observation: Not used.

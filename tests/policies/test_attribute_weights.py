@@ -1,4 +1,4 @@
-"""Weights learned from experience: which attribute matters is found out, by the error that counts."""
+"""Attribute weights learned from experience."""
 
 import itertools
 from typing import Any
@@ -14,7 +14,7 @@ Data = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def misleading(seed: int, count: int = 200) -> Data:
-    """Food distance alone decides what is heard; the home distance is noise, four times as loud."""
+    """Only the food distance decides the behaviour; the home distance is noise with four times the range."""
     rng = np.random.default_rng(seed)
     food = rng.integers(0, 30, count)
     rows = np.column_stack(
@@ -24,7 +24,7 @@ def misleading(seed: int, count: int = 200) -> Data:
 
 
 def left_out(data: Data, weights: tuple[int, ...], groups: NDArray[np.int64]) -> float:
-    """The error once more, one vector at a time: the share of the vote of all others that goes elsewhere."""
+    """The leave-one-out error, one vector at a time: the share of votes for another behaviour."""
     wrong = []
     for row, heard, group in zip(*data, groups, strict=True):
         others = groups != group
@@ -35,28 +35,28 @@ def left_out(data: Data, weights: tuple[int, ...], groups: NDArray[np.int64]) ->
     return float(np.mean(wrong))
 
 
-def test_what_matters_is_weighted_above_what_does_not() -> None:
+def test_significant_attribute_gets_the_larger_weight() -> None:
     plain = NearestNeighbourImitator().fit(*misleading(0))
     learned = WeightedImitator(random_state=0).fit(*misleading(0))
     assert learned.weights_[4] > learned.weights_[1]
-    rows, said = misleading(1)
-    assert (learned.predict(rows) == said).mean() > (plain.predict(rows) == said).mean() + 0.03
+    rows, expected = misleading(1)
+    assert (learned.predict(rows) == expected).mean() > (plain.predict(rows) == expected).mean() + 0.03
     assert learned.error_ < learned.plain_error_
 
 
-def test_the_error_is_that_of_leaving_out() -> None:
+def test_error_equals_leave_one_out_error() -> None:
     data = misleading(2, 40)
     for groups in (np.arange(40), np.arange(40) // 8):
         learned = WeightedImitator(choices=(0, 1, 4), random_state=0).fit(*data, groups=groups)
         assert learned.plain_error_ == pytest.approx(left_out(data, (1,) * 5, groups))
         assert learned.error_ == pytest.approx(left_out(data, learned.weights_, groups))
-        for column, choice in itertools.product(range(5), (0, 1, 4)):  # no single change betters it
+        for column, choice in itertools.product(range(5), (0, 1, 4)):  # no single change improves it
             tried = (*learned.weights_[:column], choice, *learned.weights_[column + 1 :])
             if any(tried):
                 assert left_out(data, tried, groups) >= learned.error_ - 1e-9
 
 
-def test_equal_weights_are_the_imitator() -> None:
+def test_equal_weights_equal_the_imitator() -> None:
     rng = np.random.default_rng(3)
     rows = np.column_stack([rng.integers(0, high, 200) for high in (2, 9, 4, 3, 9)]) + np.array(
         [0, 0, 0, 215, 0]
@@ -69,7 +69,7 @@ def test_equal_weights_are_the_imitator() -> None:
     assert not hasattr(same, "error_")
 
 
-def test_weights_weigh() -> None:
+def test_weights_change_the_nearest_vector() -> None:
     rows = [StateVector(0, 50, 0, 215, 20), StateVector(0, 60, 0, 215, 17)]
     query = StateVector(0, 60, 0, 215, 20)
     assert distance(rows[1], query, 138) < distance(rows[0], query, 138)
@@ -88,16 +88,16 @@ def test_weights_weigh() -> None:
         ({"diagonal": 0}, "diagonal is 0; allowed"),
     ],
 )
-def test_parameters_out_of_range(parameters: dict[str, Any], message: str) -> None:
+def test_parameters_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         WeightedImitator(**parameters).fit(*misleading(0))
 
 
-def test_a_group_for_each_vector() -> None:
+def test_groups_of_another_length_are_refused() -> None:
     with pytest.raises(ValueError, match=r"groups have shape \(3,\); allowed: \(200,\)"):
         WeightedImitator().fit(*misleading(0), groups=[1, 2, 3])
 
 
-def test_a_single_episode_has_nobody_to_vote_on_it() -> None:
+def test_single_episode_keeps_equal_weights() -> None:
     learned = WeightedImitator().fit(*misleading(0), groups=np.zeros(200))
     assert learned.weights_ == (1,) * 5

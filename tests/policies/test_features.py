@@ -20,7 +20,7 @@ from khepera_forage.policies.features import (
         ("CorridorWheels", wheels_features, WHEELS_FEATURES),
     ],
 )
-def test_many_at_a_time_are_one_by_one(name: str, features: object, width: int) -> None:
+def test_features_of_many_equal_features_one_by_one(name: str, features: object, width: int) -> None:
     assert callable(features)
     env = gym.make_vec(
         f"khepera_forage:khepera_forage/{name}-v0",
@@ -41,7 +41,7 @@ def test_many_at_a_time_are_one_by_one(name: str, features: object, width: int) 
     env.close()
 
 
-def test_places_are_seen_from_the_robot() -> None:
+def test_places_are_relative_to_the_robot() -> None:
     env = gym.make("khepera_forage:khepera_forage/CorridorWheels-v0")
     shown, _ = env.reset(seed=1)
     told = {
@@ -60,7 +60,7 @@ def test_places_are_seen_from_the_robot() -> None:
     env.close()
 
 
-def test_what_lacks_a_part_is_named() -> None:
+def test_missing_part_of_an_observation_is_named() -> None:
     with pytest.raises(
         ValueError, match=r"observation lacks 'robot_home_distance', it has \['object_presence'\]"
     ):

@@ -12,7 +12,7 @@ from khepera_forage.policies import GrowingMemory
 HERE, THERE = [0, 90, 0, 215, 60], [0, 30, 0, 215, 18]
 
 
-def test_nodes_grow_where_something_new_is() -> None:
+def test_node_grows_at_a_new_stimulus() -> None:
     memory = GrowingMemory(reach=0.02)
     memory.fit([HERE, [0, 91, 0, 215, 61], THERE, HERE], [0, 0, 2, 0])  # 2 of 138 is within reach
     assert len(memory.nodes_) == 2
@@ -21,13 +21,13 @@ def test_nodes_grow_where_something_new_is() -> None:
     assert len(GrowingMemory(reach=0.01).fit([HERE, [0, 91, 0, 215, 61]], [0, 0]).nodes_) == 2
 
 
-def test_categories_are_never_mixed() -> None:
+def test_nodes_of_other_categories_stay_separate() -> None:
     """Another presence or food type is 1 further away, beyond any sensible reach."""
     memory = GrowingMemory(reach=0.5).fit([HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]], [0, 3, 4])
     assert memory.nodes_.tolist() == [HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]]
 
 
-def test_habituation_falls_with_every_perception_and_recovers_without() -> None:
+def test_habituation_falls_with_perception_and_recovers_without() -> None:
     memory = GrowingMemory(habituation=0.3, recovery=0.01).fit([HERE], [0])
     assert memory.habituation_.tolist() == pytest.approx([0.7])
     memory.partial_fit([HERE], [0])
@@ -37,14 +37,14 @@ def test_habituation_falls_with_every_perception_and_recovers_without() -> None:
     assert memory.habituation_[0] == pytest.approx(before + 0.01 * (1 - before))
 
 
-def test_the_rare_is_forgotten_as_soon_as_promised_and_the_frequent_later() -> None:
+def test_rare_node_is_forgotten_in_time_and_frequent_node_later() -> None:
     settings: dict[str, Any] = {"habituation": 0.3, "recovery": 0.01, "forgetting": 0.95}
     lasts = math.ceil(math.log(0.3 / 0.05) / -math.log(1 - 0.01))
     rare = GrowingMemory(**settings).fit([HERE] + [THERE] * (lasts - 1), [0] + [2] * (lasts - 1))
     assert rare.predict([HERE]).tolist() == [0]
     rare.partial_fit([THERE], [2])
     assert len(rare.nodes_) == 1
-    assert rare.predict([HERE]).tolist() == [2], "what is left is nearest"
+    assert rare.predict([HERE]).tolist() == [2], "the remaining node is nearest"
     frequent = GrowingMemory(**settings).fit(
         [HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20)
     )
@@ -56,14 +56,14 @@ def test_without_recovery_nothing_is_forgotten() -> None:
     assert memory.predict([HERE]).tolist() == [0]
 
 
-def test_a_node_moves_less_the_better_it_knows_its_kind() -> None:
+def test_node_moves_less_with_more_perceptions() -> None:
     near = [0, 92, 0, 215, 60]
     fresh = GrowingMemory(moving=0.5).fit([HERE, near], [0, 0])
     known = GrowingMemory(moving=0.5).fit([HERE] * 10 + [near], [0] * 11)
     assert 90 < known.nodes_[0, 1] < fresh.nodes_[0, 1] < 92
 
 
-def test_going_on_is_the_same_as_going_through() -> None:
+def test_partial_fit_equals_fit() -> None:
     rng = np.random.default_rng(0)
     rows = np.column_stack(
         [np.zeros(300), rng.integers(0, 40, 300), np.zeros(300), np.full(300, 215), np.zeros(300)]
@@ -71,14 +71,14 @@ def test_going_on_is_the_same_as_going_through() -> None:
     heard = rng.integers(0, 4, 300)
     whole = GrowingMemory(recovery=0.05).fit(rows, heard)
     parts = GrowingMemory(recovery=0.05).partial_fit(rows[:10], heard[:10])
-    pickle.loads(pickle.dumps(parts)).partial_fit(rows[10:], heard[10:])  # a copy goes its own way
+    pickle.loads(pickle.dumps(parts)).partial_fit(rows[10:], heard[10:])  # a copy learns independently
     parts.partial_fit(rows[10:], heard[10:])
     np.testing.assert_array_equal(whole.nodes_, parts.nodes_)
     np.testing.assert_array_equal(whole.predict_proba(rows), parts.predict_proba(rows))
     assert len(whole.nodes_) < 40
 
 
-def test_classes_grow() -> None:
+def test_new_classes_are_added() -> None:
     memory = GrowingMemory().partial_fit([HERE], [5]).partial_fit([THERE], [1])
     assert memory.classes_.tolist() == [1, 5]
     assert memory.predict([HERE, THERE]).tolist() == [5, 1]
@@ -97,6 +97,6 @@ def test_classes_grow() -> None:
         ("moving", "1"),
     ],
 )
-def test_parameters_out_of_range(name: str, value: Any) -> None:
+def test_parameters_out_of_range_are_refused(name: str, value: Any) -> None:
     with pytest.raises(ValueError, match=f"{name} is {value!r}; allowed"):
         GrowingMemory(**{name: value}).fit([HERE], [0])

@@ -41,7 +41,7 @@ Steps = tuple[list[RawData], list[int], list[Motors]]
 
 
 def moved(raw: RawData, x: float, y: float, degrees: int) -> RawData:
-    """The same sight elsewhere: everything turned about the origin, then shifted."""
+    """The same scene elsewhere: everything turned about the origin, then shifted."""
     cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
 
     def there(px: float, py: float) -> tuple[float, float]:
@@ -63,7 +63,7 @@ def as_trees_see(raw: RawData) -> tuple[float, ...]:
 
 @pytest.fixture(scope="module")
 def steps() -> Steps:
-    """The teacher's own forages at random places: what it perceived, did, and told its motors."""
+    """The teacher's forages at random places: raw data, behaviours and motor commands."""
     env = gym.make("khepera_forage/Corridor-v0").unwrapped
     assert isinstance(env, BehavioursEnv)
     raws, behaviours, motors = [], [], []
@@ -86,11 +86,11 @@ def learned(steps: Steps) -> LearnedBehaviours:
 
 
 @given(st.floats(-200, 200), st.floats(-200, 200), st.integers(-180, 180))
-def test_relations_are_the_same_wherever_it_happens(x: float, y: float, degrees: int) -> None:
+def test_relations_do_not_depend_on_the_place(x: float, y: float, degrees: int) -> None:
     assert relations(moved(RAW, x, y, degrees)) == pytest.approx(relations(RAW), abs=1e-6)
 
 
-def test_relations_by_hand() -> None:
+def test_relations_equal_values_by_hand() -> None:
     assert len(relations(RAW)) == RELATIONS
     assert relations(RAW) == (0, 10, 20, 30, 40, 50, 215, 200, 0, True, 20.0, 0.0, 70.0, 0.0, 15.0, 90.0, 0)
     left = relations(RAW._replace(food_x=40.0, food_y=50.0, food_seen=True))
@@ -98,22 +98,22 @@ def test_relations_by_hand() -> None:
     assert relations(RAW._replace(food_seen=False))[9:12] == (False, 0.0, 0.0)
 
 
-def test_what_was_shown_is_done_again(steps: Steps, learned: LearnedBehaviours) -> None:
-    """Trees without bootstrap know their own rows: only rows that are equal and were told otherwise are averaged."""
-    told: dict[tuple[int, tuple[float, ...]], set[Motors]] = {}
+def test_examples_are_reproduced(steps: Steps, learned: LearnedBehaviours) -> None:
+    """Trees without bootstrap reproduce their examples, except equal rows with different commands."""
+    commands: dict[tuple[int, tuple[float, ...]], set[Motors]] = {}
     for raw, behaviour, motors in zip(*steps, strict=True):
-        told.setdefault((behaviour, as_trees_see(raw)), set()).add(motors)
+        commands.setdefault((behaviour, as_trees_see(raw)), set()).add(motors)
     checked = 0
     for raw, behaviour, motors in zip(*steps, strict=True):
-        if len(told[behaviour, as_trees_see(raw)]) == 1:
-            said = learned.command(behaviour, raw)
-            assert said[:2] == pytest.approx(motors[:2], abs=1e-4)
-            assert said[2:] == motors[2:]
+        if len(commands[behaviour, as_trees_see(raw)]) == 1:
+            predicted = learned.command(behaviour, raw)
+            assert predicted[:2] == pytest.approx(motors[:2], abs=1e-4)
+            assert predicted[2:] == motors[2:]
             checked += 1
     assert checked > 500
 
 
-def test_it_forages_with_them_at_places_never_shown(learned: LearnedBehaviours) -> None:
+def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> None:
     env = gym.make("khepera_forage/CorridorWheels-v0").unwrapped
     delivered = []
     for seed in range(100, 106):
@@ -122,7 +122,7 @@ def test_it_forages_with_them_at_places_never_shown(learned: LearnedBehaviours) 
         while not over:
             left, right, arm, jaw = learned.command(info["correct_behaviour"], env.forager.raw)  # type: ignore[attr-defined]
             raised, closed = (
-                2.0 * (told == then) - 1.0 for told, then in ((arm, ARM_RAISED), (jaw, JAW_CLOSED))
+                2.0 * (commands == then) - 1.0 for commands, then in ((arm, ARM_RAISED), (jaw, JAW_CLOSED))
             )
             action = np.array((left / 20, right / 20, raised, closed), np.float32)
             _, _, terminated, truncated, info = env.step(action)
@@ -132,14 +132,14 @@ def test_it_forages_with_them_at_places_never_shown(learned: LearnedBehaviours) 
     assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
 
 
-def test_a_behaviour_never_shown_stands_still(learned: LearnedBehaviours) -> None:
+def test_behaviour_without_examples_stands_still(learned: LearnedBehaviours) -> None:
     assert Behaviour.PUSH_FOOD not in learned.known
     assert learned.known >= {Behaviour.SEARCH_FOR_FOOD, Behaviour.GO_HOME, Behaviour.RELEASE_FOOD}
     assert learned.command(Behaviour.PUSH_FOOD, RAW) == wait(RAW)
     assert LearnedBehaviours().command(Behaviour.GO_HOME, RAW) == wait(RAW)
 
 
-def test_only_what_a_robot_can_be_told(steps: Steps, learned: LearnedBehaviours) -> None:
+def test_commands_are_within_the_robots_range(steps: Steps, learned: LearnedBehaviours) -> None:
     for raw, behaviour in list(zip(steps[0], steps[1], strict=True))[::7]:
         for other in learned.known:
             left, right, arm, jaw = learned.command(other, raw)
@@ -149,17 +149,17 @@ def test_only_what_a_robot_can_be_told(steps: Steps, learned: LearnedBehaviours)
         assert behaviour in learned.known
 
 
-def test_same_seed_same_behaviours_and_another_seed_others(steps: Steps, learned: LearnedBehaviours) -> None:
-    def all_said(behaviours: LearnedBehaviours) -> Iterator[Motors]:
+def test_seed_decides_the_behaviours(steps: Steps, learned: LearnedBehaviours) -> None:
+    def all_predicted(behaviours: LearnedBehaviours) -> Iterator[Motors]:
         unseen = moved(RAW, 3.0, 4.0, 5)._replace(food_y=31.0, wall_distance=11.0)
         return (behaviours.command(behaviour, unseen) for behaviour in sorted(behaviours.known))
 
     again = LearnedBehaviours().fit(*steps)
-    assert list(all_said(again)) == list(all_said(learned))
-    assert list(all_said(LearnedBehaviours(random_state=1).fit(*steps))) != list(all_said(learned))
+    assert list(all_predicted(again)) == list(all_predicted(learned))
+    assert list(all_predicted(LearnedBehaviours(random_state=1).fit(*steps))) != list(all_predicted(learned))
 
 
-def test_fitting_again_forgets(steps: Steps) -> None:
+def test_fit_forgets_earlier_examples(steps: Steps) -> None:
     behaviours = LearnedBehaviours(trees=1).fit(*steps)
     behaviours.fit([RAW], [Behaviour.GO_HOME], [Motors(3, 4, ARM_RAISED, JAW_CLOSED)])
     assert behaviours.known == {Behaviour.GO_HOME}
@@ -167,17 +167,17 @@ def test_fitting_again_forgets(steps: Steps) -> None:
 
 
 @pytest.mark.parametrize("trees", [0, -1, 2.5, True])
-def test_number_of_trees_is_checked(trees: int) -> None:
+def test_number_of_trees_out_of_range_is_refused(trees: int) -> None:
     with pytest.raises(ValueError, match=f"trees is {trees}; allowed: an integer, at least 1"):
         LearnedBehaviours(trees)
 
 
-def test_as_many_of_each() -> None:
+def test_different_lengths_are_refused() -> None:
     with pytest.raises(ValueError, match="1 raw data, 2 behaviours, 0 motors; allowed: as many of each"):
         LearnedBehaviours().fit([RAW], [1, 2], [])
 
 
-def test_nothing_that_is_not_finite() -> None:
+def test_numbers_that_are_not_finite_are_refused() -> None:
     motors = Motors(0, 0, 215, 0)
     with pytest.raises(ValueError, match=r"raw data 1 are \[.*nan.*\]; allowed: finite numbers"):
         LearnedBehaviours().fit([RAW, RAW._replace(x=math.nan)], [1, 1], [motors, motors])

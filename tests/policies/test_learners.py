@@ -18,7 +18,7 @@ IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(l
 
 
 def experience(seed: int, count: int = 300) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """State vectors about a forage and what the teacher says on each."""
+    """State vectors of a forage and the teacher's behaviour for each."""
     rng = np.random.default_rng(seed)
     held = rng.integers(0, 3, count)
     rows = np.column_stack(
@@ -41,7 +41,7 @@ class TestLearners(PolicyContract):
 
 
 @pytest.mark.parametrize("name", IMITATING)
-def test_same_seed_same_policy_also_from_a_pickle(name: str) -> None:
+def test_same_seed_gives_the_same_policy_also_pickled(name: str) -> None:
     shown = [*observations(), *experience(1, 60)[0]]
     once = IMITATING[name].learn(*experience(0), seed=3)
     decisions = []
@@ -52,8 +52,8 @@ def test_same_seed_same_policy_also_from_a_pickle(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", IMITATING)
-def test_it_learns_what_the_teacher_does(name: str) -> None:
-    """Far above chance on perceptions that were not on record: the teacher's most frequent word is below a half."""
+def test_learner_agrees_with_the_teacher(name: str) -> None:
+    """Far above chance on new state vectors: the teacher's most frequent behaviour is below a half."""
     policy = IMITATING[name].learn(*experience(0), seed=1, groups=np.arange(300) // 30)
     rows, said = experience(2, 200)
     rng = np.random.default_rng(4)
@@ -63,13 +63,13 @@ def test_it_learns_what_the_teacher_does(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", IMITATING)
-def test_nothing_global_is_drawn_from(name: str) -> None:
+def test_global_random_state_is_not_used(name: str) -> None:
     before = str(np.random.get_state(legacy=False))  # noqa: NPY002 - it must not move
     IMITATING[name].learn(*experience(0)).act(experience(1)[0][0], np.random.default_rng(0))
     assert str(np.random.get_state(legacy=False)) == before  # noqa: NPY002
 
 
-def test_the_registry_has_all_three_kinds_under_different_titles() -> None:
+def test_learners_are_of_all_kinds_with_different_titles() -> None:
     assert {learner.needs for learner in LEARNERS.values()} == set(Needs)
     assert len({learner.title for learner in LEARNERS.values()}) == len(LEARNERS)
     trial = {
@@ -86,5 +86,5 @@ def test_the_registry_has_all_three_kinds_under_different_titles() -> None:
         GrowingMemory(),
     ]
 )
-def test_scikit_learn_takes_it_for_a_classifier(estimator: Any, check: Any) -> None:
+def test_classifiers_pass_check_estimator(estimator: Any, check: Any) -> None:
     check(estimator)

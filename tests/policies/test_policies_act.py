@@ -33,7 +33,7 @@ Y = np.array([2, 2, 2, 2, 1, 0])
 
 
 class Constant:
-    """Stands for a model of Stable-Baselines3, which answers with an array and a state."""
+    """Stands for a model of stable-baselines3, which returns an array and a state."""
 
     def predict(self, observation: Any, *, deterministic: bool) -> tuple[NDArray[np.int64], None]:
         return np.array(Behaviour.GO_HOME if deterministic else Behaviour.AVOID_HOME), None
@@ -51,7 +51,7 @@ POLICIES: dict[str, Policy] = {
 
 
 @pytest.mark.parametrize("name", POLICIES)
-def test_the_same_generator_gives_the_same_decisions(name: str) -> None:
+def test_same_generator_gives_the_same_decisions(name: str) -> None:
     policy = POLICIES[name]
     observation: NDArray[np.int32] = np.array([*QUERY, Behaviour.GO_HOME, 0], np.int32)
     before = observation.copy()
@@ -66,7 +66,7 @@ def test_the_same_generator_gives_the_same_decisions(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", POLICIES)
-def test_nothing_global_is_drawn_from(name: str) -> None:
+def test_global_random_state_is_not_used(name: str) -> None:
     observation: NDArray[np.int32] = np.array([*QUERY, Behaviour.GO_HOME, 0], np.int32)
     state = np.random.get_state(legacy=False)  # noqa: NPY002 - it must not move
     POLICIES[name].act(observation, np.random.default_rng(5))
@@ -76,7 +76,7 @@ def test_nothing_global_is_drawn_from(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["imitator", "classifier", "uniform"])
 @pytest.mark.parametrize("rng", [None, 7, np.random.RandomState(7)])
-def test_who_draws_needs_a_generator(name: str, rng: Any) -> None:
+def test_drawing_without_a_generator_is_refused(name: str, rng: Any) -> None:
     with pytest.raises(TypeError, match=r"rng is .*; allowed: a numpy\.random\.Generator"):
         POLICIES[name].act(QUERY, rng)
 
@@ -89,7 +89,7 @@ def check_frequencies(counts: Counter[int], levels: dict[Behaviour, float], draw
         assert abs(counts[behaviour] - draws * level) <= bound
 
 
-def test_the_confidence_level_is_the_probability() -> None:
+def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
     imitator = NearestNeighbourImitator().fit(X, Y)
     assert imitator.confidence_levels(QUERY) == {Behaviour.ORIENT_WITH_FOOD: 0.8, Behaviour.MOVE_SLOWLY: 0.2}
     rng = np.random.default_rng(11)
@@ -97,7 +97,7 @@ def test_the_confidence_level_is_the_probability() -> None:
     check_frequencies(counts, imitator.confidence_levels(QUERY), 20_000)
 
 
-def test_many_behaviours_in_conflict() -> None:
+def test_many_behaviours_in_conflict_are_all_drawn() -> None:
     votes = {behaviour: int(behaviour) + 1 for behaviour in Behaviour if behaviour != Behaviour.WAIT}
     behaviours = [behaviour for behaviour, count in votes.items() for _ in range(count)]
     imitator = NearestNeighbourImitator().fit([QUERY] * len(behaviours), behaviours)
@@ -106,7 +106,7 @@ def test_many_behaviours_in_conflict() -> None:
     check_frequencies(counts, {b: n / len(behaviours) for b, n in votes.items()}, 20_000)
 
 
-def test_a_classifier_is_drawn_from_by_its_probabilities() -> None:
+def test_behaviours_are_drawn_with_the_probabilities_of_a_classifier() -> None:
     policy = ClassifierPolicy(KNeighborsClassifier(n_neighbors=5).fit(X, Y))
     rng = np.random.default_rng(13)
     counts = Counter(int(policy.act(QUERY, rng)) for _ in range(2_000))

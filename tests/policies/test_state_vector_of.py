@@ -1,4 +1,4 @@
-"""Observations of every kind that an environment may show come out as the same five plain integers."""
+"""All kinds of observations give the same state vector of five plain integers."""
 
 from types import MappingProxyType
 from typing import Any
@@ -31,7 +31,7 @@ OBSERVATIONS: dict[str, Observation] = {
 
 
 @pytest.mark.parametrize("kind", OBSERVATIONS)
-def test_every_kind_of_observation(kind: str) -> None:
+def test_state_vector_is_found_in_every_kind_of_observation(kind: str) -> None:
     vector = state_vector_of(OBSERVATIONS[kind])
     assert vector == VECTOR
     assert isinstance(vector, StateVector)
@@ -59,6 +59,6 @@ BAD: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("observation", "message"), BAD)
-def test_what_is_no_state_vector_is_quoted(observation: Any, message: str) -> None:
+def test_observation_without_a_state_vector_is_refused_with_its_value(observation: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         state_vector_of(observation)

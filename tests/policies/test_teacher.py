@@ -31,7 +31,7 @@ def test_teacher_follows_the_tree_of_figure_4_2(vector: StateVector, radius: int
     assert teacher.act(np.array([*vector, heard, 1], np.int32)) is Behaviour.WAIT
 
 
-def test_a_forage_step_by_step() -> None:
+def test_teacher_carries_food_home_step_by_step() -> None:
     teacher = Teacher()
     for vector, behaviour in [
         ((0, 90, 0, 215, 60), Behaviour.SEARCH_FOR_FOOD),
@@ -48,7 +48,7 @@ def test_a_forage_step_by_step() -> None:
         assert teacher.act(vector) is behaviour
 
 
-def test_it_takes_no_number_from_the_generator() -> None:
+def test_teacher_draws_no_number() -> None:
     rng = np.random.default_rng(1)
     before = rng.bit_generator.state
     Teacher().act((0, 90, 0, 215, 60), rng)
@@ -56,6 +56,6 @@ def test_it_takes_no_number_from_the_generator() -> None:
 
 
 @pytest.mark.parametrize("radius", [0, -3, float("nan")])
-def test_a_home_has_an_extent(radius: int) -> None:
+def test_home_radius_not_above_0_is_refused(radius: int) -> None:
     with pytest.raises(ValueError, match=f"home_radius is {radius} pixels; allowed: above 0"):
         Teacher(home_radius=radius)
