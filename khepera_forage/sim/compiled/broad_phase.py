@@ -110,7 +110,9 @@ def find_wall_contacts(robot: Any, scratch: Any, walls: Any, corners: Any) -> No
             dx, dy = x - scratch.free_x[i], y - scratch.free_y[i]
             cos, sin = scratch.free_cos[i], scratch.free_sin[i]
             u, v = dx * cos + dy * sin, dy * cos - dx * sin
-            if finger_overlap(u, v, scratch.free_jaw[i], 0.0) > 0.0 or palm_overlap(u, v, 0.0) > 0.0:
+            # Within a round a finger can pass a corner: all of its way counts.
+            reach, jaw = scratch.travel[i], scratch.free_jaw[i]
+            if finger_overlap(u, v, jaw, reach) > 0.0 or palm_overlap(u, v, reach) > 0.0:
                 scratch.touches[i] = 1.0
 
 

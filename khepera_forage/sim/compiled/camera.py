@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.compilation.decorators import inline, kernel
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import FOOD_RADIUS
 from khepera_forage.sim.compiled.numbers import (
     DRAW_FOOD,
@@ -18,7 +19,6 @@ from khepera_forage.sim.compiled.numbers import (
     lower,
     normal,
     upper,
-    word,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH, Plate, touches_plate
@@ -61,16 +61,16 @@ def expose(robot: Any, foods: Any, constants: Any) -> None:
         draw = np.uint64(DRAW_FOOD + k * FOOD_DRAWS)
         for i in range(lanes):
             key, first = robot.key[i], robot.round[i] * _DRAWS + draw
-            dither = word(key, first + _FOOD_DITHER)
-            x = food.x[i] / MM_PER_PIXEL + jitter * normal(word(key, first), dither)
-            y = food.y[i] / MM_PER_PIXEL + jitter * normal(word(key, first + _FOOD_Y), dither >> _32)
+            dither = random_bits(key, first + _FOOD_DITHER)
+            x = food.x[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first), dither)
+            y = food.y[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _FOOD_Y), dither >> _32)
             # The robot's cable is a straight line from the anchor to the middle of its marker.
             to_x, to_y = robot.x[i] - anchor_x, robot.y[i] - anchor_y
             dx, dy = food.x[i] - anchor_x, food.y[i] - anchor_y
             t = min(1.0, max(0.0, (dx * to_x + dy * to_y) / max(to_x * to_x + to_y * to_y, 1e-9)))
             dx, dy = dx - t * to_x, dy - t * to_y
             under_cable = dx * dx + dy * dy <= FOOD_RADIUS * FOOD_RADIUS
-            chance = upper(word(key, first + _FOOD_CHANCE))
+            chance = upper(random_bits(key, first + _FOOD_CHANCE))
             lost = _is_lost(food.lost[i], chance, rate * (factor if under_cable else 1.0), end)
             lost *= 1.0 - robot.first_frame[i]
             hidden = touches_plate(food.x[i], food.y[i], FOOD_RADIUS, plate_of(robot, i))
@@ -94,11 +94,11 @@ def _expose_marker(robot: Any, constants: Any) -> None:
     rate, end = constants[0].loss_rate_marker, constants[0].loss_end
     for i in range(robot.x.shape[0]):
         key, first = robot.key[i], robot.round[i] * _DRAWS
-        dither, chances = word(key, first + _DITHER), word(key, first + _CHANCE)
-        x = robot.x[i] / MM_PER_PIXEL + jitter * normal(word(key, first + _X), dither)
-        y = robot.y[i] / MM_PER_PIXEL + jitter * normal(word(key, first + _Y), dither >> _32)
-        turn = word(key, first + _TURN)
-        degrees = robot.heading[i] * _DEGREES + heading_jitter * normal(turn, word(turn, _DITHER))
+        dither, chances = random_bits(key, first + _DITHER), random_bits(key, first + _CHANCE)
+        x = robot.x[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _X), dither)
+        y = robot.y[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _Y), dither >> _32)
+        turn = random_bits(key, first + _TURN)
+        degrees = robot.heading[i] * _DEGREES + heading_jitter * normal(turn, random_bits(turn, _DITHER))
         degrees += 180.0 if lower(chances) < reversal_rate else 0.0
         degrees = np.rint(degrees)
         degrees -= 360.0 * math.floor(degrees / 360.0)

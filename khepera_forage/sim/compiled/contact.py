@@ -19,8 +19,6 @@ from khepera_forage.robots.khepera import (
     FINGER_THICKNESS,
     FINGER_TIP,
     FOOD_RADIUS,
-    JAW_OPEN,
-    JAW_ROOT,
     RADIUS,
     WHEEL_BASE,
     half_gap,
@@ -28,11 +26,10 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.sim.compiled.gripper import push_out, seen_from
 from khepera_forage.sim.compiled.jaw import move_jaw
 from khepera_forage.sim.compiled.pushing import push_food
-from khepera_forage.sim.compiled.walls import behind, from_wall, squared_from_wall
+from khepera_forage.sim.compiled.walls import from_wall, gripper_behind, squared_from_wall
 from khepera_forage.sim.pymunk.khepera import SUBSTEPS as STEPS
 
 _REPEATS = 4
-_PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
 _REACH = FINGER_TIP + 2 * FOOD_RADIUS
 """mm from a robot's centre within which the robot, or food in its gripper, can touch a wall."""
 _TOLERATED = 0.5
@@ -52,7 +49,7 @@ def move_in_contact(robot: Any, foods: Any, scratch: Any, walls: Any, corners: A
         # Robots away from walls need not look at any.
         near = walls[: walls.shape[0] if scratch.near_wall[i] != 0.0 else 0]
         late = scratch.lag[i] * STEPS
-        allowed = max(_TOLERATED, _overlap(robot, foods, i, near))
+        allowed = max(_TOLERATED, _overlap(robot, foods, i, near, corners))
         for step in range(STEPS):
             share = late if step == 0 else 0.0
             goes = scratch.forward[i] + share * (robot.last_forward[i] - scratch.forward[i])
@@ -68,7 +65,7 @@ def move_in_contact(robot: Any, foods: Any, scratch: Any, walls: Any, corners: A
                 if moved < _SETTLED:
                     break
                 forward = turn = 0.0
-            held_back = moved >= _SETTLED and _overlap(robot, foods, i, near) > allowed
+            held_back = moved >= _SETTLED and _overlap(robot, foods, i, near, corners) > allowed
             if held_back:
                 _put(robot, i, x, y, heading)
             if step == STEPS - 1:
@@ -109,10 +106,7 @@ def _off_walls(robot: Any, i: int, walls: Any, corners: Any) -> float:
             robot.y[i] += ny * (RADIUS - far)
             moved += RADIUS - far
         for corner in range(4):
-            u = FINGER_TIP if corner < 2 else JAW_ROOT
-            v = wide if corner < 2 else _PALM
-            v = v if corner & 1 else -v
-            depth, nx, ny = behind(robot, i, u, v, wall)
+            u, v, depth, nx, ny = gripper_behind(robot, i, corner, wide, wall)
             if depth > 0.0:
                 _yield(robot, i, u, v, nx, ny, depth)
                 moved += depth
@@ -135,7 +129,7 @@ def _off_walls(robot: Any, i: int, walls: Any, corners: Any) -> float:
 
 
 @inline
-def _overlap(robot: Any, foods: Any, i: int, walls: Any) -> float:
+def _overlap(robot: Any, foods: Any, i: int, walls: Any, corners: Any) -> float:
     """The largest remaining overlap in mm: robot with walls or food, food with walls or other food."""
     worst = 0.0
     held = robot.held[i]
@@ -149,10 +143,12 @@ def _overlap(robot: Any, foods: Any, i: int, walls: Any) -> float:
             continue
         worst = max(worst, RADIUS - math.sqrt(squared))
         for corner in range(4):
-            u = FINGER_TIP if corner < 2 else JAW_ROOT
-            v = wide if corner < 2 else _PALM
-            depth, _, _ = behind(robot, i, u, v if corner & 1 else -v, wall)
+            _, _, depth, _, _ = gripper_behind(robot, i, corner, wide, wall)
             worst = max(worst, depth)
+    for j in range(corners.shape[0]):
+        dx, dy = corners[j].x - robot.x[i], corners[j].y - robot.y[i]
+        depth, _, _ = push_out(dx * cos + dy * sin, dy * cos - dx * sin, robot.jaw[i], 0.0)
+        worst = max(worst, depth)
     for k in range(foods.shape[0]):
         food = foods[k]
         u, v = seen_from(robot, food, i)

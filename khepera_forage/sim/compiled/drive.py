@@ -12,9 +12,10 @@ import numpy as np
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.compilation.packing import pack
 from khepera_forage.compilation.trigonometry import cosine_sine
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, PULSE, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.sim.compiled.gripper import room_below
-from khepera_forage.sim.compiled.numbers import DRAW_WHEELS, DRAWS, normal, word
+from khepera_forage.sim.compiled.numbers import DRAW_WHEELS, DRAWS, normal
 from khepera_forage.sim.pymunk.khepera import FINE_TRAVEL, SUBSTEPS
 
 _32, _DRAWS = np.uint64(32), np.uint64(DRAWS)
@@ -44,9 +45,9 @@ def begin_round(robot: Any, foods: Any, scratch: Any, constants: Any) -> None:
             robot.arm[i] = ARM_ON_FLOOR - 1.0
     for i in range(lanes):
         key, first = robot.key[i], robot.round[i] * _DRAWS
-        dither = word(key, first + _DITHER)
-        left_normal = normal(word(key, first + _LEFT), dither)
-        right_normal = normal(word(key, first + _RIGHT), dither >> _32)
+        dither = random_bits(key, first + _DITHER)
+        left_normal = normal(random_bits(key, first + _LEFT), dither)
+        right_normal = normal(random_bits(key, first + _RIGHT), dither >> _32)
         left = robot.left[i] * SPEED_UNIT * (1.0 + robot.bias_left[i] + slip * left_normal)
         right = robot.right[i] * SPEED_UNIT * (1.0 + robot.bias_right[i] + slip * right_normal)
         forward, turn = (left + right) / 2, (right - left) / WHEEL_BASE

@@ -6,13 +6,11 @@ from khepera_forage.compilation.decorators import inline
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
-    FINGER_TIP,
     JAW_ON_FOOD,
-    JAW_ROOT,
     half_gap,
 )
 from khepera_forage.sim.compiled.gripper import between, floor_free, seen_from
-from khepera_forage.sim.compiled.walls import behind
+from khepera_forage.sim.compiled.walls import gripper_behind
 
 _CENTRED = 1.0
 """mm from the middle within which food counts as between both fingers."""
@@ -68,7 +66,6 @@ def _opens_into_wall(robot: Any, i: int, jaw: float, walls: Any) -> bool:
     into = False
     for j in range(walls.shape[0]):
         for corner in range(4):
-            u = FINGER_TIP if corner < 2 else JAW_ROOT
-            depth, _, _ = behind(robot, i, u, aside if corner & 1 else -aside, walls[j])
+            _, _, depth, _, _ = gripper_behind(robot, i, corner, aside, walls[j])
             into = into or depth > _TOUCH
     return into

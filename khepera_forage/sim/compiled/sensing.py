@@ -7,13 +7,14 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.compilation.packing import pack, rounded_up
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, PRESENT
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, RANGE, REACH, SENSORS
 from khepera_forage.robots.proximity import RESPONSE_AT_RANGE as AT_RANGE
 from khepera_forage.robots.proximity import RESPONSE_GAIN as GAIN
 from khepera_forage.robots.proximity import RESPONSE_OFFSET as OFFSET
 from khepera_forage.sim.compiled.gripper import in_barrier
-from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper, word
+from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper
 
 _DRAWS = np.uint64(DRAWS)
 _FIRST = np.uint64(DRAW_PROXIMITY)
@@ -167,7 +168,7 @@ def measure(robot: Any, constants: Any) -> None:
         one, other = 2 * pair, 2 * pair + 1
         front = one < _FRONT
         for i in range(robot.x.shape[0]):
-            bits = word(robot.key[i], robot.round[i] * _DRAWS + number)
+            bits = random_bits(robot.key[i], robot.round[i] * _DRAWS + number)
             hidden = front and robot.arm[i] >= ARM_ON_FLOOR
             robot.proximity[one, i] = _measured(robot.proximity[one, i], hidden, gain, floor, upper(bits))
             robot.proximity[other, i] = _measured(robot.proximity[other, i], hidden, gain, floor, lower(bits))

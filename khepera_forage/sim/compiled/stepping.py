@@ -6,13 +6,14 @@ from numpy.typing import NDArray
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.trigonometry import cosine_sine
 from khepera_forage.compilation.work_queue import take
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.sim.compiled.bodies import Bodies, bodies_of
 from khepera_forage.sim.compiled.broad_phase import find_food_contacts, find_near, find_wall_contacts
 from khepera_forage.sim.compiled.camera import expose
 from khepera_forage.sim.compiled.contact import move_in_contact
 from khepera_forage.sim.compiled.drive import begin_round, move_freely, predict
-from khepera_forage.sim.compiled.numbers import DRAW_BIAS, DRAWS, normal, word
+from khepera_forage.sim.compiled.numbers import DRAW_BIAS, DRAWS, normal
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.sensing import cast, end_round, measure
 from khepera_forage.sim.compiled.tracking import track
@@ -77,10 +78,10 @@ def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, parameters
     """
     robot, constants = bodies.robots, parameters.constants
     key, first = robot.key[i], robot.round[i] * _DRAWS
-    dither = word(key, first + _BIAS_DITHER)
+    dither = random_bits(key, first + _BIAS_DITHER)
     mean, bias = constants[0].wheel_speed - 1.0, constants[0].wheel_bias
-    robot.bias_left[i] = mean + bias * normal(word(key, first + _BIAS_LEFT), dither)
-    robot.bias_right[i] = mean + bias * normal(word(key, first + _BIAS_RIGHT), dither >> _32)
+    robot.bias_left[i] = mean + bias * normal(random_bits(key, first + _BIAS_LEFT), dither)
+    robot.bias_right[i] = mean + bias * normal(random_bits(key, first + _BIAS_RIGHT), dither >> _32)
     robot.x[i], robot.y[i], robot.heading[i] = x, y, heading
     robot.cos[i], robot.sin[i] = cosine_sine(heading)
     robot.arm[i] = robot.arm_target[i] = ARM_RAISED
