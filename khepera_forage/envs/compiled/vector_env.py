@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.envs.arguments import FoodOdds
+from khepera_forage.envs.arguments import FoodOdds, whole_number
 from khepera_forage.envs.backends import COMPILED, check_compiled
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.info import episode_info
@@ -45,6 +45,8 @@ class RecallVectorEnv(VectorEnv):
         ValueError: An argument out of range.
     """
 
+    backend = COMPILED
+
     def __init__(
         self,
         num_envs: int = 1,
@@ -63,8 +65,8 @@ class RecallVectorEnv(VectorEnv):
             raise ValueError(
                 f"render_mode is {render_mode!r}; allowed for a batch: None (one world at a time can be rendered)"
             )
-        self.batch = CompiledBatch(num_envs, arena, foods, limit, noise, food_types, decisions)
-        self.num_envs = self.batch.num_worlds
+        self.num_envs = whole_number("num_envs", num_envs, 1)
+        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
         self.render_mode = None
