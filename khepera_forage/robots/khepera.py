@@ -19,7 +19,7 @@ MAX_SPEED = 20
 PULSE = 0.08
 """mm of wheel travel per encoder pulse (Khepera II manual)."""
 CONTROL_PERIOD = 0.1
-"""Seconds of one round: a decision, see the table of decisions in the README."""
+"""Seconds of one round: the default of the decision `round_duration` (docs/decisions.md)."""
 PULSES_PER_UNIT = round(SPEED_UNIT / PULSE * CONTROL_PERIOD)
 """Encoder pulses of a wheel in one control period at one speed unit: 10."""
 
