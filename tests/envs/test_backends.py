@@ -1,0 +1,132 @@
+"""Choosing a backend: errors, and what environments offer on either backend."""
+
+from dataclasses import replace
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium as gym
+import pytest
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage import Decisions
+from khepera_forage.envs import backends
+from khepera_forage.envs.recall import RecallEnv
+from khepera_forage.noise import Noise
+from khepera_forage.task.states import Behaviour
+
+NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
+OF_ENVIRONMENT = ("arena", "decisions", "foods", "limit", "home_radius", "diagonal", "confidence", "metadata")
+OF_FORAGER = ("arena", "holes", "decisions", "senses", "vector", "state", "correct_behaviour")
+needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
+
+
+def _id(name: str) -> str:
+    return f"khepera_forage/{name}-v0"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_make_uses_pymunk_by_default(name: str) -> None:
+    for kwargs in ({}, {"backend": "pymunk"}):
+        env = gym.make(_id(name), **kwargs).unwrapped
+        assert isinstance(env, RecallEnv)
+        assert env.backend == "pymunk"
+
+
+@needs_numba
+@pytest.mark.parametrize("name", NAMES)
+def test_backend_says_what_simulates_the_bodies(name: str) -> None:
+    assert gym.make(_id(name), backend="compiled").unwrapped.backend == "compiled"  # type: ignore[attr-defined]
+    compiled: Any = gym.make_vec(_id(name), num_envs=2)
+    assert compiled.unwrapped.backend == "compiled"
+    sync: Any = gym.make_vec(_id(name), num_envs=2, vectorization_mode="sync")
+    assert [env.unwrapped.backend for env in sync.envs] == ["pymunk", "pymunk"]
+    sync.close()
+
+
+@pytest.mark.parametrize("backend", ["batch", "Compiled", "", None, 1, ["compiled"]])
+@pytest.mark.parametrize("make", [gym.make, gym.make_vec])
+def test_unknown_backend_is_refused(make: Any, backend: Any) -> None:
+    with pytest.raises(ValueError, match="allowed: 'pymunk', 'compiled'") as error:
+        make(_id("Corridor"), backend=backend)
+    assert str(error.value).startswith(f"backend is {backend!r};")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_make_vec_refuses_pymunk_and_says_how_to_use_it(name: str) -> None:
+    message = "backend is 'pymunk'; allowed here: 'compiled' .*vectorization_mode='sync' or 'async'"
+    with pytest.raises(ValueError, match=message):
+        gym.make_vec(_id(name), num_envs=2, backend="pymunk")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_without_numba_compiled_worlds_are_refused(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One error says what to install; no other backend takes over silently."""
+    monkeypatch.setattr(backends, "find_spec", lambda name: None)
+    message = r"'compiled' needs numba.*not installed: pip install 'khepera-forage\[fast\]'.*vectorization_mode='sync'"
+    with pytest.raises(ImportError, match=message):
+        gym.make(_id(name), backend="compiled")
+    for kwargs in ({}, {"backend": "compiled"}):
+        with pytest.raises(ImportError, match=message):
+            gym.make_vec(_id(name), num_envs=2, **kwargs)
+    gym.make(_id(name))
+    gym.make_vec(_id(name), num_envs=2, vectorization_mode="sync").close()
+
+
+@needs_numba
+@pytest.mark.parametrize("num_envs", [0, -1, 1.5])
+def test_make_vec_quotes_a_wrong_number_of_worlds(num_envs: Any) -> None:
+    with pytest.raises(ValueError, match=f"num_envs is {num_envs}; allowed: a whole number of at least 1"):
+        gym.make_vec(_id("Corridor"), num_envs=num_envs)
+
+
+@needs_numba
+@pytest.mark.parametrize("name", NAMES)
+def test_compiled_environment_offers_what_that_on_pymunk_offers(name: str) -> None:
+    """The same public names, and without noise the same values at the start of every episode."""
+    kwargs: Any = {"noise": Noise.none(), "decisions": Decisions(next_to_food=17, recall_marker=1)}
+    pymunk: Any = gym.make(_id(name), **kwargs).unwrapped
+    compiled: Any = gym.make(_id(name), backend="compiled", **kwargs).unwrapped
+    assert _public(pymunk) - _public(compiled) == {"world"}
+    for attribute in OF_ENVIRONMENT:
+        assert getattr(compiled, attribute) == getattr(pymunk, attribute), attribute
+    for seed in range(4):
+        pymunk.reset(seed=seed)
+        compiled.reset(seed=seed)
+        one, other = pymunk.forager, compiled.forager
+        assert _public(one) - _public(other) == {"robot", "own", "applied", "drive", "perceive"}
+        for attribute in OF_FORAGER:
+            assert getattr(other, attribute) == getattr(one, attribute), attribute
+        # Only labels of tracks differ: on pymunk the marker has the first one.
+        assert replace(other.tracker, links=[]) == replace(one.tracker, links=[])
+        assert other.raw.proximity == one.raw.proximity
+        assert other.raw[1:] == pytest.approx(one.raw[1:])
+        for behaviour in Behaviour:
+            assert other.motors_for(behaviour) == pytest.approx(one.motors_for(behaviour))
+        _check_views(pymunk.view(), compiled.view())
+
+
+def _public(thing: Any) -> set[str]:
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def _check_views(one: Any, other: Any) -> None:
+    assert other._replace(regions=(), robots=(), foods=()) == one._replace(regions=(), robots=(), foods=())
+    assert [region[1:6] for region in other.regions] == [
+        pytest.approx(region[1:6]) for region in sorted(one.regions, key=lambda region: -region.holes)
+    ]
+    (robot,), (other_robot,) = one.robots, other.robots
+    assert other_robot._replace(pose=robot.pose) == robot
+    assert other_robot.pose == pytest.approx(robot.pose)
+    for food, other_food in zip(one.foods, other.foods, strict=True):
+        assert other_food[:2] == pytest.approx(food[:2])
+        assert other_food[2:] == food[2:]
+
+
+@needs_numba
+@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+def test_confidence_of_a_policy_appears_in_the_view(backend: str) -> None:
+    env: Any = gym.make(_id("Corridor"), backend=backend).unwrapped
+    env.reset(seed=1)
+    assert env.view().robots[0].confidence is None
+    env.confidence = (0.5, 0.5) + (0.0,) * 8
+    assert env.view().robots[0].confidence == env.confidence
