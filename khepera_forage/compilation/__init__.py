@@ -1,1 +1,1 @@
-"""How kernels are compiled and run: decorators, cache key, threads. Needs numba (extra `fast`)."""
+"""Compilation with numba (extra `fast`): decorators, cache key, threads and functions that only kernels need."""

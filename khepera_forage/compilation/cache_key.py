@@ -1,4 +1,4 @@
-"""A number that changes with the source of whatever a kernel is made of."""
+"""The cache key of an entrance: a checksum of the sources of all its functions."""
 
 import re
 import zlib
@@ -10,7 +10,7 @@ _IMPORT = re.compile(rf"^from ({_PACKAGE}[\w.]*) import (\([^)]*\)|[^\n(]+)$", r
 
 
 def cache_key(module: str) -> int:
-    """Checksum over the source of a module and of every module of this package that it imports, directly or not.
+    """Checksum of a module and of all modules of this package that it imports, directly or indirectly.
 
     Args:
         module: Full name of a module of this package.

@@ -1,4 +1,4 @@
-"""Sine, cosine and arc tangent as polynomials: no calls, no branches, so that a loop over worlds can be vectorised.
+"""Sine, cosine and arc tangent as polynomials: without calls and branches, so that loops over worlds vectorise.
 
 Accurate to a few units in the last place of a float64, for angles up to some millions of turns.
 """
@@ -8,7 +8,7 @@ import math
 from khepera_forage.compilation.decorators import inline
 
 _QUARTER_HIGH, _QUARTER_LOW = 1.5707963267341256, 6.077100506506192e-11
-"""pi / 2 in two parts, the first with zeros in its last third: whole multiples of it are exact."""
+"""pi / 2 in two parts. The last third of the first part's bits is 0, so that its whole multiples are exact."""
 
 
 @inline

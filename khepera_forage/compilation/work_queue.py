@@ -1,4 +1,4 @@
-"""A counter that all threads share: how they divide among them what there is to do."""
+"""A counter from which several threads take the numbers of pieces of work."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from khepera_forage.compilation.decorators import stand_in
 
 
 def take(counter: NDArray[np.int64]) -> int:
-    """How often this counter was asked before, by all threads together; each answer is given once.
+    """The next number; each number is given once to one thread.
 
     Args:
         counter: One number, 0 at first.
@@ -24,7 +24,7 @@ def take(counter: NDArray[np.int64]) -> int:
 
 @intrinsic
 def _add_one(typing_context: Any, counter: Any) -> Any:
-    """Compiled: one indivisible addition, which numba has for graphics cards alone."""
+    """Compiled: one atomic addition, which numba offers for graphics cards only."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.compilation.threads import share_out, threads_for
+from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, Motors
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.bodies import empty_bodies
-from khepera_forage.sim.compiled.numbers import keys_of
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_blocks, stand_in_blocks
@@ -37,7 +37,7 @@ class ManyWorlds:
     def reset(self, seed: int, starts: Any, foods: Any) -> None:
         """Put everything in its place: poses (worlds, 3) or (3,), food places (worlds, foods, 2) or (foods, 2)."""
         robots, count = self.bodies.robots, self._shape[0] * self._shape[1]
-        robots["key"] = keys_of(seed, np.arange(count)).reshape(self._shape)
+        robots["key"] = keys_of(np.uint64(seed) + np.arange(count, dtype=np.uint64)).reshape(self._shape)
         robots["round"] = 0
         poses = np.empty((count, 3))
         poses[: self.worlds], poses[self.worlds :] = starts, np.reshape(starts, (-1, 3))[-1]

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
-from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper, word
+from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 
@@ -72,7 +73,7 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     without_food, ties, conflicts = np.zeros((3, worlds), np.int64)
     while not over.all():
         numbers = batch.robot("round", np.uint64) * np.uint64(DRAWS) + np.uint64(DRAW_POLICY)
-        chances = np.array(upper(word(batch.robot("key", np.uint64), numbers)))
+        chances = np.array(upper(random_bits(batch.robot("key", np.uint64), numbers)))
         actions = np.zeros(worlds, np.int64)
         rows = _state_vectors(observation)
         for i in np.flatnonzero(~over).tolist():

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.compilation.decorators import kernel
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
 from khepera_forage.rollouts.compiled.nearest_neighbour import clear, draw_label, nearest_votes
-from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper, word
+from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.episode import count_decision
 
 TEACHER, UNIFORM = -1, -2
@@ -38,7 +39,7 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
         if robot.first_frame[i] != 0.0:  # nothing is perceived yet
             continue
         if decision.policy != TEACHER:
-            chance = upper(word(robot.key[i], robot.round[i] * _DRAWS + _POLICY))
+            chance = upper(random_bits(robot.key[i], robot.round[i] * _DRAWS + _POLICY))
             if decision.policy == UNIFORM:
                 known.behaviour[i] = int(chance * BEHAVIOURS)
             else:

@@ -45,8 +45,8 @@ def lower(bits: np.uint64) -> float:
 def normal(coins: np.uint64, dither: np.uint64) -> float:
     """A nearly normal number.
 
-    The number of heads among 64 coins, smoothed by the sum of two 16-bit uniform numbers: mean 0 and variance 1 exactly,
-    skewness 0, excess kurtosis -0.03, no value beyond 8.2 standard deviations.
+    The number of heads among 64 coins, smoothed by the sum of two 16-bit uniform numbers: mean 0 and variance 1
+    exactly, skewness 0, excess kurtosis -0.03, no value beyond 8.2 standard deviations.
 
     Args:
         coins: 64 random bits.
