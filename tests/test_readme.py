@@ -42,7 +42,9 @@ def test_decisions_example_changes_environment_and_teacher(capsys: pytest.Captur
 
 
 def test_compiled_example_steps_all_worlds() -> None:
-    assert run(BLOCKS[3])["rewards"].shape == (256,)
+    names = run(BLOCKS[3])
+    assert names["rewards"].shape == (256,)
+    assert names["env"].unwrapped.backend == "compiled"
 
 
 @pytest.mark.parametrize("path", re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", README))
