@@ -1,4 +1,4 @@
-"""The batch needs numba, the extra `fast`."""
+"""Compiled worlds need numba (extra `fast`)."""
 
 from importlib.util import find_spec
 

@@ -1,5 +1,5 @@
-"""One suite a contract, to be run against every class that makes it: subclass and give a fixture."""
+"""Suites of tests for the contracts, run against every implementation."""
 
 import pytest
 
-pytest.register_assert_rewrite("contracts.suites")
+pytest.register_assert_rewrite("tests.contracts.suites")

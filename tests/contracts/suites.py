@@ -1,7 +1,7 @@
-"""The suites. A class that makes a contract is tested by subclassing its suite with a `stage` fixture.
+"""The contracts of `Robot`, `Camera`, `World` and `Policy`, one suite of tests each, for every implementation.
 
-A `Stage` is a world with one robot on open floor and one food object well away from it, and all that these suites ask
-of an embodiment. For a robot behind a serial port it is a laboratory with virtual devices.
+A module that tests an implementation defines a fixture `stage` (a world after a reset, with one robot on open floor and
+one food object well away from it) or `policy`, and subclasses the suites.
 """
 
 import math
@@ -34,7 +34,7 @@ class Stage(NamedTuple):
         return self.world.camera
 
     def rounds(self, count: int, motors: Motors) -> None:
-        """Drive for a while."""
+        """Advance some rounds under one command."""
         self.robot.drive(motors)
         for _ in range(count):
             self.world.advance()
@@ -54,7 +54,7 @@ class RobotContract:
             assert 0 <= senses.jaw <= 200
             assert senses.object_presence in (0, 255)
 
-    def test_sensing_again_before_the_next_round_reads_the_same(self, stage: Stage) -> None:
+    def test_second_sense_in_a_round_returns_the_same(self, stage: Stage) -> None:
         stage.rounds(5, Motors(6, -4, 255, 0))
         senses = stage.robot.sense()
         assert stage.robot.sense() == senses
@@ -91,7 +91,7 @@ class RobotContract:
         assert (after.arm, after.jaw) == (255, 0)
         assert math.dist(stage.world.poses()[0][:2], place[:2]) < 3.0
 
-    def test_close_twice(self, stage: Stage) -> None:
+    def test_second_close_does_nothing(self, stage: Stage) -> None:
         stage.robot.close()
         stage.robot.close()
 
@@ -99,7 +99,7 @@ class RobotContract:
 class CameraContract:
     """`Camera`: look."""
 
-    def test_looking_changes_nothing(self, stage: Stage) -> None:
+    def test_second_look_in_a_round_returns_the_same(self, stage: Stage) -> None:
         assert stage.camera.look() == stage.camera.look()
 
     def test_regions_are_well_formed_and_labels_are_kept(self, stage: Stage) -> None:
@@ -120,8 +120,8 @@ class CameraContract:
                 assert 0 <= region.y <= 480
                 assert abs(region.compactness * region.area / region.perimeter**2 - 1) < 1e-6
 
-    def test_a_label_is_never_given_again(self, stage: Stage) -> None:
-        """Food is carried off under the marker, its place is seen empty, and it is set down elsewhere."""
+    def test_labels_are_never_reused(self, stage: Stage) -> None:
+        """Food is carried away under the marker, so that its place is seen empty, and is set down elsewhere."""
         old = {region.label for region in stage.camera.look().regions}
         x, y = stage.layout.foods[0]
         stage.world.place(0, Pose(x - 57, y, 0.0))
@@ -137,7 +137,7 @@ class CameraContract:
         assert food.label > max(old)
         assert math.dist((food.x * 5, food.y * 5), stage.world.food_places()[0][:2]) < 10
 
-    def test_it_sees_the_robot_where_it_is(self, stage: Stage) -> None:
+    def test_marker_is_seen_at_the_pose_of_the_robot(self, stage: Stage) -> None:
         stage.rounds(10, Motors(5, 5, 215, 200))
         stage.rounds(2, STILL)
         x, y, heading = stage.world.poses()[0]
@@ -146,7 +146,7 @@ class CameraContract:
         turned = (marker.orientation - math.degrees(heading) + 180) % 360 - 180
         assert min(abs(turned), 180 - abs(turned)) < 10
 
-    def test_it_sees_the_food(self, stage: Stage) -> None:
+    def test_food_is_seen_at_its_place(self, stage: Stage) -> None:
         food = stage.layout.foods[0]
         seen = [region for region in stage.camera.look().regions if not region.holes]
         assert len(seen) == 1
@@ -156,13 +156,13 @@ class CameraContract:
 class WorldContract:
     """`World`: reset, advance, robots, camera, place, close."""
 
-    def test_everything_starts_where_the_layout_says(self, stage: Stage) -> None:
+    def test_reset_puts_robots_and_food_at_the_places_of_the_layout(self, stage: Stage) -> None:
         assert len(stage.world.robots) == len(stage.layout.starts) == len(stage.world.poses())
         assert len(stage.world.food_places()) == len(stage.layout.foods)
         assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
         assert math.dist(stage.world.food_places()[0][:2], stage.layout.foods[0]) < 10
 
-    def test_a_command_takes_effect_with_advance_and_not_before(self, stage: Stage) -> None:
+    def test_command_takes_effect_at_the_next_advance(self, stage: Stage) -> None:
         before = stage.world.poses()[0]
         stage.robot.drive(Motors(10, 10, 215, 200))
         assert stage.world.poses()[0] == before
@@ -171,7 +171,7 @@ class WorldContract:
         after = stage.world.poses()[0]
         assert 25 < math.dist(after[:2], before[:2]) < 50
 
-    def test_place_puts_a_robot_elsewhere(self, stage: Stage) -> None:
+    def test_place_moves_the_robot_to_a_pose(self, stage: Stage) -> None:
         x, y, heading = stage.layout.starts[0]
         stage.world.place(0, Pose(x + 50, y, heading + 1.0))
         stage.world.advance()
@@ -179,7 +179,7 @@ class WorldContract:
         assert math.dist(pose[:2], (x + 50, y)) < 10
         assert abs(pose.heading - heading - 1.0) < 0.1
 
-    def test_place_refuses_what_is_not_the_free_floor(self, stage: Stage) -> None:
+    def test_place_refuses_poses_off_the_free_floor(self, stage: Stage) -> None:
         x1, y1, _, _ = stage.world.arenas[0].bounds
         before = stage.world.poses()
         for pose in (Pose(x1 + 5, y1 + 5, 0.0), Pose(x1 - 500, y1, 0.0)):
@@ -193,13 +193,13 @@ class WorldContract:
             with pytest.raises(ValueError, match=f"{len(wrong)} starts"):
                 stage.world.reset(np.random.default_rng(0), stage.layout._replace(starts=wrong))
 
-    def test_reset_begins_anew(self, stage: Stage) -> None:
+    def test_second_reset_restores_the_layout(self, stage: Stage) -> None:
         stage.rounds(10, Motors(8, 8, 255, 0))
         stage.world.reset(np.random.default_rng(0), stage.layout)
         assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
         assert len(stage.world.food_places()) == len(stage.layout.foods)
 
-    def test_close_twice(self, stage: Stage) -> None:
+    def test_second_close_does_nothing(self, stage: Stage) -> None:
         stage.world.close()
         stage.world.close()
 
@@ -224,12 +224,12 @@ class SimulationContract(WorldContract):
 class PolicyContract:
     """`Policy`: act."""
 
-    def test_acts_on_whatever_environments_show(self, policy: Policy) -> None:
+    def test_acts_on_observations_of_all_environments(self, policy: Policy) -> None:
         rng = np.random.default_rng(0)
         for observation in observations():
             assert 0 <= int(policy.act(observation, rng)) <= 10
 
-    def test_same_generator_same_actions(self, policy: Policy) -> None:
+    def test_same_generator_gives_the_same_actions(self, policy: Policy) -> None:
         runs = []
         for _ in range(2):
             rng = np.random.default_rng(1)
@@ -238,7 +238,7 @@ class PolicyContract:
 
 
 def observations() -> list[Any]:
-    """The same situations as the recall and the training environments show them."""
+    """Observations of the same situations in the recall and the training environments."""
     shown: list[Any] = []
     for presence, home, food_type, arm, food in (
         (0, 60, 0, 215, 40),

@@ -1,4 +1,4 @@
-"""The contracts, made by real drivers and a real tracker on virtual devices."""
+"""The contracts, for real drivers and the real tracker on virtual devices."""
 
 import math
 from collections.abc import Iterator
@@ -36,16 +36,16 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
 
 
 class TestSerialKhepera(RobotContract):
-    def test_it_is_the_real_driver(self, stage: Stage) -> None:
+    def test_robot_is_the_real_driver(self, stage: Stage) -> None:
         assert type(stage.robot) is SerialKhepera
 
 
 class TestTrackedCamera(CameraContract):
-    def test_it_is_the_real_camera(self, stage: Stage) -> None:
+    def test_camera_is_the_real_tracker(self, stage: Stage) -> None:
         assert type(stage.camera) is TrackedCamera
 
-    def test_it_sees_where_the_bodies_truly_are(self, stage: Stage) -> None:
-        """The laboratory's own poses are the camera's, so the contract alone would not tell."""
+    def test_regions_are_at_the_true_places(self, stage: Stage) -> None:
+        """The poses of the laboratory are the camera's, so the contract alone does not test them."""
         assert isinstance(stage.world, VirtualLaboratory)
         stage.rounds(20, Motors(6, 4, 215, 200))
         stage.rounds(2, Motors(0, 0, 215, 200))
@@ -58,5 +58,5 @@ class TestTrackedCamera(CameraContract):
 
 
 class TestLaboratory(WorldContract):
-    def test_it_is_a_laboratory(self, stage: Stage) -> None:
+    def test_world_is_a_laboratory(self, stage: Stage) -> None:
         assert isinstance(stage.world, Laboratory)

@@ -1,8 +1,8 @@
 """The records that hold compiled worlds: numpy structured types with one lane for each world of a block.
 
 Kernels work on blocks of worlds. A quantity of a robot or of food is a field with one number a lane, `robot.x[i]`, so
-that one instruction works on several worlds. The number of lanes is part of the type: the compiler knows it, and a
-block of one lane needs no other kernels. Units are millimetres, radians and seconds unless a comment says otherwise;
+that one instruction works on several worlds. The number of lanes is part of the type: loops have a fixed length, and
+the same kernels run blocks of one lane. Units are millimetres, radians and seconds unless a comment says otherwise;
 flags that kernels use as numbers are 0.0 or 1.0.
 """
 

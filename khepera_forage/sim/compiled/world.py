@@ -125,8 +125,7 @@ class CompiledCamera:
 class CompiledWorld:
     """One Khepera, food and an overhead camera above one arena, on the compiled bodies.
 
-    Bodies and camera are those of `PymunkWorld`, with the same noise; `contact` says how contacts differ. Food that is
-    pushed stays on the floor of the arena.
+    Bodies and camera behave like those of `PymunkWorld`, with the same noise; `contact` says how contacts differ.
 
     Args:
         arena: The enclosure.
