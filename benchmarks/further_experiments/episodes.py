@@ -16,7 +16,7 @@ from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.task.states import FoodType, behaviour_for, classify
-from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.thesis.design import training_distance
 
 ARENAS = ("corridor", "rectangle")
 
@@ -139,7 +139,7 @@ def recall_all(
                 delivered=row.delivered,
                 avoided=poisonous - row.poison_home,
                 poison_home=row.poison_home,
-                beyond=row.food_home_distances[0] - TRAINING_DISTANCE,
+                beyond=row.food_home_distances[0] - training_distance(env.decisions),
                 vectors=len(vectors),
                 distinct=distinct,
                 rounds_by_state=row.rounds_by_state,

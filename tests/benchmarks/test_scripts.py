@@ -80,6 +80,7 @@ SCRIPTS = {
         run=LEARNERS_RUN,
         small=LEARNERS_RUN,
     ),
+    "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
         ("observations", "phantoms", "hole_layouts"),

@@ -7,7 +7,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from _throughput.lines import Job, Measure, Values
+from timing.measures import Job, Measure, Values
 
 SECTION = "Processes"
 NOTE = "Fresh processes."
@@ -15,14 +15,14 @@ IMPORT = Measure(
     SECTION,
     "import khepera_forage",
     "s",
-    "timed inside the process: the interpreter's own start is not counted",
+    "timed inside the process, without the start of the interpreter",
     0.5,
 )
 MEMORY = Measure(
     SECTION,
     "peak memory of benchmarks/thesis.py --quick",
     "MB",
-    "resident memory of all its processes together, 20 looks a second; pages they share count for each of them",
+    "resident memory of all its processes together, sampled 20 times a second; shared pages count for each process",
     1_000,
 )
 _TIMED = "import time; start = time.perf_counter(); import khepera_forage; print(time.perf_counter() - start)"
@@ -45,7 +45,7 @@ def memory_job(seed: int) -> Job:
     def run() -> Values:
         with tempfile.TemporaryDirectory() as out:
             command = [sys.executable, str(_THESIS), "--quick", "--seed", str(seed), "--out", out]
-            # A session of its own: by that its processes are known, and theirs.
+            # A session of its own identifies its processes and their children.
             running = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
             peak = 0
             while running.poll() is None:
@@ -65,7 +65,7 @@ def _resident(session: int) -> int:
         if process.name.isdigit():
             try:
                 status = (process / "stat").read_text().rpartition(")")[2].split()
-            except OSError:  # it has ended meanwhile
+            except OSError:  # the process has ended
                 continue
             if int(status[3]) == session:
                 total += int(status[21]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,7 +1,7 @@
-"""Bare pymunk: the same bodies with nothing of the package around them, as a bound on what a step can cost.
+"""Bare pymunk: the same bodies without the rest of the package, as a lower bound on the cost of a step.
 
 A robot (disc, palm, two fingers) drives circles inside the four walls of the corridor; a food disc lies there, held
-by the two joints of its floor friction. The robot's velocities are set before every physics step of 20 ms.
+by the two joints of its floor friction. The robot's velocities are set before every pymunk step of 20 ms.
 """
 
 import math
@@ -10,7 +10,6 @@ from time import perf_counter
 
 import pymunk
 
-from _throughput.lines import Job, Measure, Values
 from khepera_forage.robots.khepera import (
     FINGER_THICKNESS,
     FINGER_TIP,
@@ -25,6 +24,7 @@ from khepera_forage.robots.proximity import REACH
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.pymunk.food import FLOOR_FRICTION
 from khepera_forage.sim.pymunk.food import MASS as FOOD_MASS
+from timing.measures import Job, Measure, Values
 
 PHYSICS_STEP = 0.02
 SUBSTEPS = 5
@@ -34,19 +34,19 @@ _SPEED, _TURN = 60.0, 2.0
 
 SECTION = "Bare pymunk"
 NOTE = (
-    "The same bodies with nothing of the package around them: robot, gripper, walls, food with its floor joints. The "
-    "shares are of one physics step with eight rays, with the clock read around each part, in a run of its own."
+    "The same bodies without the rest of the package: robot, gripper, walls, food with its floor joints. The shares "
+    "are those of one pymunk step with eight rays, measured with the clock read around each part, in a separate run."
 )
 ROUND = Measure(
     SECTION,
-    "five physics steps, then eight rays: a round of 0.1 s",
+    "five pymunk steps, then eight rays: a round of 0.1 s",
     "rounds/s",
-    "velocities set before each physics step of 20 ms; rays are segment queries",
+    "velocities set before each pymunk step of 20 ms; rays are segment queries",
 )
 STEP = Measure(
-    SECTION, "one physics step, then eight rays", "steps/s", "velocities set; 20 ms; segment queries"
+    SECTION, "one pymunk step, then eight rays", "steps/s", "velocities set; 20 ms; segment queries"
 )
-SHARES = tuple(Measure(SECTION, f"share of the {part}", "%") for part in ("physics", "setters", "rays"))
+SHARES = tuple(Measure(SECTION, f"share of the {part}", "%") for part in ("simulation", "setters", "rays"))
 
 
 class _Bare:
@@ -85,7 +85,7 @@ class _Bare:
         robot.angular_velocity = _TURN
 
     def step(self) -> None:
-        """The physics."""
+        """The pymunk step."""
         self.space.step(PHYSICS_STEP)
 
     def cast(self) -> None:
@@ -97,7 +97,7 @@ class _Bare:
 
 
 def job(rounds: int) -> Job:
-    """Measure `rounds` rounds, and as many physics steps with rays, twice."""
+    """Measure `rounds` rounds, and as many pymunk steps with rays, twice."""
 
     def run() -> Values:
         bare = _Bare()
@@ -128,7 +128,7 @@ def _rate(work: Callable[[], None], count: int) -> float:
 
 
 def _shares(bare: _Bare, steps: int) -> list[float]:
-    physics = setters = rays = 0.0
+    simulation = setters = rays = 0.0
     for _ in range(steps):
         begun = perf_counter()
         bare.drive()
@@ -137,6 +137,6 @@ def _shares(bare: _Bare, steps: int) -> list[float]:
         stepped = perf_counter()
         bare.cast()
         rays += perf_counter() - stepped
-        physics += stepped - driven
+        simulation += stepped - driven
         setters += driven - begun
-    return [100 * part / (physics + setters + rays) for part in (physics, setters, rays)]
+    return [100 * part / (simulation + setters + rays) for part in (simulation, setters, rays)]

@@ -1,4 +1,4 @@
-"""Environments under the teacher, as a user makes and steps them."""
+"""Environments under the teacher, made and stepped as users do."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -7,16 +7,16 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from _throughput.lines import Job, Measure, Values
 from khepera_forage.envs import paired_corridors_v0
 from khepera_forage.envs.training import TEACHER
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.listener import Listener
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_OPEN, MAX_SPEED, applicable
+from timing.measures import Job, Measure, Values
 
 SECTION = "Environments"
 NOTE = (
-    "As a user makes and steps them, the expert deciding; physics, infra-reds, camera, perception, policy and wrappers "
+    "Made and stepped as users do, under the teacher; simulation, infra-reds, camera, perception, policy and wrappers "
     "included."
 )
 CORRIDOR = Measure(SECTION, "Corridor-v0, resets included", "steps/s", "gym.make, Teacher", 15_000)
@@ -36,19 +36,14 @@ PAIRED = Measure(
 Act = Callable[[Any], Any]
 
 
-def corridor_job(steps: int, seed: int) -> Job:
-    """Measure Corridor-v0, with resets and without."""
-    return _recall_job("Corridor", steps, seed, _teacher, CORRIDOR, CORRIDOR_STEPS)
-
-
-def rectangle_job(steps: int, seed: int) -> Job:
-    """Measure Rectangle-v0."""
-    return _recall_job("Rectangle", steps, seed, _teacher, RECTANGLE)
-
-
-def wheels_job(steps: int, seed: int) -> Job:
-    """Measure CorridorWheels-v0."""
-    return _recall_job("CorridorWheels", steps, seed, _teachers_motors, WHEELS)
+def jobs(steps: int, seed: int) -> list[Job]:
+    """All environments; `steps` steps or rounds of each in a repeat."""
+    return [
+        _recall_job("Corridor", steps, seed, _teacher, CORRIDOR, CORRIDOR_STEPS),
+        _recall_job("Rectangle", steps, seed, _teacher, RECTANGLE),
+        _recall_job("CorridorWheels", steps, seed, _teachers_motors, WHEELS),
+        paired_job(steps, seed),
+    ]
 
 
 def paired_job(rounds: int, seed: int) -> Job:
@@ -56,7 +51,7 @@ def paired_job(rounds: int, seed: int) -> Job:
 
     def run() -> Values:
         env = paired_corridors_v0.env()
-        teacher, listener = Teacher(env.unwrapped.home_radius), Listener()
+        teacher, listener = Teacher.of(env), Listener()
         done = 0
         start = perf_counter()
         env.reset(seed=seed)
@@ -105,11 +100,11 @@ def _recall_job(
 
 
 def _teacher(env: gym.Env[Any, Any]) -> Act:
-    return Teacher(env.unwrapped.home_radius).act  # type: ignore[attr-defined]
+    return Teacher.of(env).act
 
 
 def _teachers_motors(env: gym.Env[Any, Any]) -> Act:
-    """What the teacher's behaviour commands now, as an action of the Wheels environments."""
+    """The motor command of the teacher's behaviour, as an action of the Wheels environments."""
     unwrapped: Any = env.unwrapped
 
     def act(observation: object) -> Any:

@@ -1,7 +1,7 @@
-"""Where the time of a step of Corridor-v0 goes: its real parts, each under a stopwatch.
+"""The time of a step of Corridor-v0, part by part, under a stopwatch.
 
-For the time of the measurement, the public methods that make up a step are replaced on their classes by the same
-methods under a stopwatch, so that every moment of a step counts for exactly one part.
+During the measurement, the methods that make up a step run under a stopwatch, so that every moment of a step counts for
+exactly one part.
 """
 
 from contextlib import ExitStack
@@ -13,37 +13,37 @@ import gymnasium as gym
 import pymunk
 from harness.stopwatch import Method, Sheet, Stopwatch
 
-from _throughput.lines import Job, Measure, Values
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.vision.simulated_camera import OverheadCamera
+from timing.measures import Job, Measure, Values
 
 _WRAPPERS, _OUTCOME, _DECISION = "Gymnasium's wrappers", "observation, reward, info", "the teacher's decision"
 _BODIES = "wheels, gripper and rounds, in Python"
 _METHODS: tuple[tuple[str, type, str], ...] = (
-    ("physics: pymunk's own step", pymunk.Space, "step"),
+    ("pymunk's own step", pymunk.Space, "step"),
     (_BODIES, PymunkWorld, "advance"),
     (_BODIES, Forager, "drive"),
     ("infra-reds and optical barrier", PymunkKhepera, "sense"),
     ("camera and tracking", OverheadCamera, "expose"),
-    ("perception, state, food register", Forager, "perceive"),
+    ("perception, state, food tracking", Forager, "perceive"),
     ("behaviour: raw data to motors", Forager, "motors_for"),
 )
-"""A part's name, and a method whose time is its; those it calls count for their own parts."""
+"""A part's name, and a method whose time it is, without the parts that the method calls."""
 
 SECTION = "A step of Corridor-v0, part by part"
 NOTE = (
-    "Exclusive times: a clock is switched at every call between parts, and what the switching itself costs is measured "
-    "and taken off. What is left of it, and what it does to the processor's caches, is the difference of the last two "
-    "lines. Resets are left out."
+    "Exclusive times: a clock is switched at every call between parts, and the measured cost of the switching is "
+    "subtracted. What remains of this cost, and the effect on the processor's caches, is the difference of the last "
+    "two lines. Resets are left out."
 )
 UNIT = "µs a step"
 _PARTS = (*dict.fromkeys(part for part, _, _ in _METHODS), _OUTCOME, _WRAPPERS, _DECISION)
 PARTS = {part: Measure(SECTION, part, UNIT) for part in _PARTS}
 SUM = Measure(SECTION, "sum of the parts", UNIT)
-WHOLE = Measure(SECTION, "the same steps, nothing replaced", UNIT)
+WHOLE = Measure(SECTION, "the same steps without stopwatch", UNIT)
 
 
 def job(steps: int, seed: int) -> Job:
@@ -51,7 +51,7 @@ def job(steps: int, seed: int) -> Job:
 
     def run() -> Values:
         env = gym.make("khepera_forage/Corridor-v0")
-        teacher = Teacher(env.unwrapped.home_radius)  # type: ignore[attr-defined]
+        teacher = Teacher.of(env)
         whole, _ = _drive(env, env.step, teacher.act, steps, seed)
         watch = Stopwatch()
         with ExitStack() as replaced:
@@ -70,7 +70,7 @@ def job(steps: int, seed: int) -> Job:
 def _drive(
     env: gym.Env[Any, Any], step: Method, act: Method, steps: int, seed: int, watch: Stopwatch | None = None
 ) -> tuple[float, Sheet]:
-    """Seconds of that many steps without their resets, and what a stopwatch noted meanwhile."""
+    """Seconds of that many steps without their resets, and the notes of a stopwatch."""
     noted = Sheet()
     seconds = 0.0
     observation, _ = env.reset(seed=seed)
@@ -86,6 +86,6 @@ def _drive(
             done += 1
         seconds += perf_counter() - start
         if watch is not None:
-            watch.sheet = Sheet()  # resets are noted elsewhere
+            watch.sheet = Sheet()  # resets do not count
         observation, _ = env.reset()
     return seconds, noted

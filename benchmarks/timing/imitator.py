@@ -1,4 +1,4 @@
-"""The imitator with real experience, asked real questions, one at a time."""
+"""The imitator with real experience and real observations, one at a time."""
 
 from collections.abc import Callable
 from functools import cache
@@ -8,33 +8,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from _throughput.lines import Job, Measure, Values
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import arrays, train
+from timing.measures import Job, Measure, Values
 
 VECTORS = 1_000
 GOAL = 40_000
 MANY_VECTORS = 1_000_000
 MANY_GOAL = 20_000
 VECTORS_A_QUERY = 100
-"""Vectors for each query, up to `MANY_VECTORS`: a quick run makes do with fewer."""
+"""Vectors for each query, up to `MANY_VECTORS`, so that a quick run has fewer."""
 SECTION = "Imitator"
 NOTE = (
-    f"{VECTORS:,} experience vectors of complete trainings; `act`, one observation at a time, on those that it has "
-    "while it forages in the corridor, in their order. The same observations are then put to an imitator with as many "
-    "vectors as the last lines say, of the teacher's forages from random places in the corridor."
+    f"{VECTORS:,} experience vectors of complete trainings. The observations are those that the imitator has while it "
+    "forages in the corridor, in their order, one `act` each. The last lines have the same observations and an "
+    "imitator with many vectors, from the teacher's forages from random places in the corridor."
 )
-MEMO = Measure(SECTION, "imitator as it forages", "decisions/s", "its memo is empty at the start", GOAL)
-NO_MEMO = Measure(
-    SECTION, "imitator, memo emptied before every query", "decisions/s", "every query is searched for", GOAL
+CACHE = Measure(SECTION, "imitator while it forages", "decisions/s", "with an empty cache at the start", GOAL)
+NO_CACHE = Measure(
+    SECTION, "imitator, cache emptied before every query", "decisions/s", "every query is searched for", GOAL
 )
 SEEN = Measure(
-    SECTION, "queries that the memo answers", "%", "state vectors that came before among the queries"
+    SECTION, "queries that the cache answers", "%", "state vectors that came before among the queries"
 )
 MANY = Measure(
-    SECTION, "imitator over many vectors", "decisions/s", "memo emptied before every query", MANY_GOAL
+    SECTION, "imitator over many vectors", "decisions/s", "cache emptied before every query", MANY_GOAL
 )
 MORE = Measure(SECTION, "one more vector learned", "vectors/s", "`partial_fit` of one vector after the other")
 SIZE = Measure(SECTION, "vectors of that imitator", "vectors")
@@ -90,29 +90,31 @@ def queries(seed: int, count: int) -> list[Any]:
 
 
 def job(count: int, seed: int) -> Job:
-    """Measure `count` decisions with the memo, as many without it, and as many over many vectors."""
+    """Measure `count` decisions with the cache, as many without it, and as many over many vectors."""
 
     def run() -> Values:
-        asked = queries(seed, count)
-        distinct = len({state_vector_of(observation) for observation in asked})
+        observed = queries(seed, count)
+        distinct = len({state_vector_of(observation) for observation in observed})
         imitator = _imitator(seed)
-        as_it_forages = _rate(imitator, asked, seed, lambda: None)
+        as_it_forages = _rate(imitator, observed, seed, lambda: None)
         imitator = _imitator(seed)
-        imitator.act(asked[0], np.random.default_rng(seed))  # now there is a memo to empty
-        searching = _searching(imitator, asked, seed)
-        values = {MEMO: as_it_forages, NO_MEMO: searching, SEEN: 100 * (1 - distinct / count)}
-        return {**values, **_many(asked, seed)}
+        imitator.act(observed[0], np.random.default_rng(seed))  # now there is a cache to empty
+        searching = _searching(imitator, observed, seed)
+        values = {CACHE: as_it_forages, NO_CACHE: searching, SEEN: 100 * (1 - distinct / count)}
+        return {**values, **_many(observed, seed)}
 
     return run
 
 
-def _many(asked: list[Any], seed: int) -> Values:
-    """Decisions over many vectors, and learning one more; what is learned is what was asked, as if it had been told."""
-    vectors, done = forages(seed, min(MANY_VECTORS, VECTORS_A_QUERY * len(asked)))
+def _many(observed: list[Any], seed: int) -> Values:
+    """Decisions over many vectors, and learning of one more vector: of an observation, with a fixed behaviour."""
+    vectors, done = forages(seed, min(MANY_VECTORS, VECTORS_A_QUERY * len(observed)))
     imitator = NearestNeighbourImitator().fit(vectors, done)
-    imitator.act(asked[0], np.random.default_rng(seed))
-    searching = _searching(imitator, asked, seed)
-    more = [(np.array([state_vector_of(observation)]), [0]) for observation in asked[: len(asked) // 10]]
+    imitator.act(observed[0], np.random.default_rng(seed))
+    searching = _searching(imitator, observed, seed)
+    more = [
+        (np.array([state_vector_of(observation)]), [0]) for observation in observed[: len(observed) // 10]
+    ]
     start = perf_counter()
     for vector, said in more:
         imitator.partial_fit(vector, said)
@@ -121,21 +123,21 @@ def _many(asked: list[Any], seed: int) -> Values:
     return {MANY: searching, MORE: learning, **sizes}
 
 
-def _searching(imitator: NearestNeighbourImitator, asked: list[Any], seed: int) -> float:
-    """Decisions a second with the memo emptied before every one of them."""
+def _searching(imitator: NearestNeighbourImitator, observed: list[Any], seed: int) -> float:
+    """Decisions a second with the cache emptied before each."""
     assert imitator._cache is not None
-    return _rate(imitator, asked, seed, imitator._cache.found.clear)
+    return _rate(imitator, observed, seed, imitator._cache.found.clear)
 
 
 def _rate(
-    imitator: NearestNeighbourImitator, asked: list[Any], seed: int, before: Callable[[], None]
+    imitator: NearestNeighbourImitator, observed: list[Any], seed: int, before: Callable[[], None]
 ) -> float:
     draws = np.random.default_rng(seed)
     start = perf_counter()
-    for observation in asked:
+    for observation in observed:
         before()
         imitator.act(observation, draws)
-    return len(asked) / (perf_counter() - start)
+    return len(observed) / (perf_counter() - start)
 
 
 def _imitator(seed: int) -> NearestNeighbourImitator:

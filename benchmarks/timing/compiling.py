@@ -1,11 +1,11 @@
-"""How long a first call compiles, and how long a later process takes to find the kernels on disk. Needs numba."""
+"""The time of a first call that compiles, and of a later process that finds the kernels on disk. Needs numba."""
 
 import os
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
 
-from _throughput.lines import Measure, Values
+from timing.measures import Measure, Values
 
 SECTION = "Compiling"
 NOTE = "Seconds from the import to the end of the first call in a fresh process; then again in another."
@@ -13,8 +13,8 @@ _STEP = "; env.step(env.reset(seed=0)[1]['correct_behaviour'])"
 CALLS = {
     "make_vec, a step of 4,096 worlds": "import gymnasium as gym, khepera_forage; "
     "env = gym.make_vec('khepera_forage/Corridor-v0', num_envs=4096)" + _STEP,
-    'make with physics="batch", a step': "import gymnasium as gym, khepera_forage; "
-    "env = gym.make('khepera_forage/Corridor-v0', physics='batch')" + _STEP,
+    'make with backend="compiled", a step': "import gymnasium as gym, khepera_forage; "
+    "env = gym.make('khepera_forage/Corridor-v0', backend='compiled')" + _STEP,
     "run_teacher, 128 recalls": "from khepera_forage.rollouts.compiled.recalls import run_teacher; "
     "run_teacher('corridor', 128)",
     "train_learners, 128 learners": "from khepera_forage.rollouts.compiled.training import train_learners; "
@@ -26,7 +26,7 @@ _SCRIPT = "from time import perf_counter; start = perf_counter(); {}; print(perf
 
 
 def job() -> Values:
-    """Everything, once: a compilation takes long enough to be measured."""
+    """All calls once: a compilation takes long enough to be measured."""
     values: Values = {}
     for call, code in CALLS.items():
         with TemporaryDirectory() as folder:

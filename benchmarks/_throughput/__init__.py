@@ -1,1 +1,0 @@
-"""What `benchmarks/throughput.py` measures, one file a subject."""

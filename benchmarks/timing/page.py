@@ -1,0 +1,114 @@
+"""The page: a table for each section, and pictures."""
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from harness.figures import GREY, OURS, THESIS, new_figure
+from harness.page import Page, Picture
+
+from khepera_forage.thesis.tables import Column, Table
+from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
+from timing.measures import Line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_SECTIONS = (
+    environments,
+    bare_pymunk,
+    imitator,
+    fresh_processes,
+    parts,
+    compiled,
+    scaling,
+    compiling,
+)
+_NOTES = {module.SECTION: module.NOTE for module in _SECTIONS}
+_COLUMNS = ("measure", "unit", "measured", "goal", "met", "how")
+
+
+def page(lines: Sequence[Line]) -> Page:
+    """All sections that have lines."""
+    repeats = max(len(line.values) for line in lines)
+    head = (
+        "One process and one thread where nothing else is said. Measured: median [lowest, highest] of "
+        f"{repeats} repeats; every measure is taken once in each repeat, on the same work."
+    )
+    sections = dict.fromkeys(line.measure.section for line in lines)
+    content: list[str | Table | Picture] = [head, *(_table(section, lines) for section in sections)]
+    content.append(
+        Picture("throughput", "measures against their goals, and the parts of a step", _picture(lines))
+    )
+    if scaling.SECTION in sections:
+        caption = "the cost of a step against worlds and food"
+        content.append(Picture("throughput_compiled", caption, scaling.picture(lines)))
+    return Page("Throughput", content)
+
+
+def _table(section: str, lines: Sequence[Line]) -> Table:
+    """The lines of a section; a column without any value is left out."""
+    met = {True: "yes", False: "no", None: ""}
+    rows = []
+    for line in lines:
+        if line.measure.section == section:
+            reached = None if line.factor is None else line.factor >= 1
+            rows.append(
+                (
+                    line.measure.name,
+                    line.measure.unit,
+                    _rounded(line),
+                    line.bound,
+                    met[reached],
+                    line.measure.how,
+                )
+            )
+    kept = [i for i in range(len(_COLUMNS)) if any(row[i] for row in rows)]
+    stem = re.sub(r"\W+", "_", section.lower())
+    columns = tuple(Column(_COLUMNS[i]) for i in kept)
+    return Table(stem, section, _NOTES[section], columns, [tuple(row[i] for i in kept) for row in rows])
+
+
+def _rounded(line: Line) -> str:
+    """Median, lowest and highest: three digits of small values, none after the point of large ones."""
+    digits = 0 if line.median >= 1000 else 1 if line.median >= 10 else 2
+    median, low, high = (f"{v:,.{digits}f}" for v in (line.median, min(line.values), max(line.values)))
+    return median if len(line.values) == 1 else f"{median} [{low}, {high}]"
+
+
+def _picture(lines: Sequence[Line]) -> "Figure":
+    """Measures against their goals, and the parts of a step."""
+    figure = new_figure(10.0, 4.2)
+    left, right = figure.subplots(1, 2)
+    _against_goals(left, [line for line in lines if line.measure.goal is not None])
+    _by_part(right, [line for line in lines if line.measure in parts.PARTS.values()])
+    return figure
+
+
+def _against_goals(axes: "Axes", lines: Sequence[Line]) -> None:
+    """How many times as good as its goal each measure is: at 1 the goal is just met."""
+    lines = lines[::-1]
+    names = []
+    for place, line in enumerate(lines):
+        factor = line.factor or 0.0
+        unit = line.measure.unit
+        names.append(f"{line.measure.name}\n({line.bound} {unit})")
+        axes.barh(place, factor, color=OURS if factor >= 1 else THESIS)
+        label = f" {_rounded(line).split(' ')[0]} {unit}"
+        axes.text(max(factor, 1.0), place, label, va="center", fontsize=8)
+    axes.axvline(1.0, color=GREY, lw=1.2, ls="--")
+    axes.set_yticks(range(len(lines)), names, fontsize=7)
+    axes.set_xlabel("times as good as the goal (dashed)")
+    axes.set_xlim(0, 1.6 * max(axes.get_xlim()))
+
+
+def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
+    lines = lines[::-1]
+    total = sum(line.median for line in lines)
+    for place, line in enumerate(lines):
+        axes.barh(place, line.median, color=OURS)
+        axes.text(line.median, place, f" {100 * line.median / total:.0f} %", va="center", fontsize=8)
+    axes.set_yticks(range(len(lines)), [line.measure.name for line in lines], fontsize=7)
+    axes.set_xlabel(f"µs a step of Corridor-v0 (sum {total:.0f})")
+    axes.set_xlim(0, 1.1 * max(axes.get_xlim()))
