@@ -209,4 +209,14 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def _info(self, forager: Forager) -> dict[str, Any]:
         raw = forager.raw
         pose = np.array((raw.x, raw.y, raw.orientation))
-        return episode_info(int(forager.state), pose, self._episode, forager.tracker)
+        episode, tracker = self._episode, forager.tracker
+        return episode_info(
+            int(forager.state),
+            pose,
+            episode.score,
+            episode.penalty,
+            episode.correct,
+            episode.steps,
+            tracker.delivered,
+            tracker.poison_home,
+        )

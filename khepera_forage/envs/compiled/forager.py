@@ -3,7 +3,7 @@
 from typing import Any
 
 from khepera_forage.envs.compiled.one_world import OneWorld
-from khepera_forage.envs.compiled.records import VECTOR, TrackerRow
+from khepera_forage.envs.compiled.records import VECTOR
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Arena
@@ -44,7 +44,7 @@ class CompiledForager:
             *(int(_of(robot, name)) for name in ("arm_reading", "jaw_reading", "object_presence")),
         )
         self.tracker = FoodTracker(
-            **TrackerRow._make(worlds.trackers[0, 0].item())._asdict(),
+            *worlds.trackers[0, 0].item(),
             foods=[FoodObject(*food.item()) for food in worlds.foods[0, 0]],
             links=[Link(*link.item()) for link in worlds.links[0, 0]],
         )

@@ -4,8 +4,6 @@ What is computed for many worlds at once has fields over lanes. What the rules o
 each world.
 """
 
-from collections import namedtuple
-from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -15,7 +13,7 @@ from khepera_forage.geometry.walls import Wall
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
 
-_TASK = (
+TASK = (
     # What the robot sensed when the round began.
     *("presence_before", "arm_before", "jaw_before"),
     # Raw data beyond the senses and the robot's own region: pixels and degrees.
@@ -28,6 +26,7 @@ _TASK = (
     "behaviour",  # what was decided on
     "begins",  # whether the last frame was the first of its episode
 )
+"""Fields of the task of one world."""
 VECTOR = ("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance")
 """Fields of the state vector, in the thesis's order."""
 
@@ -82,18 +81,6 @@ arena_dtype = np.dtype(
 """`task.arena_map.ArenaMap` in pixels and `Floor` in mm without their walls, odds of food types, and the step limit."""
 
 
-def _row(name: str, fields: Sequence[str]) -> Any:
-    return namedtuple(name, fields)  # type: ignore[misc]
-
-
-TaskRow = _row("TaskRow", _TASK)
-"""The task of one world in Python."""
-TrackerRow = _row("TrackerRow", tracker_dtype.names or ())
-"""A food tracker in Python."""
-EpisodeRow = _row("EpisodeRow", episode_dtype.names or ())
-"""An episode in Python."""
-
-
 def task_dtype(lanes: int) -> np.dtype[Any]:
     """The task of one block of worlds."""
-    return np.dtype([(name, "f8", (lanes,)) for name in _TASK])
+    return np.dtype([(name, "f8", (lanes,)) for name in TASK])

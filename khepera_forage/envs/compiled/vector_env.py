@@ -1,7 +1,6 @@
 """`Corridor-v0` and its kin, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
 
 from abc import abstractmethod
-from types import SimpleNamespace
 from typing import Any
 
 import gymnasium as gym
@@ -189,8 +188,9 @@ class RecallVectorEnv(VectorEnv):
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
         state = self.batch.task("state", np.int64)
         pose = [self.batch.robot(name) for name in ("marker_x", "marker_y", "marker_heading")]
-        episodes, trackers = _columns(self.batch.episodes), _columns(self.batch.trackers)
-        infos = episode_info(state, np.stack(pose, axis=1), episodes, trackers)
+        numbers = [self.batch.episodes[name].copy() for name in ("score", "penalty", "correct", "steps")]
+        numbers += [self.batch.trackers[name].copy() for name in ("delivered", "poison_home")]
+        infos = episode_info(state, np.stack(pose, axis=1), *numbers)
         infos["correct_behaviour"] = state.copy()
         if not mask.all():
             for values in infos.values():
@@ -202,8 +202,3 @@ def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_
     mask = np.zeros(env.num_envs, np.bool_)
     mask[worlds] = True
     return mask
-
-
-def _columns(records: NDArray[Any]) -> SimpleNamespace:
-    """The fields of records as fresh arrays."""
-    return SimpleNamespace(**{name: records[name].copy() for name in records.dtype.names or ()})
