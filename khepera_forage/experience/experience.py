@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from khepera_forage.experience.reader import read
 from khepera_forage.experience.text_format import (
-    DEFAULT_DECISIONS,
     ExperienceError,
     checked_header,
     checked_row,
@@ -22,7 +21,7 @@ from khepera_forage.experience.text_format import (
     row_text,
 )
 from khepera_forage.task.decision_text import differences
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
 

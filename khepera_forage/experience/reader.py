@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from khepera_forage.experience.text_format import (
     COLUMNS,
-    DEFAULT_DECISIONS,
     FOOD_TYPES,
     MAGIC,
     RECORDED,
@@ -23,7 +22,7 @@ from khepera_forage.experience.text_format import (
     header_decisions,
     quoted,
 )
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 HEADER_LINES = 7

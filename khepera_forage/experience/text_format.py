@@ -33,7 +33,6 @@ MAX_DISTANCE = 2**31 - 1
 
 MIXED = "mixed"
 """Text of the decisions of joined experience that was recorded under different ones."""
-DEFAULT_DECISIONS = Decisions()
 
 RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
 FOOD_TYPES = [food_type.name for food_type in FoodType]

@@ -8,7 +8,6 @@ from types import TracebackType
 from typing import Self
 
 from khepera_forage.experience.text_format import (
-    DEFAULT_DECISIONS,
     ExperienceError,
     checked_header,
     checked_row,
@@ -16,7 +15,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 
 class ExperienceWriter:

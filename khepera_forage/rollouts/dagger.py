@@ -82,7 +82,7 @@ def dagger(
     """
     if queries < 1 or queries_a_round < 1:
         raise ValueError(f"{queries} queries, {queries_a_round} a round; allowed: at least 1")
-    expert = expert if expert is not None else Teacher(env.home_radius)
+    expert = expert if expert is not None else Teacher.of(env)
     vectors: list[StateVector] = []
     behaviours: list[int] = []
     if start is not None:

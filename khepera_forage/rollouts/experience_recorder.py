@@ -6,6 +6,7 @@ from pathlib import Path
 
 from khepera_forage.experience import ExperienceWriter
 from khepera_forage.rollouts.interrupts import delayed_interrupts
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
 _log = logging.getLogger(__name__)
@@ -28,7 +29,7 @@ class ExperienceRecorder:
         self._path = path
         self._writer: ExperienceWriter | None = None
 
-    def open(self, arena: str, seed: int) -> None:
+    def open(self, arena: str, seed: int, decisions: Decisions) -> None:
         """Create the file.
 
         Raises:
@@ -36,7 +37,7 @@ class ExperienceRecorder:
         """
         if self._path is not None:
             with delayed_interrupts():
-                self._writer = ExperienceWriter(self._path, arena, seed)
+                self._writer = ExperienceWriter(self._path, arena, seed, decisions=decisions)
 
     def record(self, vector: StateVector, behaviour: Behaviour) -> None:
         """Append an experience vector."""

@@ -12,6 +12,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.food_tracking import is_collected
 from khepera_forage.task.states import Behaviour
@@ -147,6 +148,7 @@ def recall(
         ties=ties,
         conflicts=conflicts,
         experience_size=experience_size,
+        decisions=decisions_text(env.decisions),
     )
 
 

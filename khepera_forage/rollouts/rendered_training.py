@@ -79,7 +79,7 @@ class RenderedTraining:
 
     def _train(self, rng: np.random.Generator) -> Iterator[None]:
         env, listener = self._env, Listener()
-        teacher = Teacher(env.home_radius)
+        teacher = Teacher.of(env)
         while True:
             self.attempts += 1
             env.reset(seed=int(rng.integers(2**31)))

@@ -2,7 +2,10 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
+from khepera_forage.task.decision_text import decisions_from_text
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"
@@ -53,6 +56,7 @@ class RecallRow:
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
         experience_size: Number of the learner's experience vectors.
+        decisions: Those of the environment that differ from the defaults, as in `next_to_food=17;separation=20`.
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -86,6 +90,7 @@ class RecallRow:
     ties: int
     conflicts: int
     experience_size: int
+    decisions: str = ""
 
     def __post_init__(self) -> None:
         _require(1 <= self.steps <= self.limit, "steps", self.steps, f"1..limit, which is {self.limit}")
@@ -117,6 +122,7 @@ class RecallRow:
         )
         _require(0 <= self.ties <= self.steps, "ties", self.ties, f"0..{self.steps} steps")
         _require(0 <= self.conflicts <= self.ties, "conflicts", self.conflicts, f"0..{self.ties} ties")
+        row_decisions(self.decisions)
 
     @property
     def food_home_distances(self) -> tuple[float, ...]:
@@ -160,6 +166,7 @@ class TrainingRow:
         vectors: Number of recorded experience vectors.
         separations: How often the teacher began to wait for the learner.
         reason: Why the attempt is incomplete; empty for a complete one.
+        decisions: As in `RecallRow`.
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -175,6 +182,7 @@ class TrainingRow:
     vectors: int
     separations: int
     reason: str
+    decisions: str = ""
 
     def __post_init__(self) -> None:
         _require(self.file >= 1, "file", self.file, "1 or more")
@@ -183,6 +191,17 @@ class TrainingRow:
         _require(0 <= self.vectors <= self.rounds, "vectors", self.vectors, f"0..{self.rounds} rounds")
         _require(self.separations >= 0, "separations", self.separations, "0 or more")
         _require(bool(self.reason) != self.complete, "reason", self.reason, "empty if and only if complete")
+        row_decisions(self.decisions)
+
+
+@lru_cache(maxsize=1024)
+def row_decisions(text: str) -> Decisions:
+    """The decisions that the column `decisions` of a row describes.
+
+    Raises:
+        ValueError: Not of the form of `task.decision_text.decisions_text`.
+    """
+    return decisions_from_text(text)
 
 
 def _require(valid: bool, name: str, value: object, allowed: str) -> None:

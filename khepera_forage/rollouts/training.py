@@ -16,6 +16,7 @@ from khepera_forage.rollouts.experience_recorder import ExperienceRecorder
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 
 ROBOT_LOST = "robot lost"
@@ -71,7 +72,7 @@ def attempt(
         options: For the environment's reset: other marks than those of figure 5.1.
     """
     listener = Listener()
-    teacher = Teacher(env.home_radius) if teacher is None else teacher
+    teacher = Teacher.of(env) if teacher is None else teacher
     rng = np.random.default_rng((seed, 1))
     try:
         env.reset(seed=seed, options=None if options is None else dict(options))
@@ -167,7 +168,7 @@ def train(
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
         recorder = ExperienceRecorder(path)
         try:
-            recorder.open(arena, attempt_seed)
+            recorder.open(arena, attempt_seed, env.decisions)
             result = attempt(
                 env, attempt_seed, recorder.record, resume, callback, teacher=teacher, options=options
             )
@@ -187,10 +188,14 @@ def train(
                 vectors=len(recorder.vectors),
                 separations=result.separations,
                 reason=result.reason,
+                decisions=decisions_text(env.decisions),
             )
         )
         if result.complete:
-            return Experience(recorder.vectors, recorder.behaviours, arena=arena, seed=attempt_seed), rows
+            experience = Experience(
+                recorder.vectors, recorder.behaviours, arena, attempt_seed, decisions=env.decisions
+            )
+            return experience, rows
         if result.lost:
             recorder.keep(number, result.lost)
         else:
@@ -199,6 +204,12 @@ def train(
 
 
 def arrays(experiences: list[Experience]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """State vectors and behaviours of several experience files together, such as g135."""
+    """State vectors and behaviours of several experience files together, such as g135.
+
+    Raises:
+        ExperienceError: The files are of different decisions.
+    """
+    for experience in experiences[1:]:
+        experience.require_decisions(experiences[0].decisions)
     parts = [experience.arrays() for experience in experiences]
     return np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts])

@@ -238,8 +238,8 @@ else:
     DecisionValues = namedtuple("DecisionValues", [field.name for field in fields(Decisions)])
     """`Decisions` as numbers, in the same order: what rules take."""
 
-DEFAULT_VALUES = Decisions().values()
-"""Those of the default decisions."""
+DEFAULT_DECISIONS = Decisions()
+DEFAULT_VALUES = DEFAULT_DECISIONS.values()
 
 FARTHER_STATE: Any = 1.0
 """`equal_distance` as a number."""

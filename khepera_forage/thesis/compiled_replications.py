@@ -21,7 +21,8 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
     THESIS,
@@ -47,6 +48,7 @@ class CompiledReplications:
         count: At most `GROUP_SIZE`.
         noise: Name of the noise condition, in training and recall.
         cells: The tables of appendix A to repeat; without any, only the training files.
+        decisions: Of training and recall.
     """
 
     seed: int
@@ -54,6 +56,7 @@ class CompiledReplications:
     count: int
     noise: str = LABORATORY
     cells: tuple[Cell, ...] = THESIS
+    decisions: Decisions = DEFAULT_DECISIONS
 
     def run(self) -> Outcome:
         """Train, recall, and return the rows."""
@@ -62,7 +65,11 @@ class CompiledReplications:
         first_training, _ = seeds[0]
         training_seed = int(first_training.generate_state(1)[0])
         trained = train_learners(
-            self.count, seed=training_seed, noise=noise, episodes=files_needed(self.cells)
+            self.count,
+            seed=training_seed,
+            noise=noise,
+            episodes=files_needed(self.cells),
+            decisions=self.decisions,
         )
         recalling = [parts.spawn(len(self.cells)) for _, parts in seeds]
         recalls: list[RecallRow] = []
@@ -77,7 +84,7 @@ class CompiledReplications:
         return range(self.first, self.first + self.count)
 
     def _trainings(self, trained: Trained) -> Iterator[TrainingRow]:
-        attempts = trained.attempts
+        attempts, decisions = trained.attempts, decisions_text(self.decisions)
         for learner, episode, attempt, complete, rounds, vectors, separations, reason in zip(
             *(column.tolist() for column in attempts), strict=True
         ):
@@ -92,16 +99,24 @@ class CompiledReplications:
                 vectors=vectors,
                 separations=separations,
                 reason=reason,
+                decisions=decisions,
             )
 
     def _recalls(
         self, cell: Cell, noise: Noise, trained: Trained, seeds: NDArray[np.int64]
     ) -> list[RecallRow]:
-        arena = checked_arena(cell.arena, Decisions())
+        arena = checked_arena(cell.arena, self.decisions)
         experience = [_experience(trained, i, s) for i in range(self.count) for s in cell.subsets]
         imitators = np.repeat(np.arange(len(experience)), cell.recalls)
         played = run_recalls(
-            arena, memories_of(experience), imitators, seeds, foods=cell.foods, limit=cell.limit, noise=noise
+            arena,
+            memories_of(experience),
+            imitators,
+            seeds,
+            foods=cell.foods,
+            limit=cell.limit,
+            noise=noise,
+            decisions=self.decisions,
         )
         own = {
             "replication": np.repeat(self._numbers, cell.size).tolist(),
@@ -114,6 +129,7 @@ class CompiledReplications:
             played,
             arena,
             own,
+            self.decisions,
             episodes=cell.episodes,
             learner=IMITATOR,
             noise=self.noise,
@@ -126,9 +142,9 @@ class CompiledReplications:
                 imitators = [(i, subset) for i in range(self.count) for subset in cell.subsets]
                 memories = memories_of([_experience(trained, i, subset) for i, subset in imitators])
                 diagonal = arena_map_of(CORRIDOR).diagonal
-                all_levels = confidence_levels(memories, arrival_vectors(), diagonal)
+                all_levels = confidence_levels(memories, arrival_vectors(self.decisions), diagonal)
                 for (i, subset), levels in zip(imitators, all_levels, strict=True):
-                    yield from orient_rows(levels, self.first + i, cell.episodes, subset.name)
+                    yield from orient_rows(levels, self.first + i, cell.episodes, subset.name, self.decisions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +157,7 @@ class CompiledBaseline:
         learner: `teacher` or `random`.
         arena: `corridor` or `rectangle`.
         forages: Number of forages in each block.
+        decisions: Of the forages.
     """
 
     seed: int
@@ -148,10 +165,11 @@ class CompiledBaseline:
     learner: str
     arena: str
     forages: int
+    decisions: Decisions = DEFAULT_DECISIONS
 
     def run(self) -> Outcome:
         """Forage, and return the rows."""
-        arena = checked_arena(self.arena, Decisions())
+        arena = checked_arena(self.arena, self.decisions)
         limit = baseline_limit(self.learner, self.arena)
         seeds = np.concatenate(
             [
@@ -161,7 +179,8 @@ class CompiledBaseline:
         )
         policy = TEACHES if self.learner == TEACHER else UNIFORM
         foods = next(cell.foods for cell in THESIS if cell.arena == self.arena)
-        played = run_recalls(arena, None, np.full(len(seeds), policy), seeds, foods=foods, limit=limit)
+        policies = np.full(len(seeds), policy)
+        played = run_recalls(arena, None, policies, seeds, foods=foods, limit=limit, decisions=self.decisions)
         own = {
             "replication": np.repeat(range(self.blocks), self.forages).tolist(),
             "recall": list(range(self.forages)) * self.blocks,
@@ -173,6 +192,7 @@ class CompiledBaseline:
                     played,
                     arena,
                     own,
+                    self.decisions,
                     episodes=0,
                     file_id="-",
                     learner=self.learner,

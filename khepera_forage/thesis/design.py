@@ -5,14 +5,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 FILES = 10
 """Complete training episodes, one experience file each (5.3)."""
-TRAINING_DISTANCE = math.dist(CORRIDOR.foods[0], CORRIDOR.home) / MM_PER_PIXEL
-"""Pixels between food and home in training, which is always in the corridor (figure 5.1)."""
+
+
+def training_distance(decisions: Decisions) -> float:
+    """Pixels between food and home in training, which is always in the corridor (figure 5.1)."""
+    corridor = checked_arena(CORRIDOR.name, decisions)
+    return math.dist(corridor.foods[0], corridor.home) / MM_PER_PIXEL
 
 
 class Subset(NamedTuple):

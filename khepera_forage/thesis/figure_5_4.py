@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
-from khepera_forage.sim.arena import CORRIDOR
-from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.sim.arena import CORRIDOR, Arena
+from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
 from khepera_forage.thesis.statistics import Estimate, Floats, wilson
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -29,12 +31,17 @@ def fig_5_4(recalls: Sequence[RecallRow]) -> "Figure":
 
     Args:
         recalls: Rows of the imitator in the corridor; other rows are ignored.
+
+    Raises:
+        ValueError: Rows of different decisions.
     """
+    decisions = common_decisions(recalls)
+    corridor = checked_arena(CORRIDOR.name, decisions)
     foods = food_places(recalls)
     figure = new_figure(11.0, 3.9)
     left, right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
-    _map(figure, left, foods)
-    _curve(right, foods)
+    _map(figure, left, foods, corridor)
+    _curve(right, foods, corridor, training_distance(decisions))
     figure.suptitle("Figure 5.4: success by where the food lay in the corridor")
     return figure
 
@@ -53,12 +60,12 @@ def success_by_distance(foods: Floats) -> list[tuple[float, int, Estimate]]:
     return [(BIN * (i + 0.5), len(done), wilson(int(done.sum()), len(done))) for i, done in groups]
 
 
-def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
+def _map(figure: "Figure", axes: "Axes", foods: Floats, corridor: Arena) -> None:
     """Draw the share of food brought home by tile of the floor, in mm from the centre of the home."""
     from matplotlib.patches import Circle, Rectangle
 
-    home = CORRIDOR.home
-    x1, y1, x2, y2 = (a - b for a, b in zip(CORRIDOR.bounds, (*home, *home), strict=True))
+    home = corridor.home
+    x1, y1, x2, y2 = (a - b for a, b in zip(corridor.bounds, (*home, *home), strict=True))
     edges = [np.linspace(a, b, round((b - a) / TILE) + 1) for a, b in ((x1, x2), (y1, y2))]
     x, y = MM_PER_PIXEL * foods[:, 0], MM_PER_PIXEL * foods[:, 1]
     counts = np.histogram2d(x, y, edges)[0]
@@ -76,9 +83,9 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
             color="white" if share[i, j] < _WHITE_TEXT_LIMIT else "black",
         )
     axes.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, fill=False, lw=2, clip_on=False))
-    axes.add_patch(Circle((0, 0), CORRIDOR.home_radius, fill=False, lw=1.5, ls="--"))
+    axes.add_patch(Circle((0, 0), corridor.home_radius, fill=False, lw=1.5, ls="--"))
     axes.text(0, 0, "home", ha="center", va="center", fontsize=9)
-    marks = (("food in training", "*", CORRIDOR.foods[0]), ("start in training", ">", CORRIDOR.start))
+    marks = (("food in training", "*", corridor.foods[0]), ("start in training", ">", corridor.start))
     for label, marker, place in marks:
         at = (place.x - home.x, place.y - home.y)
         axes.plot(*at, marker, mfc="none", mec=THESIS, mew=2, ms=20, label=label)
@@ -93,13 +100,13 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats) -> None:
     bar.ax.tick_params(labelsize=8)
 
 
-def _curve(axes: "Axes", foods: Floats) -> None:
+def _curve(axes: "Axes", foods: Floats, corridor: Arena, training: float) -> None:
     """Draw success by distance from home, with Wilson intervals."""
     for middle, _, share in success_by_distance(foods):
         mark(axes, middle, 100 * share.value, Estimate(*(100 * value for value in share)), OURS)
-    axes.axvline(TRAINING_DISTANCE, color=THESIS, lw=1.5, ls="--")
-    axes.text(TRAINING_DISTANCE, 101, "training", color=THESIS, ha="center", va="bottom", fontsize=8)
-    radius = CORRIDOR.home_radius / MM_PER_PIXEL
+    axes.axvline(training, color=THESIS, lw=1.5, ls="--")
+    axes.text(training, 101, "training", color=THESIS, ha="center", va="bottom", fontsize=8)
+    radius = corridor.home_radius / MM_PER_PIXEL
     axes.axvspan(0, radius, color=GREY, alpha=0.15, lw=0)
     axes.text(radius / 2, 50, "home", color=GREY, ha="center", va="center", fontsize=8)
     axes.set_xlim(0, None)

@@ -5,6 +5,7 @@ from typing import NamedTuple, Protocol
 
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
     NO_LOSSES,
@@ -64,23 +65,25 @@ def job_counts(replications: int, backend: str, quick: bool = False) -> JobCount
     return JobCounts(replications, max(MIN_REPLICATIONS, replications // divisor), conditions, 20, 25)
 
 
-def pymunk_jobs(seed: int, counts: JobCounts) -> list[Job]:
+def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
     """All jobs for pymunk, those that take longest first."""
-    jobs: list[Job] = [Replication(seed, i) for i in range(counts.replications)]
+    jobs: list[Job] = [Replication(seed, i, decisions=decisions) for i in range(counts.replications)]
     for noise in counts.noise_conditions:
-        jobs += [Replication(seed, i, noise, NOISE_CELLS) for i in range(counts.noise_replications)]
+        jobs += [
+            Replication(seed, i, noise, NOISE_CELLS, decisions) for i in range(counts.noise_replications)
+        ]
     # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
     if NO_LOSSES in counts.noise_conditions:
         jobs += [
-            Replication(seed, i, NO_LOSSES, cells=())
+            Replication(seed, i, NO_LOSSES, (), decisions)
             for i in range(counts.noise_replications, counts.replications)
         ]
     for arena, learner, forages in _baselines(counts):
-        jobs += [Baseline(seed, i, learner, arena, forages) for i in range(counts.baseline_blocks)]
+        jobs += [Baseline(seed, i, learner, arena, forages, decisions) for i in range(counts.baseline_blocks)]
     return jobs
 
 
-def compiled_jobs(seed: int, counts: JobCounts) -> list[Job]:
+def compiled_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
     """All jobs for the compiled backend.
 
     Raises:
@@ -99,7 +102,7 @@ def compiled_jobs(seed: int, counts: JobCounts) -> list[Job]:
 
     def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
         return [
-            CompiledReplications(seed, first, min(GROUP_SIZE, count - first), noise, cells)
+            CompiledReplications(seed, first, min(GROUP_SIZE, count - first), noise, cells, decisions)
             for first in range(0, count, GROUP_SIZE)
         ]
 
@@ -107,7 +110,7 @@ def compiled_jobs(seed: int, counts: JobCounts) -> list[Job]:
     for noise in counts.noise_conditions:
         jobs += groups(counts.noise_replications, noise, NOISE_CELLS)
     return jobs + [
-        CompiledBaseline(seed, counts.baseline_blocks, learner, arena, forages)
+        CompiledBaseline(seed, counts.baseline_blocks, learner, arena, forages, decisions)
         for arena, learner, forages in _baselines(counts)
     ]
 

@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
-from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.statistics import bootstrap, ratio, replications, sums_by_replication
 from khepera_forage.thesis.tables import Column, Table, Value
 
 PIXELS_BEYOND = (-10, 0, 10, 20, 40, 60)
 """Places of the food: pixels further from home than in training, on the line of training."""
-_NEXT_TO_FOOD = round(Decisions().next_to_food)
-_FIRST_FOOD_DISTANCES = (_NEXT_TO_FOOD - 2, _NEXT_TO_FOOD - 1, _NEXT_TO_FOOD)
-"""Possible distances to the food, in pixels, at which a robot is first next to it."""
+_STEP = 3
+"""Pixels that a robot covers at most in the round in which it arrives next to food."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +38,7 @@ class OrientRow:
         orient: Confidence level of ORIENT WITH FOOD, which is correct.
         move_slowly: Confidence level of MOVE SLOWLY.
         search: Confidence level of SEARCH FOR FOOD.
+        decisions: As in `RecallRow`.
     """
 
     replication: int
@@ -47,19 +48,24 @@ class OrientRow:
     orient: float
     move_slowly: float
     search: float
+    decisions: str = ""
 
 
-def arrival_vectors() -> NDArray[np.int64]:
+def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
     """The state vectors of a robot that arrives next to food with its arm raised.
+
+    Args:
+        decisions: Of the training.
 
     Returns:
         Shape (places of `PIXELS_BEYOND`, distances to the food, 5).
     """
+    next_to_food, food_to_home = round(decisions.next_to_food), round(training_distance(decisions))
     return np.array(
         [
             [
-                StateVector(0, round(TRAINING_DISTANCE) + beyond + food, FoodType.UNKNOWN, ARM_RAISED, food)
-                for food in _FIRST_FOOD_DISTANCES
+                StateVector(0, food_to_home + beyond + food, FoodType.UNKNOWN, ARM_RAISED, food)
+                for food in range(next_to_food - _STEP + 1, next_to_food + 1)
             ]
             for beyond in PIXELS_BEYOND
         ]
@@ -80,7 +86,7 @@ def imitator_levels(imitator: NearestNeighbourImitator, vectors: NDArray[np.int6
 
 
 def orient_rows(
-    levels: NDArray[np.float64], replication: int, episodes: int, file_id: str
+    levels: NDArray[np.float64], replication: int, episodes: int, file_id: str, decisions: Decisions
 ) -> list[OrientRow]:
     """The rows of one imitator, one for each place of the food.
 
@@ -89,13 +95,15 @@ def orient_rows(
         replication: For the rows.
         episodes: For the rows.
         file_id: For the rows.
+        decisions: Of the training.
     """
+    text = decisions_text(decisions)
     shown = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
-    means = levels.mean(axis=1)
-    return [
-        OrientRow(replication, episodes, file_id, beyond, *(round(float(mean[b]), 6) for b in shown))
-        for beyond, mean in zip(PIXELS_BEYOND, means, strict=True)
-    ]
+    rows = []
+    for beyond, mean in zip(PIXELS_BEYOND, levels.mean(axis=1), strict=True):
+        orient, move_slowly, search = (round(float(mean[behaviour]), 6) for behaviour in shown)
+        rows.append(OrientRow(replication, episodes, file_id, beyond, orient, move_slowly, search, text))
+    return rows
 
 
 def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:

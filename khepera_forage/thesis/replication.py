@@ -16,6 +16,7 @@ from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
     THESIS,
@@ -71,12 +72,14 @@ class Replication:
         number: Of the replication.
         noise: Name of the noise condition, in training and recall.
         cells: The tables of appendix A to repeat; without any, only the training files.
+        decisions: Of training and recall.
     """
 
     seed: int
     number: int
     noise: str = LABORATORY
     cells: tuple[Cell, ...] = THESIS
+    decisions: Decisions = DEFAULT_DECISIONS
 
     def run(self) -> Outcome:
         """Train, recall, and return the rows."""
@@ -90,7 +93,7 @@ class Replication:
     def _train(
         self, noise: Noise, seeds: np.random.SeedSequence
     ) -> tuple[list[Experience], list[TrainingRow]]:
-        env = TrainingEnv(noise=noise)
+        env = TrainingEnv(noise=noise, decisions=self.decisions)
         files, rows = [], []
         for file, seed in enumerate(seeds.spawn(files_needed(self.cells)), 1):
             experience, attempts = train(env, seed, self.noise, self.number, file)
@@ -103,7 +106,7 @@ class Replication:
         self, noise: Noise, files: Sequence[Experience], seeds: np.random.SeedSequence
     ) -> Iterator[RecallRow]:
         for cell, cell_seeds in zip(self.cells, seeds.spawn(len(self.cells)), strict=True):
-            env = recall_env(cell.arena, noise)
+            env = recall_env(cell.arena, noise, decisions=self.decisions)
             numbers = iter(cell_seeds.generate_state(cell.size).tolist())
             for subset in cell.subsets:
                 imitator, size = self._imitator(subset, files, env.diagonal)
@@ -126,8 +129,8 @@ class Replication:
             if cell.arena == CORRIDOR.name:
                 for subset in cell.subsets:
                     imitator, _ = self._imitator(subset, files, arena_map_of(CORRIDOR).diagonal)
-                    levels = imitator_levels(imitator, arrival_vectors())
-                    yield from orient_rows(levels, self.number, cell.episodes, subset.name)
+                    levels = imitator_levels(imitator, arrival_vectors(self.decisions))
+                    yield from orient_rows(levels, self.number, cell.episodes, subset.name, self.decisions)
 
     @staticmethod
     def _imitator(
@@ -147,6 +150,7 @@ class Baseline:
         learner: `teacher` or `random`.
         arena: `corridor` or `rectangle`.
         forages: Number of forages.
+        decisions: Of the forages.
     """
 
     seed: int
@@ -154,11 +158,13 @@ class Baseline:
     learner: str
     arena: str
     forages: int
+    decisions: Decisions = DEFAULT_DECISIONS
 
     def run(self) -> Outcome:
         """Forage, and return the rows."""
-        env = recall_env(self.arena, limit=baseline_limit(self.learner, self.arena))
-        policy: Policy = Teacher(env.home_radius) if self.learner == TEACHER else UniformPolicy()
+        limit = baseline_limit(self.learner, self.arena)
+        env = recall_env(self.arena, limit=limit, decisions=self.decisions)
+        policy: Policy = Teacher.of(env) if self.learner == TEACHER else UniformPolicy()
         seeds = baseline_seeds(self.seed, self.number, self.learner, self.arena, self.forages)
         rows = tuple(
             recall(env, policy, seed, learner=self.learner, replication=self.number, number=i)

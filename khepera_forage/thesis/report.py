@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.thesis import figures, measured_tables, thesis_tables
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims import claims
@@ -53,9 +55,10 @@ def write_report(
         The files written.
 
     Raises:
-        ValueError: The recalls of the imitator have several noise conditions.
+        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
         ImportError: matplotlib, which draws the figures, is not installed; the tables are written.
     """
+    common_decisions(recalls, trainings, teachers, noise_rows, orient_rows)
     for_cells, for_claims, for_tables, for_orient = rng.spawn(4)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
@@ -102,10 +105,12 @@ def _page(tables: Sequence[Table], evidence: Evidence, backend: str) -> str:
     }
     count = len(replications(evidence.recalls))
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
+    decisions = decisions_text(evidence.decisions).replace(";", ", ") or "the defaults"
     parts = [
         "# The thesis's experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}, backend: {backend}. A replication repeats the whole design with new training files. "
+        f"noise: {noise}, decisions: {decisions}, backend: {backend}. "
+        "A replication repeats the whole design with new training files. "
         f"Intervals are bootstrapped over replications; fewer than {MIN_REPLICATIONS} replications give none. "
         "`recalls.csv`, `trainings.csv` and `orient.csv` hold one row for each episode or measurement, and "
         "`table_*.csv` hold the tables of this page.\n"

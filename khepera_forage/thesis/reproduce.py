@@ -8,8 +8,11 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
+from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
+from khepera_forage.rollouts.same_decisions import refuse_other_decisions
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.jobs import (
     BACKENDS,
@@ -30,7 +33,14 @@ QUICK_REPLICATIONS = 2
 
 
 def reproduce(
-    seed: int, replications: int, out: Path, *, n_jobs: int = -1, quick: bool = False, backend: str = PYMUNK
+    seed: int,
+    replications: int,
+    out: Path,
+    *,
+    n_jobs: int = -1,
+    quick: bool = False,
+    backend: str = PYMUNK,
+    decisions: Decisions | None = None,
 ) -> Path:
     """Run all experiments, write their rows and the report.
 
@@ -41,23 +51,28 @@ def reproduce(
         n_jobs: Processes with pymunk; -1 uses all cores. The compiled backend always uses all cores, with threads.
         quick: Run a small version of all experiments, in under a minute.
         backend: `pymunk`, one world at a time, or `compiled`, thousands of worlds at once.
+        decisions: Of all experiments; the defaults by default.
 
     Returns:
         The path of the report, a Markdown page.
 
     Raises:
-        ValueError: An unknown backend.
+        ValueError: An unknown backend, or a folder with rows of other decisions.
         ImportError: The backend is `compiled`, and numba is not installed.
     """
     if backend not in BACKENDS:
         raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
     counts = job_counts(replications, backend, quick)
-    jobs = pymunk_jobs(seed, counts) if backend == PYMUNK else compiled_jobs(seed, counts)
+    decisions = checked_decisions(decisions)
+    jobs = (pymunk_jobs if backend == PYMUNK else compiled_jobs)(seed, counts, decisions)
+    paths = [out / name for name in ("recalls.csv", "trainings.csv", "orient.csv")]
+    for path in paths:
+        refuse_other_decisions(path, decisions)
     outcomes: list[Outcome] = []
     with (
-        RowWriter(out / "recalls.csv", RecallRow) as recalls,
-        RowWriter(out / "trainings.csv", TrainingRow) as trainings,
-        RowWriter(out / "orient.csv", OrientRow) as orient_rows,
+        RowWriter(paths[0], RecallRow) as recalls,
+        RowWriter(paths[1], TrainingRow) as trainings,
+        RowWriter(paths[2], OrientRow) as orient_rows,
     ):
         # Both iterables keep the order of the jobs, so that the files are the same on every machine.
         finished: Iterable[Outcome] = map(_run, jobs)

@@ -45,6 +45,7 @@ from tests.thesis.synthetic import attempts, counts, failed, recall, reproductio
         ),
         ({"orient_without_food": 41}, r"orient_without_food is 41; allowed: 0\.\.40 wrong rounds"),
         ({"conflicts": 51}, r"conflicts is 51; allowed: 0\.\.50 ties"),
+        ({"decisions": "next_to_foot=17"}, "decision 'next_to_foot' is unknown; allowed"),
     ],
 )
 def test_inconsistent_recall_row_is_an_error(changes: dict[str, Any], message: str) -> None:
@@ -59,6 +60,7 @@ def test_inconsistent_recall_row_is_an_error(changes: dict[str, Any], message: s
         ({"complete": True, "reason": "separated"}, "reason is 'separated'; allowed"),
         ({"vectors": 121}, r"vectors is 121; allowed: 0\.\.120 rounds"),
         ({"attempt": 0}, "attempt is 0; allowed: 1 or more"),
+        ({"decisions": "patience=0"}, "decision patience is 0; allowed: a whole number from 1"),
     ],
 )
 def test_inconsistent_training_row_is_an_error(changes: dict[str, Any], message: str) -> None:
@@ -113,6 +115,16 @@ def test_text_with_commas_and_quotes_is_read_equal(tmp_path: Path) -> None:
         pytest.raises(ValueError, match="text of one line"),
     ):
         writer.write(training(reason="two\nlines"))
+
+
+def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
+    rows = [
+        training(decisions="next_to_food=17;patience=50"),
+        training(decisions="equal_distance=farther state"),
+    ]
+    write_rows(tmp_path / "rows.csv", TrainingRow, rows)
+    assert read_rows(tmp_path / "rows.csv", TrainingRow) == rows
+    assert (tmp_path / "rows.csv").read_text().endswith(",equal_distance=farther state\n")
 
 
 def test_row_is_on_disk_when_write_returns(tmp_path: Path) -> None:
@@ -199,12 +211,16 @@ def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
             lambda text: text.replace(",1,120,", ",yes,120,"),
             r"rows.csv:2: complete is 'yes'; allowed: 0 or 1",
         ),
-        (lambda text: text.replace(",1,120,", ",120,"), r"rows.csv:2: 9 values; allowed: 10"),
+        (lambda text: text.replace(",1,120,", ",120,"), r"rows.csv:2: 10 values; allowed: 11"),
         (
             lambda text: text.replace(",120,", ",100,"),
             r"rows.csv:2: vectors is 110; allowed: 0\.\.100 rounds",
         ),
         (lambda text: text + text.split("\n")[1] + "\n", r"rows.csv:3: the row repeats line 2"),
+        (
+            lambda text: text.replace(",,\n", ",,next_to_food=9\n"),
+            r"rows.csv:2: decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels",
+        ),
         (
             lambda text: text.replace("laboratory", '"laboratory'),
             r"rows.csv:2: line is .*laboratory.*; allowed: comma-separated values",

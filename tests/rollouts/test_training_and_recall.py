@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experience import Experience
+from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import TEACHER
-from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
 from khepera_forage.task.decisions import Decisions
 
 
@@ -55,6 +55,33 @@ def test_recall_counts_ties_of_an_imitator_and_none_of_a_teacher() -> None:
     teacher = recall(env, Teacher(), 7, learner=TEACHER)
     assert (teacher.ties, teacher.conflicts, teacher.score) == (0, 0, 100.0)
     assert (teacher.food_x, teacher.start_x) == (row.food_x, row.start_x), "the seed determines the places"
+
+
+def test_rows_and_files_have_the_decisions_of_their_environment(tmp_path: Path) -> None:
+    decisions, path = Decisions(next_to_food=22, patience=50), tmp_path / "g1.csv"
+    experience, rows = train(TrainingEnv(decisions=decisions), np.random.SeedSequence(3), path=path)
+    assert experience.decisions == decisions
+    assert Experience.load(path, decisions=decisions) == experience
+    assert {row.decisions for row in rows} == {"next_to_food=22;patience=50"}
+    env = recall_env("corridor", decisions=decisions)
+    assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == "next_to_food=22;patience=50"
+    assert recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER).decisions == ""
+
+
+def test_teacher_of_an_attempt_has_the_thresholds_of_its_environment() -> None:
+    """Every behaviour of the default teacher is the correct one."""
+    env = TrainingEnv(noise=Noise.none(), decisions=Decisions(next_to_food=12, close_to_food=45))
+    attempt(env, 1, lambda vector, behaviour: None)
+    info = env.infos[env.possible_agents[0]]
+    assert info["correct"] == info["steps"]
+
+
+def test_arrays_of_files_of_different_decisions_are_refused() -> None:
+    files = [
+        Experience([(0, 52, 0, 215, 28)], [0], decisions=d) for d in (Decisions(), Decisions(separation=20))
+    ]
+    with pytest.raises(ExperienceError, match="recorded under other decisions: separation is 20, not 14"):
+        arrays(files)
 
 
 def test_recall_row_names_its_noise_condition() -> None:

@@ -4,9 +4,11 @@ from itertools import product
 
 import pytest
 
+from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims import Verdict
-from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.thesis.design import training_distance
 from tests.thesis.claim_rows import (
     NOT,
     REPLICATIONS,
@@ -45,10 +47,12 @@ def test_claim_that_success_depends_on_the_area(
 def test_claim_that_success_is_best_at_the_training_distance(
     arena: str, there: Level, verdict: Verdict
 ) -> None:
-    rows = recalls_with_success(TRAINING_DISTANCE + 5.9, there, arena=arena)
-    for elsewhere in (TRAINING_DISTANCE - 6.1, TRAINING_DISTANCE + 6.1):
-        rows += recalls_with_success(elsewhere, always(0.5), arena=arena)
-    assert claim_from(f"around {arena}", rows).verdict is verdict
+    for decisions in (DEFAULT_DECISIONS, Decisions(food_to_home=220)):
+        training, text = training_distance(decisions), decisions_text(decisions)
+        rows = recalls_with_success(training + 5.9, there, arena=arena, decisions=text)
+        for elsewhere in (training - 6.1, training + 6.1):
+            rows += recalls_with_success(elsewhere, always(0.5), arena=arena, decisions=text)
+        assert claim_from(f"around {arena}", rows).verdict is verdict
 
 
 @pytest.mark.parametrize("arena", ["corridor", "rectangle"])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import Behaviour
 from khepera_forage.thesis.orient_analysis import (
     PIXELS_BEYOND,
@@ -26,7 +27,7 @@ def imitator() -> NearestNeighbourImitator:
 
 
 def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImitator) -> None:
-    vectors = arrival_vectors()
+    vectors = arrival_vectors(DEFAULT_DECISIONS)
     levels = imitator_levels(imitator, vectors)
     assert levels.shape == (*vectors.shape[:-1], 10)
     for place in np.ndindex(vectors.shape[:-1]):
@@ -37,7 +38,8 @@ def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImi
 
 
 def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestNeighbourImitator) -> None:
-    rows = {row.beyond: row for row in orient_rows(imitator_levels(imitator, arrival_vectors()), 0, 1, "g1")}
+    levels = imitator_levels(imitator, arrival_vectors(DEFAULT_DECISIONS))
+    rows = {row.beyond: row for row in orient_rows(levels, 0, 1, "g1", DEFAULT_DECISIONS)}
     assert set(rows) == set(PIXELS_BEYOND)
     assert rows[-10].orient == rows[0].orient == 1.0
     for beyond in (10, 20, 40, 60):
@@ -51,8 +53,10 @@ def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestN
 def test_orient_table_has_a_line_per_place_and_a_column_per_amount_of_training(
     imitator: NearestNeighbourImitator,
 ) -> None:
-    levels = imitator_levels(imitator, arrival_vectors())
-    rows = [row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1")]
+    levels = imitator_levels(imitator, arrival_vectors(DEFAULT_DECISIONS))
+    rows = [
+        row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1", DEFAULT_DECISIONS)
+    ]
     table = orient_table(rows, np.random.default_rng(0))
     assert len(table.rows) == len(PIXELS_BEYOND)
     assert [column.name for column in table.columns] == ["pixels beyond", "1 episodes", "3 episodes"]

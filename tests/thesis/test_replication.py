@@ -1,6 +1,7 @@
 """Replications, baselines and the jobs of a reproduction, on pymunk."""
 
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
 from khepera_forage.thesis.jobs import PYMUNK, job_counts, pymunk_jobs
 from khepera_forage.thesis.replication import Baseline, Replication
@@ -35,7 +36,7 @@ def test_baseline_of_the_teacher_has_three_times_the_limit() -> None:
 
 
 def test_jobs_contain_the_whole_design() -> None:
-    jobs = pymunk_jobs(0, job_counts(6, PYMUNK))
+    jobs = pymunk_jobs(0, job_counts(6, PYMUNK), DEFAULT_DECISIONS)
     designs = [job for job in jobs if isinstance(job, Replication) and job.noise == "laboratory"]
     assert len(designs) == 6
     assert all(job.cells == THESIS for job in designs)

@@ -8,11 +8,10 @@ import pytest
 from PIL import Image
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims.evidence import gather
-from khepera_forage.thesis.design import (
-    TRAINING_DISTANCE,
-)
+from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.figure_5_4 import BIN, fig_5_4, food_places, success_by_distance
 from khepera_forage.thesis.figures import fig_5_2, fig_5_3, fig_5_5, fig_5_6, noise_figure
 from khepera_forage.thesis.measured_tables import (
@@ -33,7 +32,7 @@ def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     near, far = success_by_distance(food_places(rows + ignored))
     assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 0.5)
     assert (far[1], far[2].value) == (1, 0.0)
-    assert BIN * 4 <= TRAINING_DISTANCE < BIN * 5
+    assert BIN * 4 <= training_distance(DEFAULT_DECISIONS) < BIN * 5
 
 
 def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> None:
@@ -93,7 +92,10 @@ def test_report_has_page_tables_and_figures(
         assert f"({picture})" in page
         with Image.open(folder / picture) as image:
             assert min(image.size) > 400
-    assert "6 replications, 636 recall episodes of the imitator, noise: laboratory, backend: pymunk." in page
+    assert (
+        "6 replications, 636 recall episodes of the imitator, noise: laboratory, decisions: the defaults, "
+        "backend: pymunk." in page
+    )
     assert "nan" not in page
     with open(folder / "table_claims.csv", encoding="utf-8", newline="") as file:
         claims = list(csv.DictReader(file))

@@ -7,6 +7,8 @@ import numpy as np
 from khepera_forage.rollouts.compiled.recalls import Episodes
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Arena
+from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _NUMBERS = (
@@ -22,13 +24,16 @@ _NUMBERS = (
 _LISTS = ("food_delivered", "rounds_by_state", "wrong_by_state")
 
 
-def recall_rows(played: Episodes, arena: Arena, own: dict[str, list[Any]], **common: Any) -> list[RecallRow]:
+def recall_rows(
+    played: Episodes, arena: Arena, own: dict[str, list[Any]], decisions: Decisions, **common: Any
+) -> list[RecallRow]:
     """One row an episode.
 
     Args:
         played: From `run_recalls`.
         arena: Theirs.
         own: Fields of `RecallRow` that an episode cannot know, by name, one value each.
+        decisions: Theirs.
         **common: Those that all have in common.
     """
     columns: dict[str, list[Any]] = dict(own)
@@ -42,7 +47,7 @@ def recall_rows(played: Episodes, arena: Arena, own: dict[str, list[Any]], **com
     columns["start_heading"] = np.round(np.degrees(played.start[:, 2]), 1).tolist()
     foods = _pixels(played.foods - home)
     columns["food_x"], columns["food_y"] = (list(map(tuple, foods[:, :, k].tolist())) for k in (0, 1))
-    common |= {"arena": arena.name, "foods": foods.shape[1]}
+    common |= {"arena": arena.name, "foods": foods.shape[1], "decisions": decisions_text(decisions)}
     rows = zip(*columns.values(), strict=True)
     return [RecallRow(**common, **dict(zip(columns, row, strict=True))) for row in rows]
 

@@ -128,6 +128,7 @@ def train_learners(
         terms.limit,
         arenas[0].name,
         seed,
+        decisions,
     )
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.compiled.records import HEARD
+from khepera_forage.task.decisions import Decisions
 
 
 class Attempts(NamedTuple):
@@ -42,6 +43,7 @@ class Trained(NamedTuple):
         attempts: One element an attempt.
         arena: Name of the arena.
         seed: As given.
+        decisions: Of the training.
     """
 
     experience: NDArray[np.int16]
@@ -49,6 +51,7 @@ class Trained(NamedTuple):
     attempts: Attempts
     arena: str
     seed: int
+    decisions: Decisions
 
     def vectors_of(self, learner: int, episode: int | None = None) -> NDArray[np.int16]:
         """The rows of one learner, of all its episodes or of one; a view.
@@ -72,7 +75,9 @@ class Trained(NamedTuple):
         rows = self.vectors_of(learner, episode).tolist()
         episodes = self.offsets.shape[1] - 1 if episode is None else 1
         heard = [row[HEARD] for row in rows]
-        return Experience([row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes)
+        return Experience(
+            [row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes, self.decisions
+        )
 
 
 def trained(
@@ -83,6 +88,7 @@ def trained(
     limit: int,
     arena: str,
     seed: int,
+    decisions: Decisions,
 ) -> Trained:
     """What the kernel has written down, learner by learner.
 
@@ -94,6 +100,7 @@ def trained(
         limit: Rounds after which an attempt was out of time.
         arena: Its name.
         seed: Of all.
+        decisions: Of the training.
     """
     episodes = tried.size // n
     number = np.repeat(np.arange(tried.size), tried)
@@ -116,6 +123,7 @@ def trained(
         ),
         arena,
         seed,
+        decisions,
     )
 
 

@@ -31,7 +31,7 @@ def claims(
         resamples: Resamples for each interval.
 
     Raises:
-        ValueError: The recalls of the imitator have several noise conditions.
+        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
     """
     evidence = gather(recalls, trainings, teachers, rng, resamples)
     return [

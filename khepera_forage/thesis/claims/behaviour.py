@@ -13,7 +13,7 @@ from khepera_forage.thesis.claims.claim import (
 )
 from khepera_forage.thesis.claims.evidence import NEAR_TRAINING, Evidence, Sample, food_share, of_arena
 from khepera_forage.thesis.claims.learning import SECTION
-from khepera_forage.thesis.design import TRAINING_DISTANCE
+from khepera_forage.thesis.design import training_distance
 
 AREA_MARGIN = 0.10
 """Largest difference in success between equal areas; the thesis says "most of the times" and "rarely"."""
@@ -37,9 +37,9 @@ def areas(evidence: Evidence, arena: str) -> Claim:
 
     The thesis calls the two sides area 1 and area 2, but does not say clearly which is which.
     """
-    rows = of_arena(evidence.recalls, arena)
-    nearer = food_share(rows, lambda distance: distance < TRAINING_DISTANCE)
-    further = food_share(rows, lambda distance: distance >= TRAINING_DISTANCE)
+    rows, training = of_arena(evidence.recalls, arena), training_distance(evidence.decisions)
+    nearer = food_share(rows, lambda distance: distance < training)
+    further = food_share(rows, lambda distance: distance >= training)
     return judged(
         f"Success depends on whether food lies nearer to home or further than in training ({arena})",
         SECTION[arena],
@@ -47,16 +47,16 @@ def areas(evidence: Evidence, arena: str) -> Claim:
         Beyond(AREA_MARGIN),
         percent_change,
         "most of the times in area 2, rarely in area 1",
-        f"Brought home: {_share(nearer)} nearer to home than the {TRAINING_DISTANCE:.0f} pixels of training, "
+        f"Brought home: {_share(nearer)} nearer to home than the {training:.0f} pixels of training, "
         f"{_share(further)} further away.",
     )
 
 
 def around_training(evidence: Evidence, arena: str) -> Claim:
     """Food as far from home as in training is brought home more often than other food."""
-    rows = of_arena(evidence.recalls, arena)
-    near = food_share(rows, lambda distance: abs(distance - TRAINING_DISTANCE) <= NEAR_TRAINING)
-    other = food_share(rows, lambda distance: abs(distance - TRAINING_DISTANCE) > NEAR_TRAINING)
+    rows, training = of_arena(evidence.recalls, arena), training_distance(evidence.decisions)
+    near = food_share(rows, lambda distance: abs(distance - training) <= NEAR_TRAINING)
+    other = food_share(rows, lambda distance: abs(distance - training) > NEAR_TRAINING)
     return judged(
         f"The learner succeeds best where food lies as far from home as in training ({arena})",
         SECTION[arena],

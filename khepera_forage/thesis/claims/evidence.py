@@ -8,6 +8,8 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
+from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.statistics import (
     RESAMPLES,
     Estimate,
@@ -37,6 +39,7 @@ class Evidence:
         teachers: Forages of the teacher alone, with a time limit well above the thesis's.
         rng: Draws the resamples.
         resamples: Resamples for each interval.
+        decisions: Of all rows.
     """
 
     recalls: Sequence[RecallRow]
@@ -45,6 +48,7 @@ class Evidence:
     teachers: Sequence[RecallRow]
     rng: np.random.Generator
     resamples: int = RESAMPLES
+    decisions: Decisions = DEFAULT_DECISIONS
 
     def cell_scores(self, weights: Mapping[tuple[str, int], float]) -> Estimate:
         """A weighted sum of the mean scores of cells (arena, episodes), in percentage points."""
@@ -89,15 +93,16 @@ def gather(
     """Separate the recalls of the imitator from those of a random policy.
 
     Raises:
-        ValueError: The recalls of the imitator have several noise conditions.
+        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
     """
-    rows = list(recalls)
+    rows, attempts, forages = list(recalls), list(trainings), list(teachers)
+    decisions = common_decisions(rows, attempts, forages)
     imitator = [row for row in rows if row.learner == IMITATOR]
     conditions = sorted({row.noise for row in imitator})
     if len(conditions) > 1:
         raise ValueError(f"recalls have noise conditions {conditions}; allowed: one condition at a time")
     chance = [row for row in rows if row.learner == RANDOM]
-    return Evidence(imitator, chance, list(trainings), list(teachers), rng, resamples)
+    return Evidence(imitator, chance, attempts, forages, rng, resamples, decisions)
 
 
 def of_arena(rows: Iterable[RecallRow], arena: str) -> list[RecallRow]:

@@ -1,0 +1,169 @@
+"""Reproductions under other decisions: they reach every environment and every row, and are never mixed."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.rollouts.row_files import read_rows, write_rows
+from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.thesis import reproduce as reproduction
+from khepera_forage.thesis.claims import claims
+from khepera_forage.thesis.design import Cell, Subset, training_distance
+from khepera_forage.thesis.jobs import COMPILED, PYMUNK, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
+from khepera_forage.thesis.replication import Baseline, Outcome, Replication
+from khepera_forage.thesis.report import PAGE, write_report
+from tests.thesis.synthetic import recall, training
+
+OTHER = Decisions(next_to_food=22, food_to_home=200)
+TEXT = "food_to_home=200;next_to_food=22"
+DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
+SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
+
+
+def test_training_distance_follows_the_decisions() -> None:
+    assert training_distance(DEFAULT_DECISIONS) == 36
+    assert training_distance(OTHER) == 40
+
+
+def test_arrival_vectors_follow_the_decisions() -> None:
+    """The robot arrives 20 to 22 pixels from the food; the first place is 10 pixels nearer to home than in training."""
+    assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
+
+
+def test_rows_of_a_replication_name_its_decisions() -> None:
+    outcome = Replication(1, 0, cells=SMALL, decisions=OTHER).run()
+    rows: list[Any] = [*outcome.recalls, *outcome.trainings, *outcome.orient_rows]
+    assert len(outcome.orient_rows) == 6
+    assert {row.decisions for row in rows} == {TEXT}
+    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run().recalls} == {""}
+
+
+@pytest.mark.parametrize("learner", [TEACHER, RANDOM])
+def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
+    (row,) = Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run().recalls
+    assert row.decisions == TEXT
+    assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
+
+
+@pytest.mark.parametrize("backend", [PYMUNK, COMPILED])
+def test_every_job_has_the_decisions(backend: str) -> None:
+    if backend == COMPILED:
+        pytest.importorskip("numba")
+    make: Any = pymunk_jobs if backend == PYMUNK else compiled_jobs
+    jobs = make(0, job_counts(6, backend), OTHER)
+    assert len(jobs) > 10
+    assert {job.decisions for job in jobs} == {OTHER}
+
+
+def test_report_names_its_decisions(tmp_path: Path) -> None:
+    rows = [recall(decisions=TEXT)]
+    write_report(tmp_path, rows, [training(decisions=TEXT)], [], [], np.random.default_rng(0), resamples=10)
+    assert "decisions: food_to_home=200, next_to_food=22, backend" in (tmp_path / PAGE).read_text()
+
+
+@pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
+def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
+    rows: dict[str, list[Any]] = {
+        "recalls": [recall()],
+        "trainings": [training()],
+        "teachers": [recall(learner=TEACHER)],
+        "noise_rows": [recall()],
+        "orient_rows": [OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)],
+    }
+    rows[table] = [replace(rows[table][0], decisions=TEXT)]
+    with pytest.raises(
+        ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is"
+    ) as error:
+        write_report(
+            tmp_path,
+            rows["recalls"],
+            rows["trainings"],
+            rows["teachers"],
+            rows["noise_rows"],
+            np.random.default_rng(0),
+            orient_rows=rows["orient_rows"],
+        )
+    assert str(error.value).endswith("allowed: rows of the same decisions in one report")
+    assert not list(tmp_path.iterdir())
+
+
+def test_claims_refuse_rows_of_different_decisions() -> None:
+    with pytest.raises(ValueError, match=f"rows of different decisions: {DIFFERENCES}; allowed"):
+        claims([recall(), recall(decisions=TEXT)], [], [], np.random.default_rng(1))
+
+
+class _Job:
+    """A job that leaves one row of each kind."""
+
+    decisions = TEXT
+
+    def run(self) -> Outcome:
+        orient = OrientRow(0, 10, "g1", 0, 1.0, 0.0, 0.0, self.decisions)
+        return Outcome((recall(decisions=self.decisions),), (training(decisions=self.decisions),), (orient,))
+
+
+@pytest.fixture
+def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reproduction, "compiled_jobs", lambda *arguments: [_Job()])
+
+
+def reproduce(out: Path, decisions: Decisions | None) -> Path:
+    return reproduction.reproduce(0, 1, out, backend=COMPILED, decisions=decisions)
+
+
+@pytest.mark.usefixtures("one_job")
+def test_reproduction_replaces_rows_of_the_same_decisions(tmp_path: Path) -> None:
+    for _ in range(2):
+        page = reproduce(tmp_path, OTHER)
+        assert "decisions: food_to_home=200, next_to_food=22" in page.read_text()
+        assert [row.decisions for row in read_rows(tmp_path / "trainings.csv", TrainingRow)] == [TEXT]
+
+
+@pytest.mark.usefixtures("one_job")
+@pytest.mark.parametrize("name", ["recalls", "trainings", "orient"])
+def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, tmp_path: Path) -> None:
+    reproduce(tmp_path, OTHER)
+    for other in {"recalls", "trainings", "orient"} - {name}:
+        (tmp_path / f"{other}.csv").unlink()
+    path = tmp_path / f"{name}.csv"
+    before = path.read_bytes()
+    for decisions in (None, Decisions()):
+        with pytest.raises(
+            ValueError, match=re.escape(f"{path} has rows of other decisions: {DIFFERENCES}; ")
+        ) as error:
+            reproduce(tmp_path, decisions)
+        assert str(error.value).endswith("same decisions (now the defaults), another --out, or no such file")
+    assert path.read_bytes() == before
+
+
+@pytest.mark.usefixtures("one_job")
+def test_rows_of_an_older_version_are_of_the_default_decisions(tmp_path: Path) -> None:
+    path = tmp_path / "recalls.csv"
+    write_rows(path, RecallRow, [recall()])
+    path.write_text(path.read_text().replace(",decisions\n", "\n").replace(",\n", "\n"))
+    with pytest.raises(ValueError, match="has rows of other decisions: food_to_home is 180, not 200"):
+        reproduce(tmp_path, OTHER)
+    path.write_text(path.read_text().split("\n")[0] + "\n")
+    reproduce(tmp_path, OTHER)
+
+
+@pytest.mark.usefixtures("one_job")
+def test_reproduction_refuses_a_damaged_row(tmp_path: Path) -> None:
+    path = tmp_path / "recalls.csv"
+    write_rows(path, RecallRow, [recall(decisions=TEXT)])
+    path.write_text(path.read_text().replace(TEXT, "next_to_food=near"))
+    with pytest.raises(
+        ValueError, match=re.escape(f"{path}:2: decision next_to_food is 'near'; allowed: a number")
+    ):
+        reproduce(tmp_path, OTHER)
+
+
+def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
+        reproduction.reproduce(0, 1, tmp_path, decisions=17)  # type: ignore[arg-type]
