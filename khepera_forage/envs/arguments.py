@@ -17,7 +17,7 @@ from khepera_forage.task.states import Behaviour, FoodType
 FoodOdds = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
 
-_DRAWABLE = (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)
+_DRAWABLE = tuple(FoodType)[1:]
 
 
 def behaviour_number(action: Any, count: int, agent: str = "") -> int:
@@ -53,8 +53,8 @@ def motor_action(action: Any) -> NDArray[np.float64]:
     return values
 
 
-def food_odds(food_types: FoodOdds) -> tuple[float, float, float]:
-    """Odds of PICKABLE, PUSHABLE and POISONOUS, adding up to 1.
+def food_odds(food_types: FoodOdds) -> tuple[float, ...]:
+    """Odds of each food type but UNKNOWN, in the order of `FoodType`, adding up to 1.
 
     Raises:
         ValueError: An unknown type, odds that are negative, not finite, or all zero.
@@ -70,8 +70,7 @@ def food_odds(food_types: FoodOdds) -> tuple[float, float, float]:
     total = sum(odds.values())
     if not total > 0:
         raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
-    pickable, pushable, poisonous = (odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
-    return pickable, pushable, poisonous
+    return tuple(odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
 
 
 def checked_decisions(decisions: Any) -> Decisions:

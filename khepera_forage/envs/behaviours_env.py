@@ -9,7 +9,7 @@ from khepera_forage.envs.arguments import behaviour_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
-from khepera_forage.task.states import BEHAVIOURS, FoodType
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
 """The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""
@@ -68,17 +68,17 @@ class BehavioursEnv(RecallEnv[int]):
         super().__init__(**kwargs)
         diagonal = self._map.diagonal
         distance = spaces.Box(0, diagonal, (1,), np.int64)
-        self.action_space = spaces.Discrete(10)  # type: ignore[assignment]
+        self.action_space = spaces.Discrete(NUM_BEHAVIOURS)  # type: ignore[assignment]
         self.observation_space = spaces.Dict(
             object_presence=spaces.Discrete(2),
             robot_home_distance=distance,
-            food_type=spaces.Discrete(4),
+            food_type=spaces.Discrete(len(FoodType)),
             arms_height=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
             robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
         )
 
     def _motors(self, action: int, forager: Forager) -> Motors:
-        behaviour = behaviour_number(action, 10)
+        behaviour = behaviour_number(action, NUM_BEHAVIOURS)
         self._executed = BEHAVIOURS[behaviour]
         return forager.motors_for(behaviour)
 

@@ -35,7 +35,7 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 TEACHER = "teacher_0"
@@ -133,9 +133,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.agents: list[str] = []
         diagonal = self._maps[0].diagonal
         low = np.array((0, 0, 0, ARM_RAISED, 0, 0, 0))
-        high = np.array((1, diagonal, 3, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
+        high = np.array((1, diagonal, len(FoodType) - 1, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
         self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
-        self.action_spaces = {a: spaces.Discrete(11) for a in self.possible_agents}
+        self.action_spaces = {a: spaces.Discrete(len(Behaviour)) for a in self.possible_agents}
         self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
         self._attempt: TrainingEpisode | None = None
 
@@ -181,7 +181,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         foragers = []
         for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
             tracker = tracker_of(layout.foods[i * count : (i + 1) * count])
-            draw_food_types(tracker.foods, food_type_key(key, episode), *self._odds[:2])
+            draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
             foragers.append(Forager(robot, arena, self._markers[i], tracker, self._values))
         self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self._values)
         self.agents = self.possible_agents[:]
@@ -215,7 +215,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self._was_dead_step(action)
             return
         i = self._index[agent]
-        attempt.actions[i] = behaviour_number(action, 11, agent)
+        attempt.actions[i] = behaviour_number(action, len(Behaviour), agent)
         self._cumulative_rewards[agent] = 0.0
         if i < len(attempt.foragers) - 1:
             self._clear_rewards()

@@ -18,6 +18,7 @@ from khepera_forage.robots.khepera import (
     applicable,
 )
 from khepera_forage.task.actions import decode_motors
+from khepera_forage.task.states import FoodType
 
 
 class WheelsEnv(RecallEnv[NDArray[np.float64]]):
@@ -72,7 +73,7 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
             tracked=spaces.Discrete(flag),
             food_seen=spaces.Discrete(flag),
             food=spaces.Box(-place, place, (2,), np.float64),
-            food_type=spaces.Discrete(4),
+            food_type=spaces.Discrete(len(FoodType)),
             home=spaces.Box(-place, place, (3,), np.float64),
             wall=spaces.Box(np.array((0.0, -180.0)), np.array((place, 180.0)), (2,), np.float64),
         )

@@ -9,10 +9,7 @@ from typing import Any
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.scoring import penalty, score
-from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
-
-STATES = 10
-"""States that occur (4.4)."""
+from khepera_forage.task.states import NUM_STATES, Behaviour, FoodType, StateVector, is_raised
 
 
 @dataclass(slots=True)
@@ -50,8 +47,8 @@ class DecisionCounts:
         orient_without_food: Steps in which ORIENT WITH FOOD was wrong and no food was within the close threshold.
     """
 
-    by_state: list[int] = field(default_factory=lambda: [0] * STATES)
-    wrong_by_state: list[int] = field(default_factory=lambda: [0] * STATES)
+    by_state: list[int] = field(default_factory=lambda: [0] * NUM_STATES)
+    wrong_by_state: list[int] = field(default_factory=lambda: [0] * NUM_STATES)
     orient_without_food: int = 0
 
 

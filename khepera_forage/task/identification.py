@@ -1,9 +1,10 @@
 """When food is identified, and when it is delivered (4.2.3, 5.3)."""
 
+from typing import Any
+
 from khepera_forage.geometry.angles import length
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.states import FoodType
 
 _DOWN = ARM_DOWN - 3
 _OPEN = JAW_OPEN - 5
@@ -29,19 +30,19 @@ def explored(before: Senses, after: Senses, applied: Motors) -> bool:
     )
 
 
-def drawn_type(draw: float, pickable: float, pushable: float) -> FoodType:
+def drawn_type(draw: float, odds: Any) -> int:
     """The type of food that a uniform draw stands for (3.7, 4.2.3).
 
     Args:
         draw: Uniform in [0, 1).
-        pickable: Its odds.
-        pushable: Its odds; the rest is poisonous.
+        odds: Of each `FoodType` but UNKNOWN, in their order; adding up to 1.
     """
-    if draw < pickable:
-        return FoodType.PICKABLE
-    if draw < pickable + pushable:
-        return FoodType.PUSHABLE
-    return FoodType.POISONOUS
+    left = draw
+    for k in range(len(odds)):
+        left -= odds[k]
+        if left < 0.0:
+            return k + 1
+    return len(odds)
 
 
 def at_home(x: float, y: float, arena: ArenaMap) -> bool:

@@ -52,17 +52,16 @@ def food_type_key(key: Any, episode: int) -> Any:
     return random_bits(key, _LAYOUTS + 2 * episode + 1)
 
 
-def draw_food_types(foods: Any, key: Any, pickable: float, pushable: float) -> None:
+def draw_food_types(foods: Any, key: Any, odds: Any) -> None:
     """Draw the type of each food object.
 
     Args:
         foods: `FoodObject` records; changed in place.
         key: From `food_type_key`.
-        pickable: Odds of PICKABLE.
-        pushable: Odds of PUSHABLE; the rest is POISONOUS.
+        odds: Of each `FoodType` but UNKNOWN, in their order.
     """
     for k in range(len(foods)):
-        foods[k].type = drawn_type(uniform(key, k), pickable, pushable)
+        foods[k].type = drawn_type(uniform(key, k), odds)
 
 
 def draw_layout(start: Any, places: Any, key: Any, floor: Floor, decisions: DecisionValues) -> bool:

@@ -46,7 +46,7 @@ class Forage:
         self.world = PymunkWorld([arena], (2,), Noise.none() if noise is None else noise)
         self.world.reset(np.random.default_rng(seed), Layout((arena.start,), foods))
         self.tracker = tracker_of(foods)
-        draw_food_types(self.tracker.foods, key_of(seed), *odds)
+        draw_food_types(self.tracker.foods, key_of(seed), (*odds, 1 - sum(odds)))
         self.robot = Forager(self.world.robots[0], arena_map_of(arena), 2, self.tracker, DEFAULT_VALUES)
         self.robot.perceive(self.world.camera.look())
 

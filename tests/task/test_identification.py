@@ -22,7 +22,7 @@ from khepera_forage.task.states import FoodType
     ],
 )
 def test_drawn_type_follows_the_odds(draw: float, odds: tuple[float, float], food_type: FoodType) -> None:
-    assert drawn_type(draw, *odds) == food_type
+    assert drawn_type(draw, (*odds, 1 - sum(odds))) == food_type
 
 
 def test_explored_needs_one_still_round_with_arm_down_and_jaw_open() -> None:

@@ -170,7 +170,7 @@ def test_keys_differ_between_seeds_episodes_and_purposes() -> None:
 
 def types_of(foods: int, key: int, pickable: float, pushable: float) -> list[int]:
     objects = [FoodObject(0.0, 0.0) for _ in range(foods)]
-    draw_food_types(objects, key, pickable, pushable)
+    draw_food_types(objects, key, (pickable, pushable, 1 - pickable - pushable))
     assert all(food.known == FoodType.UNKNOWN for food in objects)
     return [food.type for food in objects]
 

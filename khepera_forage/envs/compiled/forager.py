@@ -43,11 +43,9 @@ class CompiledForager:
             *(round(_of(robot, name)) for name in ("pulses_left", "pulses_right")),
             *(int(_of(robot, name)) for name in ("arm_reading", "jaw_reading", "object_presence")),
         )
-        self.tracker = FoodTracker(
-            *worlds.trackers[0, 0].item(),
-            foods=[FoodObject(*food.item()) for food in worlds.foods[0, 0]],
-            links=[Link(*link.item()) for link in worlds.links[0, 0]],
-        )
+        self.tracker = FoodTracker(*worlds.trackers[0, 0].item())
+        self.tracker.foods = [FoodObject(*food.item()) for food in worlds.foods[0, 0]]
+        self.tracker.links = [Link(*link.item()) for link in worlds.links[0, 0]]
         self.raw = RawData(
             tuple(proximity[:6]),  # type: ignore[arg-type]
             self.senses.arm,

@@ -84,7 +84,7 @@ def recall_parameters(
 
 
 def task_parameters(
-    arena: Arena, limit: int, odds: tuple[float, float, float], decisions: Decisions
+    arena: Arena, limit: int, odds: tuple[float, ...], decisions: Decisions
 ) -> TaskParameters:
     """The task's parameters in one arena."""
     map_, floor = arena_map_of(arena), floor_of(arena)
@@ -94,7 +94,7 @@ def task_parameters(
         for name, value in known._asdict().items():
             if name != "walls":
                 record[f"{prefix}_{name}"] = value
-    record["pickable"], record["pushable"] = odds[:2]
+    record["odds"] = odds
     record["limit"] = limit
     return TaskParameters(
         record,

@@ -12,6 +12,7 @@ import numpy as np
 from khepera_forage.geometry.walls import Wall
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import FoodType
 
 TASK = (
     # What the robot sensed when the round began.
@@ -75,7 +76,7 @@ decisions_dtype = np.dtype([(field.name, "f8") for field in fields(Decisions)])
 arena_dtype = np.dtype(
     [(f"map_{name}", "f8") for name in ArenaMap._fields if name != "walls"]
     + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
-    + [(name, "f8") for name in ("pickable", "pushable")]
+    + [("odds", "f8", (len(FoodType) - 1,))]
     + [("limit", "i8")]
 )
 """`task.arena_map.ArenaMap` in pixels and `Floor` in mm without their walls, odds of food types, and the step limit."""

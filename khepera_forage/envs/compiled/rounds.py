@@ -63,7 +63,7 @@ def begin_world(
         for k in range(places.shape[0]):
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
     put_down(worlds, i, parameters)
-    draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.pickable, arena.pushable)
+    draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)
     episode.number += 1
     return bool(free)
 

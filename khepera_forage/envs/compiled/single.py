@@ -30,7 +30,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import BEHAVIOURS, Behaviour
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, Behaviour
 
 _STEPS, _CORRECT, _REWARD, _SCORE, _PENALTY, _TERMINATED, _TRUNCATED = map(
     episode_dtype.names.index,  # type: ignore[union-attr]
@@ -244,7 +244,7 @@ class CompiledBehavioursEnv(CompiledRecallEnv[int]):
         return BehavioursEnv(**kwargs)
 
     def _command(self, action: int, row: NDArray[np.float64]) -> None:
-        behaviour = behaviour_number(action, 10)
+        behaviour = behaviour_number(action, NUM_BEHAVIOURS)
         self._executed = BEHAVIOURS[behaviour]
         row[0, 0] = behaviour
 

@@ -14,7 +14,7 @@ from khepera_forage.envs.rendering.text import Anchor, TextRenderer
 from khepera_forage.envs.rendering.view import RobotView
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.robots.proximity import MAX_READING
-from khepera_forage.task.states import Behaviour, FoodType, StateVector, behaviour_for
+from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, FoodType, StateVector, behaviour_for
 
 PAD = 13.0
 """Space between the edge of a panel and its content."""
@@ -23,7 +23,7 @@ ROW = 16.0
 HEADING, LABEL, VALUE, SMALL, TINY = 15.0, 17.0, 18.0, 14.0, 12.5
 """Sizes of text."""
 ATTRIBUTES = ("ObjectPresence", "RobotHomeDistance", "FoodType", "ArmsHeight", "RobotFoodDistance")
-BEHAVIOURS = tuple(Behaviour)[:10]
+BEHAVIOURS = tuple(Behaviour)[:NUM_BEHAVIOURS]
 
 
 def sentence_case(name: str) -> str:
@@ -172,7 +172,7 @@ class Panel:
         differs = self._differs_from_state() or self._differs_from_heard()
         fill = palette.WARNING if differs else self.colour
         own = None if robot.state is None else behaviour_for(robot.state)
-        pitch = (bottom - y - 8 * u) / 10
+        pitch = (bottom - y - 8 * u) / NUM_BEHAVIOURS
         bar = (right - 74 * u, right - 33 * u)
         for behaviour in BEHAVIOURS:
             middle = y + 8 * u + (behaviour + 0.5) * pitch

@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from khepera_forage.task.episode import STATES
+from khepera_forage.task.states import NUM_BEHAVIOURS, NUM_STATES
 
 decision_dtype = np.dtype(
     [
         ("policy", "i8"),  # number of a memory, or `TEACHER` or `UNIFORM`
         ("query", "i8"),  # state vector of the votes below, as one number; -1 without votes
         ("total", "i8"),  # number of votes
-        ("votes", "i8", (STATES,)),  # for each behaviour
+        ("votes", "i8", (NUM_BEHAVIOURS,)),  # for each behaviour
         ("ties", "i8"),  # rounds in which several experience vectors were equally near
         ("conflicts", "i8"),  # rounds with a tie between different behaviours
         # `task.episode.DecisionCounts`.
-        ("by_state", "i8", (STATES,)),
-        ("wrong_by_state", "i8", (STATES,)),
+        ("by_state", "i8", (NUM_STATES,)),
+        ("wrong_by_state", "i8", (NUM_STATES,)),
         ("orient_without_food", "i8"),
         ("recall", "i8"),  # number of the recall under way, -1 without one that counts
     ]
@@ -26,7 +26,7 @@ outcome_dtype = np.dtype(
         *((name, "i4") for name in ("steps", "correct", "delivered", "poison_home", "deliverable")),
         *((name, "f8") for name in ("score", "penalty")),
         *((name, "i4") for name in ("ties", "conflicts", "orient_without_food")),
-        *((name, "i4", (STATES,)) for name in ("by_state", "wrong_by_state")),
+        *((name, "i4", (NUM_STATES,)) for name in ("by_state", "wrong_by_state")),
         ("start", "f8", (3,)),  # x, y (mm) and heading (radians)
     ],
     align=True,

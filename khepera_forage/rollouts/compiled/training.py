@@ -149,7 +149,7 @@ def _side(
     number: int,
     blocks: int,
     noise: Noise,
-    odds: tuple[float, float, float],
+    odds: tuple[float, ...],
     terms: Terms,
     decisions: Decisions,
 ) -> Side:

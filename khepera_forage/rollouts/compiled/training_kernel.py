@@ -100,7 +100,7 @@ def _put_on_marks(side: Side, number: int, i: int, key: Any, terms: Terms) -> bo
         floor(side.task),
     )
     put_down(worlds, i, side.parameters)
-    draw_food_types(worlds.foods[i], food_type_key(key, 0), arena.pickable, arena.pushable)
+    draw_food_types(worlds.foods[i], food_type_key(key, 0), arena.odds)
     return bool(free)
 
 
