@@ -13,6 +13,7 @@ from numba.extending import overload, register_jitable
 
 from khepera_forage.compilation.cache_key import cache_key
 from khepera_forage.compilation.late_optimization import LateOptimization
+from khepera_forage.compilation.one_at_a_time import compile_one_at_a_time
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _PACKAGE = __name__.partition(".")[0]
@@ -37,6 +38,7 @@ def entrance(function: _F) -> _F:
     """
     function.__qualname__ = f"{function.__qualname__}_{cache_key(function.__module__):08x}"
     compiled: _F = numba.njit(cache=True, nogil=True, **_OPTIONS)(function)
+    compile_one_at_a_time(compiled)
     return compiled
 
 
