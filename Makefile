@@ -10,13 +10,13 @@ reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
 
 test: $(VENV)/installed lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
 test-baselines: $(VENV)/installed
 	$(BIN)/pip install --quiet torch==2.13.0
 	$(BIN)/pip install --quiet --editable '.[dev,baselines,ray,dask]'
-	$(BIN)/python -m pytest tests/baselines tests/benchmarks/test_learners_on_clusters.py
+	$(BIN)/python -m pytest -n auto --dist loadfile tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .

@@ -5,14 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-CODE = """
-import sys
-from khepera_forage.compilation.decorators import entrance
-{function}
+CALL = """
+from one_at_a_time_example import answer
 answer(2)
 print(sum(answer.stats.cache_misses.values()), sum(answer.stats.cache_hits.values()))
 """
-FUNCTION = "from one_at_a_time_example import answer"
 EXAMPLE = """
 from khepera_forage.compilation.decorators import entrance
 
@@ -25,9 +22,8 @@ def answer(x):
 def test_two_processes_compile_once(tmp_path: Path) -> None:
     (tmp_path / "one_at_a_time_example.py").write_text(EXAMPLE, encoding="utf-8")
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
-    code = CODE.format(function=FUNCTION)
     processes = [
-        subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
+        subprocess.Popen([sys.executable, "-c", CALL], env=environment, stdout=subprocess.PIPE, text=True)
         for _ in range(3)
     ]
     counts = [process.communicate(timeout=120)[0].split() for process in processes]
