@@ -176,6 +176,18 @@ def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:
             assert (a[: len(b)] == b).all()
 
 
+def test_recalls_follow_the_decisions() -> None:
+    usual = run_teacher("corridor", 300)
+    longer = run_teacher("corridor", 300, decisions=Decisions(round_duration=0.2))
+    slower = run_teacher("corridor", 300, decisions=Decisions(search_speed=6, home_speed=6))
+    farther = run_teacher("corridor", 300, decisions=Decisions(food_to_walls=80))
+    assert (longer.start == usual.start).all()
+    assert 0.45 < longer.steps.mean() / usual.steps.mean() < 0.65
+    assert slower.steps.mean() > 1.2 * usual.steps.mean()
+    assert (farther.foods != usual.foods).any()
+    assert (farther.foods[:, 0, 1] >= 80).all()
+
+
 def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     teacher = run_teacher("corridor", 300, 2)
     assert (teacher.correct == teacher.steps).all()
