@@ -10,7 +10,7 @@ from khepera_forage.envs.forager import floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.layout_checks import check_layout, check_robot
+from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
@@ -83,6 +83,7 @@ def given_places(
         places = _foods_of(options, foods)
         for place in places:
             arena.check_free("food", place, FOOD_RADIUS)
+    check_apart(Layout(() if start is None else (start,), places or ()))
     return start, places
 
 

@@ -131,3 +131,27 @@ def test_confidence_of_a_policy_appears_in_the_view(backend: str) -> None:
     assert env.view().robots[0].confidence is None
     env.confidence = (0.5, 0.5) + (0.0,) * 8
     assert env.view().robots[0].confidence == env.confidence
+
+
+@needs_numba
+@pytest.mark.parametrize("mode", ["pymunk", "compiled", "vector"])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"foods": [(300, 300), (310, 300)]}, r"food at \(310, 300\) mm overlaps food at \(300, 300\) mm"),
+        (
+            {"start": (300, 300, 0), "foods": [(325, 300), (500, 100)]},
+            r"food at \(325, 300\) mm overlaps robot at \(300, 300\) mm; allowed: at least 45 mm apart",
+        ),
+        ({"start": (10, 300, 0)}, r"start at \(10, 300\) mm is 10 mm from a wall"),
+        ({"foods": [(300, 300)]}, "1 foods given; allowed: 2"),
+        ({"food": [(300, 300)]}, "reset option 'food' is unknown"),
+    ],
+)
+def test_wrong_places_are_refused_alike(mode: str, options: Any, message: str) -> None:
+    name = _id("Rectangle")
+    env: Any = gym.make_vec(name, num_envs=2) if mode == "vector" else gym.make(name, backend=mode)
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match=message):
+        env.reset(options=options)
+    env.step(env.action_space.sample())
