@@ -1,8 +1,7 @@
-"""`benchmarks/kheperax.py`: all but Kheperax itself, which needs JAX, an environment of its own and the network."""
+"""`benchmarks/kheperax.py` without Kheperax itself, which needs JAX, an environment of its own and the network."""
 
 import json
 import math
-import subprocess
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -11,60 +10,43 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MAX_SPEED, RADIUS, WHEEL_BASE
-from khepera_forage.rollouts.row_files import read_rows
-from tests.benchmarks.running import ROOT, help_of, is_picture, read
+from tests.benchmarks.running import is_picture, read, refused
 
 pytest.importorskip("numba")
-sys.path.insert(0, str(ROOT / "benchmarks"))
 
-import kheperax
-from _kheperax import lines, page
-from _kheperax.environment import NoKheperax
-from _kheperax.ours import Bodies, whole_task
-from _kheperax.theirs import About, Timed, answer_of
-from _kheperax.work import ARENA, FOODS, HELD, ROUNDS, TRAVEL, Work
+from harness.page import write
+from kheperax_comparison import measures
+from kheperax_comparison.environment import NoKheperax
+from kheperax_comparison.measures import TimedLine
+from kheperax_comparison.ours import OurBodies, whole_task
+from kheperax_comparison.page import page
+from kheperax_comparison.theirs import About, Timed, answer_of
+from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TRAVEL, Work
 
 ABOUT = About("0.2.0", "0.10.2", "3.11.7", 2, "float32", 20, 10, 16.0, 4.5, 0.0)
-RATES = {lines.NOISE.theirs: 0.5e6, lines.NOISE.ours: 6e6, lines.CLEAN.theirs: 0.5e6, lines.CLEAN.ours: 7e6}
-
-
-def refused(*arguments: str) -> str:
-    command = [sys.executable, "-W", "error", str(ROOT / "benchmarks" / "kheperax.py"), "--quick", *arguments]
-    finished = subprocess.run(command, capture_output=True, text=True, timeout=80)
-    assert finished.returncode != 0
-    return finished.stderr
-
-
-def test_help_names_every_argument() -> None:
-    told = help_of("kheperax.py")
-    for argument in (
-        "--seed",
-        "--out",
-        "--quick",
-        "--repeats",
-        "--worlds",
-        "--venv",
-        "results/kheperax",
-        "1.2 GB",
-    ):
-        assert argument in told
+RATES = {
+    measures.NOISE.theirs: 0.5e6,
+    measures.NOISE.ours: 6e6,
+    measures.CLEAN.theirs: 0.5e6,
+    measures.CLEAN.ours: 7e6,
+}
 
 
 def test_numbers_of_worlds_are_checked() -> None:
-    assert "'0'; allowed: a whole number of at least 1" in refused("--worlds", "64", "0")
+    assert "'0'; allowed: a whole number of at least 1" in refused("kheperax", "--worlds", "64", "0")
 
 
 def test_a_folder_that_is_no_environment_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    told = refused("--out", str(tmp_path / "out"), "--venv", str(tmp_path))
+    told = refused("kheperax", "--out", str(tmp_path / "out"), "--venv", str(tmp_path))
     assert f"--venv is {str(tmp_path)!r}, which is no virtual environment" in told
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
-def test_an_environment_without_kheperax_is_told_by_its_last_words(tmp_path: Path) -> None:
+def test_an_environment_without_kheperax_is_reported_with_its_last_output(tmp_path: Path) -> None:
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin" / "python").symlink_to(Path(sys.base_prefix) / "bin" / "python3")
-    told = refused("--out", str(tmp_path / "out"), "--venv", str(tmp_path))
+    told = refused("kheperax", "--out", str(tmp_path / "out"), "--venv", str(tmp_path))
     assert "ended with status 1" in told
     assert "ModuleNotFoundError" in told
     assert "delete it" in told
@@ -110,10 +92,10 @@ def test_what_kheperax_gets_needs_no_pickle(tmp_path: Path) -> None:
         assert np.degrees(file["directions"]) == pytest.approx([90, 45, 10, -10, -45, -90, 180, 180])
 
 
-def test_our_robots_drive_where_they_are_told() -> None:
+def test_our_robots_drive_as_commanded() -> None:
     count = 2000
     work = Work.of(count, 1)
-    bodies = Bodies(work, 1)
+    bodies = OurBodies(work, 1)
     timed = bodies.timed(False, count, 1e-6, False)
     assert (timed.worlds, timed.steps) == (count, count * ROUNDS)
     assert timed.seconds > 0
@@ -131,62 +113,74 @@ def test_our_robots_drive_where_they_are_told() -> None:
     assert np.median(off) < 1e-6, "near food, which a few of them are, speeds change a little late"
 
 
-def test_readings_handed_to_python_change_nothing() -> None:
-    bodies = Bodies(Work.of(9, 0), 0)
+def test_reading_the_sensors_changes_nothing() -> None:
+    bodies = OurBodies(Work.of(9, 0), 0)
     bodies.timed(False, 9, 1e-6, False)
     alone = bodies.poses(9)
     assert bodies.timed(False, 9, 1e-6, True).steps == 9 * ROUNDS
     assert np.array_equal(bodies.poses(9), alone)
 
 
-@pytest.mark.parametrize("arena", sorted(lines.TASKS))
-def test_the_whole_task_is_foraged_until_the_time_is_over(arena: str) -> None:
+@pytest.mark.parametrize("arena", sorted(measures.TASKS))
+def test_the_whole_task_runs_until_the_time_is_over(arena: str) -> None:
     timed = whole_task(arena, 16, 0, 1e-6)
     assert timed.worlds == 16
     assert timed.steps > 4 * 16 * 20, "a forage takes some tens of steps"
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[lines.Row]:
+def rows() -> list[TimedLine]:
     """Three repeats: the second is twice as fast, for both sides; 1024 worlds suit ours, 256 Kheperax."""
     made = []
-    pairs = [line for pair in lines.PAIRS for line in (pair.theirs, pair.ours)]
+    pairs = [line for pair in measures.PAIRS for line in (pair.theirs, pair.ours)]
     for repeat, speed in enumerate((1.0, 2.0, 1.1)):
         for line in pairs:
             for worlds in (256, 1024):
-                suits = worlds == (1024 if line.startswith("BatchWorld") else 256)
+                suits = worlds == (1024 if line.startswith("compiled bodies") else 256)
                 rate = RATES.get(line, 1e6) * speed * (1.0 if suits else 0.5)
-                made.append(lines.Row(line, worlds, repeat, round(rate), 1.0, 2.5))
-        for line in (lines.AS_IT_COMES, *lines.TASKS.values()):
-            made.append(lines.Row(line, 1024, repeat, round(3e6 * speed), 1.0, 0.1))
+                made.append(TimedLine(line, worlds, repeat, round(rate), 1.0, 2.5))
+        for line in (measures.DEFAULT, *measures.TASKS.values()):
+            made.append(TimedLine(line, 1024, repeat, round(3e6 * speed), 1.0, 0.1))
     return made
 
 
-def test_ratios_are_taken_within_repeats_and_each_side_has_its_best_worlds(rows: list[lines.Row]) -> None:
-    assert lines.best(rows, lines.NOISE.ours) == 1024
-    assert lines.best(rows, lines.NOISE.theirs) == 256
-    both = lines.ratio(rows, (lines.NOISE.ours, 1024), (lines.NOISE.theirs, 256))
+def test_ratios_are_taken_within_repeats_and_each_side_has_its_best_worlds(rows: list[TimedLine]) -> None:
+    assert measures.best(rows, measures.NOISE.ours) == (measures.NOISE.ours, 1024)
+    assert measures.best(rows, measures.NOISE.theirs) == (measures.NOISE.theirs, 256)
+    both = measures.ratio(rows, (measures.NOISE.ours, 1024), (measures.NOISE.theirs, 256))
     assert both == pytest.approx((12, 12, 12)), "a faster repeat is faster for both"
-    assert lines.rate(rows, lines.NOISE.ours, 1024) == pytest.approx((6.6e6, 6e6, 12e6))
-    same = lines.ratio(rows, (lines.NOISE.ours, 256), (lines.NOISE.theirs, 256))
+    assert measures.rate(rows, (measures.NOISE.ours, 1024)) == pytest.approx((6.6e6, 6e6, 12e6))
+    same = measures.ratio(rows, (measures.NOISE.ours, 256), (measures.NOISE.theirs, 256))
     assert same == pytest.approx((6, 6, 6))
 
 
-def test_page_picture_tables_and_rows_are_written(rows: list[lines.Row], tmp_path: Path) -> None:
-    text = kheperax.write(tmp_path, rows, ABOUT, 1134.0)
-    assert (tmp_path / "kheperax.md").read_text(encoding="utf-8") == text
-    assert "**BatchWorld makes 12.0 [12.0, 12.0] times as many robot-steps a second as Kheperax**" in text
-    assert f"| {lines.CLEAN.ours} | 1024 | 7.70 [7.00, 14.00] | 14.0 [14.0, 14.0] |" in text
+def test_page_picture_and_tables_are_written(rows: list[TimedLine], tmp_path: Path) -> None:
+    write(tmp_path, "kheperax", page(rows, ABOUT, 1134.0), "the command")
+    text = (tmp_path / "kheperax.md").read_text(encoding="utf-8")
+    assert (
+        "**Our compiled bodies make 12.0 [12.0, 12.0] times as many robot-steps a second as Kheperax**"
+        in text
+    )
+    assert f"| {measures.CLEAN.ours} | 1024 | 7.70 [7.00, 14.00] | 14.0 [14.0, 14.0] |" in text
     assert "with 75.0 % confidence" in text
     for said in ("Kheperax 0.2.0", "JAX 0.10.2", "1,134 MB", "20 segments", "float32", "## What is equal"):
         assert said in text
-    assert is_picture(tmp_path / "kheperax.png")
-    assert read_rows(tmp_path / "rows.csv", lines.Row) == rows
-    assert len(read(tmp_path / "by_worlds.csv")) == 2 * len(lines.PAIRS)
-    assert len(read(tmp_path / "robot_steps.csv")) == 2 * len(lines.PAIRS) + 1 + len(lines.TASKS)
-
-
-def test_page_tells_what_kheperax_was_seen_to_do(rows: list[lines.Row]) -> None:
-    text = page.page(rows, ABOUT, 1.0)
     assert "drives into the wall (here 4.5 mm)" in text
     assert "ten steps backwards: 0.0 mm" in text
+    assert is_picture(tmp_path / "kheperax.png")
+    assert len(read(tmp_path / "table_by_worlds.csv")) == 2 * len(measures.PAIRS)
+    assert len(read(tmp_path / "table_robot_steps.csv")) == 2 * len(measures.PAIRS) + 1 + len(measures.TASKS)
+
+
+def test_a_warm_up_leaves_no_rows() -> None:
+    class Theirs:
+        def timed(self, setting: str, worlds: int, at_least: float, calls: bool) -> Timed:
+            return Timed(worlds, 64 * worlds, 0.5, 2.0)
+
+    plan = measures.Plan((3,), 5, 1e-6, 0)
+    bodies = OurBodies(Work.of(5, 0), 0)
+    assert not measures.Repeat(-1, plan, Theirs(), bodies).run()  # type: ignore[arg-type]
+    rows = measures.Repeat(0, plan, Theirs(), bodies).run()  # type: ignore[arg-type]
+    assert [row.line for row in rows[:2]] == [measures.NOISE.theirs, measures.NOISE.ours]
+    assert len(rows) == 2 * len(measures.PAIRS) + 1 + len(measures.TASKS)
+    assert all(row.rate > 0 for row in rows)

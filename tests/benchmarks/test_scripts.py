@@ -42,6 +42,7 @@ class Script:
         small: Arguments of an even smaller run with the same rows on any number of processes; none if rows are times.
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
+        runs: False if only its help is tested here, because a run needs the network.
     """
 
     options: tuple[str, ...]
@@ -50,6 +51,7 @@ class Script:
     small: tuple[str, ...] = ()
     page: str = ""
     needs: tuple[str, ...] = ()
+    runs: bool = True
 
 
 SCRIPTS = {
@@ -62,6 +64,9 @@ SCRIPTS = {
         ("trainings", "recalls"),
         small=("--only", "spatial_variety", "--replications", "1"),
         page="spatial_variety/spatial_variety.md",
+    ),
+    "kheperax": Script(
+        ("--repeats", "--worlds", "--venv", "1.2 GB"), ("rows",), needs=("numba",), runs=False
     ),
     "learners": Script(
         (
@@ -110,7 +115,7 @@ def available(*names: str) -> list[object]:
     ]
 
 
-all_scripts = pytest.mark.parametrize("script", available(*SCRIPTS))
+all_scripts = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].runs)))
 same_rows = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].small)))
 
 

@@ -1,4 +1,4 @@
-"""The work that both are given: an arena with four obstacles, robots in it, and what their wheels are told."""
+"""The work of both sides: an arena with four obstacles, starts of robots, and commands of their wheels."""
 
 import math
 from typing import Any, NamedTuple
@@ -19,21 +19,21 @@ from khepera_forage.sim.arena import RECTANGLE
 
 ARENA = RECTANGLE
 FOODS = ((200.0, 200.0), (450.0, 200.0), (200.0, 400.0), (450.0, 400.0))
-"""mm: where the cylinders stand; Kheperax gets a square about each."""
+"""mm: centres of the cylinders; for Kheperax each is a square around the cylinder."""
 COMMANDS, HELD = 8, 8
 """Commands of an episode, drawn at random, and the rounds that each is held."""
 ROUNDS = COMMANDS * HELD
-"""Rounds of an episode, after which robots are put back to where they started."""
+"""Rounds of an episode, after which robots go back to their starts."""
 TRAVEL = MAX_SPEED * SPEED_UNIT * CONTROL_PERIOD
 """mm that a wheel rolls in a round at full speed."""
 WHEEL_NOISE = 0.05 * TRAVEL / 2
 """mm: Kheperax adds this to a wheel's travel (standard deviation). The laboratory's slip of 5 %, at half speed."""
 SENSOR_NOISE = 1.2
-"""mm: Kheperax adds this to a distance. What the laboratory's 10 % of a reading (uniform) comes to at 30 mm."""
+"""mm: Kheperax adds this to a distance. The laboratory's 10 % of a reading (uniform) corresponds to this at 30 mm."""
 
 
 class Work(NamedTuple):
-    """Where robots start, and what they are told.
+    """Starts and commands of robots.
 
     Attributes:
         starts: x mm, y mm and heading in radians, shape (worlds, 3).
@@ -65,7 +65,7 @@ class Work(NamedTuple):
         return cls(starts[:worlds], wheels)
 
     def for_kheperax(self, devices: int) -> dict[str, Any]:
-        """All that `steps.py` needs, as arrays by name: lengths in mm, angles in radians.
+        """Everything that `steps.py` needs, as arrays by name: lengths in mm, angles in radians.
 
         Args:
             devices: Processors to share the worlds among.

@@ -153,7 +153,7 @@ def _steps_of(config: Any, held: int) -> Any:
 
 
 def about(work: Arrays) -> dict[str, Any]:
-    """What is installed, and what Kheperax was seen to do."""
+    """Versions, and the observed behaviour of Kheperax."""
     config = config_for("none", work)
     env = KheperaxTask(config)
     step = jax.jit(env.step)
@@ -187,7 +187,7 @@ def about(work: Arrays) -> dict[str, Any]:
 
 def main(path: str) -> None:
     """Answer requests until there are no more."""
-    # What libraries print must not get between the answers.
+    # Output of libraries must not get between the answers.
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     with np.load(path) as file:

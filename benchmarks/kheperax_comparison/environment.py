@@ -1,4 +1,4 @@
-"""Kheperax's own virtual environment: made once, used again."""
+"""Kheperax' own virtual environment, made once and used again."""
 
 import os
 import shutil
@@ -9,22 +9,22 @@ from pathlib import Path
 KHEPERAX = "0.2.0"
 WANTED = (f"kheperax=={KHEPERAX}", "jax")
 _SHOWN = 12
-"""Last lines of a program's words that an error quotes."""
+"""Last lines of a program's output that an error quotes."""
 
 
-class NoKheperax(RuntimeError):  # noqa: N818 (it says what is wrong)
+class NoKheperax(RuntimeError):  # noqa: N818 (the name says what is wrong)
     """Kheperax cannot be installed or run; the message says why."""
 
 
 def python_of(folder: Path) -> Path:
-    """The Python of a virtual environment, whether it is there or not."""
+    """The Python of a virtual environment, which need not exist yet."""
     return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
 def environment(folder: Path) -> Path:
     """The Python of an environment with Kheperax; the environment is made if nothing is there.
 
-    Says on standard output what it does. What was begun and failed is removed.
+    Reports its progress on standard output. An incomplete environment is removed.
 
     Raises:
         NoKheperax: The folder is something else, or installing failed.
@@ -74,7 +74,7 @@ def _install(python: Path) -> None:
     finished = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if finished.returncode:
         raise NoKheperax(
-            f"{' '.join(command)}\nfailed with status {finished.returncode}; its last words:\n{last(finished.stdout)}"
+            f"{' '.join(command)}\nfailed with status {finished.returncode}; its last output:\n{last(finished.stdout)}"
         )
 
 

@@ -1,4 +1,4 @@
-"""Kheperax's side: a process of its own Python that steps it on request."""
+"""Kheperax' side: a process with its own Python environment that steps it on request."""
 
 import json
 import subprocess
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Self, TypeVar, get_type_hints
 
 import numpy as np
 
-from _kheperax.environment import KHEPERAX, NoKheperax, last, variables
-from _kheperax.work import Work
+from kheperax_comparison.environment import KHEPERAX, NoKheperax, last, variables
+from kheperax_comparison.work import Work
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -23,7 +23,7 @@ _AnswerT = TypeVar("_AnswerT", bound="DataclassInstance")
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What is installed, and what Kheperax was seen to do before anything is timed.
+    """Versions, and the observed behaviour of Kheperax before anything is timed.
 
     Attributes:
         kheperax: Version.
@@ -33,9 +33,9 @@ class About:
         numbers: Type of a robot's coordinates.
         segments: Line segments of the maze.
         readings: Numbers that a robot senses.
-        travel: mm that a robot went in a step at full speed.
-        into_wall: mm that a robot driven against a wall overlaps it in the end.
-        backed_off: mm by which ten steps backwards brought it away from there.
+        travel: mm that a robot moves in a step at full speed.
+        into_wall: mm by which a robot driven against a wall overlaps it in the end.
+        backed_off: mm by which ten steps backwards move it away from there.
     """
 
     kheperax: str
@@ -52,12 +52,12 @@ class About:
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """Robot-steps and what they took.
+    """Robot-steps and their time.
 
     Attributes:
         worlds: How many were stepped together.
         steps: Of all robots.
-        seconds: That they took.
+        seconds: Of these steps.
         first_call: Seconds of the first call with these worlds, which compiles.
     """
 
@@ -88,15 +88,15 @@ def answer_of(line: str, kind: type[_AnswerT]) -> _AnswerT:
 
 
 class Kheperax:
-    """Kheperax in its own process, to be closed.
+    """Kheperax in its own process; close it afterwards.
 
     Args:
         python: Of the environment that has it.
-        work: For up to as many worlds as are asked for.
+        work: For at least as many worlds as are needed.
         devices: Cores to use.
 
     Attributes:
-        about: What it says of itself.
+        about: Versions and behaviour.
 
     Raises:
         NoKheperax: It does not start, or is of another version.
@@ -110,7 +110,7 @@ class Kheperax:
         self._errors = path / "errors"
         try:
             with self._errors.open("wb") as errors:
-                # -I: nothing of this package, and nothing that PYTHONPATH names, gets into its environment.
+                # -I keeps this package and everything in PYTHONPATH out of its environment.
                 self._process = subprocess.Popen(
                     [str(python), "-I", str(_STEPS), str(path / "work.npz")],
                     stdin=subprocess.PIPE,
@@ -146,12 +146,12 @@ class Kheperax:
         request = {"setting": setting, "worlds": worlds, "at_least": at_least, "calls": calls}
         with suppress(
             BrokenPipeError
-        ):  # if it has ended there is no answer, and that is told with its last words
+        ):  # without the process there is no answer, which is an error with its last output
             print(json.dumps(request), file=self._process.stdin, flush=True)
         return self._answer(Timed)
 
     def close(self) -> None:
-        """End it; a second call does nothing."""
+        """End the process; a second call does nothing."""
         if self._process.poll() is None:
             self._process.kill()
         self._process.communicate()
@@ -171,7 +171,7 @@ class Kheperax:
         if not line:
             words = last(self._errors.read_text(encoding="utf-8", errors="replace"))
             raise NoKheperax(
-                f"{self._python} ended with status {self._process.wait()}; its last words:\n{words}\n"
-                "If the environment is not whole, delete it: it is made again."
+                f"{self._python} ended with status {self._process.wait()}; its last output:\n{words}\n"
+                "If the environment is incomplete, delete it; the next run makes a new one."
             )
         return answer_of(line, kind)

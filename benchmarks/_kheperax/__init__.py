@@ -1,1 +1,0 @@
-"""What `benchmarks/kheperax.py` compares: the same work for Kheperax and for `BatchWorld`."""

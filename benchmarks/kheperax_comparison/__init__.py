@@ -1,0 +1,1 @@
+"""The comparison with Kheperax by `benchmarks/kheperax.py`."""
