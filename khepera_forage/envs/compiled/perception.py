@@ -58,7 +58,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
 
 
 @kernel
-def perceive(robot: Any, task: Any, parameters: TaskParameters) -> None:
+def perceive_block(robot: Any, task: Any, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
     arena, decisions = arena_map(parameters), decision_values(parameters)
     lanes = robot.x.shape[0]

@@ -6,7 +6,7 @@ from khepera_forage.compilation.decorators import entrance, inline, kernel, sequ
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
 from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values, floor
-from khepera_forage.envs.compiled.perception import perceive, remember_senses, track_food
+from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.stepping import advance_block, stand
@@ -77,7 +77,7 @@ def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters) -> N
         worlds.tasks.begins[i] = robot.first_frame[i]
     advance_block(worlds.bodies, parameters)
     track_food(worlds, task)
-    perceive(robot, worlds.tasks, task)
+    perceive_block(robot, worlds.tasks, task)
     end_steps(worlds, task)
 
 
