@@ -99,9 +99,14 @@ def checked_arena(arena: Arena | str, decisions: Decisions) -> Arena:
     if isinstance(arena, Arena):
         return arena
     if isinstance(arena, str) and arena in ARENAS:
-        d = decisions
-        return named_arena(arena, SetUp(d.start_to_wall, d.food_to_home, d.home_to_wall, d.home_radius))
+        return named_arena(arena, set_up_of(decisions))
     raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+
+
+def set_up_of(decisions: Decisions) -> SetUp:
+    """Where start, food and home are in a named arena (figure 5.1)."""
+    d = decisions
+    return SetUp(d.start_to_wall, d.food_to_home, d.home_to_wall, d.home_radius)
 
 
 def timing_of(decisions: Decisions) -> Timing:
@@ -124,6 +129,19 @@ def arenas_of(world: World, count: int) -> tuple[Arena, ...]:
             f"world has {len(world.markers)} robots in {len(world.arenas)} arenas; allowed: {count}, one in each"
         )
     return tuple(world.arenas)
+
+
+def check_round_duration(world: World, decisions: Decisions) -> None:
+    """Check that a round of a world that a user gave lasts as long as the decisions say.
+
+    Raises:
+        ValueError: It lasts longer or shorter.
+    """
+    if not math.isclose(world.round_duration, decisions.round_duration):
+        raise ValueError(
+            f"a round of this world lasts {world.round_duration:g} s, and decision round_duration is "
+            f"{decisions.round_duration:g} s; allowed: the same (in a laboratory, `period` of lab.toml)"
+        )
 
 
 def whole_number(name: str, value: Any, least: int) -> int:

@@ -12,6 +12,7 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
+    check_round_duration,
     checked_arena,
     checked_decisions,
     food_odds,
@@ -61,6 +62,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             world = PymunkWorld(
                 [checked_arena(arena, self.decisions)], markers, noise, timing=timing_of(self.decisions)
             )
+        else:
+            check_round_duration(world, self.decisions)
         self.world: World = world
         (self.arena,) = arenas_of(self.world, 1)
         self.foods = whole_number("foods", foods, 1)

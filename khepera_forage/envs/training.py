@@ -15,6 +15,7 @@ from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     behaviour_number,
+    check_round_duration,
     checked_arena,
     checked_decisions,
     food_odds,
@@ -120,6 +121,8 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
                 noise,
                 timing=timing_of(self.decisions),
             )
+        else:
+            check_round_duration(world, self.decisions)
         self.world: World = world
         self.arenas = arenas_of(world, learners + 1)
         self._noise = Noise.laboratory() if noise is None else noise

@@ -79,6 +79,11 @@ class Laboratory:
             raise
 
     @property
+    def round_duration(self) -> float:
+        """Seconds of one round: the period of the settings."""
+        return self.settings.period
+
+    @property
     def robots(self) -> Sequence[SerialKhepera]:
         """The robots, the teacher first."""
         return self._fleet.robots

@@ -23,7 +23,7 @@ from khepera_forage.lab.toml_table import (
 )
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
 from khepera_forage.robots.serial.port import BAUD_RATES
-from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose
+from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, SetUp, named_arena
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -32,8 +32,13 @@ class LabFileError(ValueError):
     """An invalid `lab.toml`; the message names the file and the key."""
 
 
-def load(path: Path | str) -> LabSettings:
+def load(path: Path | str, set_up: SetUp | None = None, period: float = CONTROL_PERIOD) -> LabSettings:
     """Read a file.
+
+    Args:
+        path: The file.
+        set_up: Where start, food and home are in an arena that the file only names; figure 5.1 by default.
+        period: Duration of a round in seconds, if the file does not set it.
 
     Raises:
         LabFileError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
@@ -41,25 +46,29 @@ def load(path: Path | str) -> LabSettings:
     """
     path = Path(path)
     try:
-        return parse(path.read_text(encoding="utf-8"), path.parent)
+        return parse(path.read_text(encoding="utf-8"), path.parent, set_up, period)
     except UnicodeDecodeError as error:
         raise LabFileError(f"{path}: not UTF-8 text: {error}") from None
     except LabFileError as error:
         raise LabFileError(f"{path}: {error}") from None
 
 
-def parse(toml: str, folder: Path = Path()) -> LabSettings:
+def parse(
+    toml: str, folder: Path = Path(), set_up: SetUp | None = None, period: float = CONTROL_PERIOD
+) -> LabSettings:
     """Parse the text of a file.
 
     Args:
         toml: The text.
         folder: Folder of a calibration file with a relative path.
+        set_up: As for `load`.
+        period: As for `load`.
 
     Raises:
         LabFileError: As `load`.
     """
     try:
-        return _lab_settings(Table(tomllib.loads(toml)), folder)
+        return _lab_settings(Table(tomllib.loads(toml)), folder, set_up, period)
     except tomllib.TOMLDecodeError as error:
         raise LabFileError(f"not TOML: {error}") from None
     except TableError as error:
@@ -71,8 +80,8 @@ def sample() -> str:
     return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
-def _lab_settings(table: Table, folder: Path) -> LabSettings:
-    arena = _arena(table.table("arena"))
+def _lab_settings(table: Table, folder: Path, set_up: SetUp | None, default_period: float) -> LabSettings:
+    arena = _arena(table.table("arena"), set_up)
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
@@ -86,7 +95,7 @@ def _lab_settings(table: Table, folder: Path) -> LabSettings:
     )
     tolerance_table.finish()
     safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
-    period = table.take("period", number(0.05, 1.0, "seconds"), CONTROL_PERIOD)
+    period = table.take("period", number(0.05, 0.5, "seconds"), default_period)
     table.finish()
     settings = LabSettings(arena, robots, camera, tracker, tolerance, safe_speed, period)
     _check_robots(settings)
@@ -145,7 +154,7 @@ def _tracker(table: Table) -> TrackerSettings:
         raise TableError(str(error)) from None
 
 
-def _arena(table: Table) -> Arena:
+def _arena(table: Table, set_up: SetUp | None) -> Arena:
     point = numbers("[x mm, y mm]")
     corners = list_of(lambda key, value: Point(*point(key, value)))
     name = table.take("name", text, "corridor")
@@ -157,7 +166,7 @@ def _arena(table: Table) -> Arena:
                 "or another name with walls, home, home_radius, start and foods"
             )
         table.finish()
-        return ARENAS[name]
+        return named_arena(name, set_up)
     x, y, degrees = table.take("start", numbers("[x mm, y mm, heading degrees]"))
     try:
         arena = Arena(

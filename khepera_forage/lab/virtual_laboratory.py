@@ -15,14 +15,14 @@ from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.khepera import ARM_SPEED, CONTROL_PERIOD, JAW_SPEED
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import ARENAS, Arena, Point, copies
+from khepera_forage.sim.arena import Arena, Point, SetUp, copies, named_arena
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
+from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
@@ -50,6 +50,8 @@ class VirtualLaboratory(Laboratory):
         fault_seed: Seed of the faults.
         real_time: Whether to keep real time, with the wall clock.
         operator: Replaces `virtual_operator`; for example, a person who directs it.
+        arm_speed: Positions a second.
+        jaw_speed: Positions a second.
 
     Raises:
         ValueError: A period that is not a multiple of the simulation's 0.1 s, or a wrong number of faults.
@@ -72,6 +74,8 @@ class VirtualLaboratory(Laboratory):
         fault_seed: int = 0,
         real_time: bool = False,
         operator: Operator | None = None,
+        arm_speed: float = ARM_SPEED,
+        jaw_speed: float = JAW_SPEED,
     ) -> None:
         noise = Noise.laboratory() if noise is None else noise
         appearance = CameraAppearance.laboratory() if appearance is None else appearance
@@ -81,7 +85,10 @@ class VirtualLaboratory(Laboratory):
             raise ValueError(
                 f"period is {settings.period:g} s; allowed in a virtual laboratory: multiples of {CONTROL_PERIOD:g} s"
             )
-        self.simulation = PymunkWorld(arenas, [robot.holes for robot in settings.robots], noise)
+        # Rounds of the simulation last as long as a control period of the firmware.
+        timing = Timing(CONTROL_PERIOD, arm_speed, jaw_speed)
+        markers = [robot.holes for robot in settings.robots]
+        self.simulation = PymunkWorld(arenas, markers, noise, timing=timing)
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
@@ -125,16 +132,26 @@ class VirtualLaboratory(Laboratory):
             opened.pop_all()
 
     @classmethod
-    def from_arena(cls, arena: Arena | str = "corridor", robots: int = 2, **options: object) -> Self:
+    def from_arena(
+        cls,
+        arena: Arena | str = "corridor",
+        robots: int = 2,
+        set_up: SetUp | None = None,
+        timing: Timing | None = None,
+        **options: object,
+    ) -> Self:
         """A laboratory with copies of one arena side by side.
 
         Args:
             arena: An arena, which is the first copy; or the name of one of the thesis's arenas. The copies of a named
                 arena are centred in the picture, whose border would cut off markers that extend over a wall.
             robots: Number of robots, the teacher first; a single robot is a learner.
+            set_up: Where start, food and home are in a named arena; figure 5.1 by default.
+            timing: How long a round lasts, and how fast arm and jaw move.
             **options: Arguments of the class.
         """
-        original = ARENAS[arena] if isinstance(arena, str) else arena
+        original = named_arena(arena, set_up) if isinstance(arena, str) else arena
+        timing = Timing() if timing is None else timing
         arenas = copies(original, robots)
         dx = dy = 0.0
         if isinstance(arena, str):
@@ -149,7 +166,9 @@ class VirtualLaboratory(Laboratory):
             )
             for i, copy in enumerate(arenas)
         )
-        settings = LabSettings(original, entries, CameraSettings("rendered frames"))
+        camera = CameraSettings("rendered frames")
+        settings = LabSettings(original, entries, camera, period=timing.round_duration)
+        options = {"arm_speed": timing.arm_speed, "jaw_speed": timing.jaw_speed, **options}
         return cls(settings, **options)  # type: ignore[arg-type] # the arguments of the class
 
     @property

@@ -77,12 +77,17 @@ class World(Protocol):
         """The camera above all arenas."""
         ...
 
+    @property
+    def round_duration(self) -> float:
+        """Seconds of one round."""
+        ...
+
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Put everything in its place. Same generator state and layout, same world, bit for bit."""
         ...
 
     def advance(self) -> None:
-        """One round of 0.1 s: every command given since the last one takes effect together."""
+        """One round: every command given since the last one takes effect together."""
         ...
 
     def poses(self) -> tuple[Pose, ...]:

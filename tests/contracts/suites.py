@@ -199,6 +199,9 @@ class WorldContract:
         assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
         assert len(stage.world.food_places()) == len(stage.layout.foods)
 
+    def test_round_lasts_a_tenth_of_a_second_by_default(self, stage: Stage) -> None:
+        assert stage.world.round_duration == 0.1
+
     def test_second_close_does_nothing(self, stage: Stage) -> None:
         stage.world.close()
         stage.world.close()

@@ -10,7 +10,7 @@ import pytest
 
 from khepera_forage.lab.settings import LabSettings, RobotSettings
 from khepera_forage.lab.settings_file import LabFileError, load, parse, sample
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Point
+from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Point, SetUp, named_arena
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 MINIMAL = """
@@ -69,6 +69,16 @@ def test_every_key_is_read() -> None:
     assert (settings.tolerance.position, settings.tolerance.heading) == (20.0, 5.0)
 
 
+def test_set_up_and_period_of_the_caller_apply_where_the_file_has_none() -> None:
+    set_up = SetUp(start_to_wall=120, food_to_home=200, home_to_wall=90, home_radius=80)
+    settings = parse(MINIMAL, set_up=set_up, period=0.2)
+    assert settings.arena == named_arena("corridor", set_up)
+    assert settings.period == 0.2
+    own = parse("period = 0.3\n" + CUSTOM_ARENA + MINIMAL.replace("300", "600"), set_up=set_up, period=0.2)
+    assert own.arena == parse(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
+    assert own.period == 0.3
+
+
 def test_one_robot_is_enough() -> None:
     assert len(parse('[camera]\nsource = "film.avi"\n[[robots]]\nport = "COM3"').robots) == 1
 
@@ -116,7 +126,8 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("source = 0", "source = -1", "camera.source is -1; allowed: the number of a device"),
         ("source = 0", "source = 0\noldest = 99", "camera.oldest is 99; allowed: 0.05 to 10 seconds"),
         ("[camera]", "safe_speed = 21\n[camera]", "safe_speed is 21; allowed: 1, 2, 3"),
-        ("[camera]", "period = 0\n[camera]", "period is 0; allowed: 0.05 to 1 seconds"),
+        ("[camera]", "period = 0\n[camera]", "period is 0; allowed: 0.05 to 0.5 seconds"),
+        ("[camera]", "period = 0.6\n[camera]", "period is 0.6; allowed: 0.05 to 0.5 seconds"),
         ("[camera]", "speed = 5\n[camera]", "speed is unknown; allowed: arena, camera, period"),
         ("[camera]", '[arena]\nname = "cave"\n[camera]', "arena.name is 'cave' and there are no walls; allowed"),
         ("[camera]", "[arena]\nhome = [1, 2]\n[camera]", "arena.home is unknown; allowed: name, walls"),

@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
+from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
+from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
@@ -27,6 +29,7 @@ from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR, Pose
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 
@@ -212,6 +215,77 @@ def test_errors_in_the_file_are_reported_in_one_line(
     path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
     assert main(["train", "--out", str(tmp_path), "--episodes", "1", "--lab", str(path)]) == 2
     assert "robots has one entry; allowed: a teacher and at least one learner" in capsys.readouterr().err
+
+
+def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
+    decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)
+    with VirtualLaboratory.from_arena(
+        "corridor",
+        2,
+        set_up_of(decisions),
+        timing_of(decisions),
+        noise=Noise.none(),
+        appearance=CameraAppearance.none(),
+    ) as lab:
+        for arena in lab.arenas:
+            assert arena.home.x - arena.foods[0].x == pytest.approx(200)
+            assert arena.start.x - arena.bounds[0] == pytest.approx(120)
+        assert lab.round_duration == 0.2
+        lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in lab.arenas), ()))
+        lab.robots[0].drive(Motors(0, 0, 255, 200))
+        arms = []
+        for _ in range(4):
+            lab.advance()
+            arms.append(lab.robots[0].sense().arm)
+        assert arms == [225, 235, 245, 255]
+
+
+@pytest.mark.parametrize("kind", [BehavioursEnv, TrainingEnv])
+def test_rounds_of_another_duration_than_decided_are_refused(kind: Any) -> None:
+    with VirtualLaboratory.from_arena("corridor", 1 if kind is BehavioursEnv else 2) as lab:
+        with pytest.raises(
+            ValueError,
+            match=r"a round of this world lasts 0\.1 s, and decision round_duration is 0\.2 s; allowed: the same",
+        ):
+            kind(world=lab, decisions=Decisions(round_duration=0.2))
+        assert (
+            kind(world=lab, decisions=Decisions(round_duration=0.1, separation=20)).decisions.separation == 20
+        )
+
+
+def test_period_of_the_file_must_be_the_decided_round_duration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a period in the file both are compared; without one the laboratory takes the decision."""
+    opened = []
+
+    def laboratory(settings: LabSettings) -> VirtualLaboratory:
+        opened.append(settings)
+        return VirtualLaboratory(settings, noise=Noise.none(), appearance=CameraAppearance.none())
+
+    monkeypatch.setattr("khepera_forage.lab.laboratory.Laboratory", laboratory)
+    path = tmp_path / "lab.toml"
+    file = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\noffset = [600, 600]\n'
+    recall = ["recall", "--episodes", "1", "--out", str(tmp_path / "rows.csv"), "--lab", str(path)]
+    for period, decision, message in (
+        ("period = 0.2\n", [], "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s"),
+        (
+            "",
+            ["--decision", "round_duration=0.15"],
+            "period is 0.15 s; allowed in a virtual laboratory: multiples",
+        ),
+    ):
+        path.write_text(period + file)
+        assert main([*recall, *decision]) == 2
+        assert message in capsys.readouterr().err
+    for period in ("period = 0.2\n", ""):
+        path.write_text(period + file)
+        decision = ["--decision", "round_duration=0.2", "--decision", "food_to_home=200"]
+        assert main([*recall, *decision]) == 0
+        assert opened[-1].period == 0.2
+        assert opened[-1].arena.home.x - opened[-1].arena.foods[0].x == 200
+        (row,) = read_rows(tmp_path / "rows.csv", RecallRow)
+        assert row.decisions == "round_duration=0.2;food_to_home=200"
 
 
 def test_longer_period_advances_the_simulation_further() -> None:

@@ -146,7 +146,8 @@ class CompiledWorld:
         self.arenas = (arena,)
         self.markers = (holes,)
         self.noise = Noise.laboratory() if noise is None else noise
-        self._timing = timing
+        self._timing = Timing() if timing is None else timing
+        self.round_duration = self._timing.round_duration
         self.robots: tuple[CompiledKhepera, ...] = ()
         self.camera = CompiledCamera(holes)
         self._bodies = empty_bodies(1, 0, lanes=1)

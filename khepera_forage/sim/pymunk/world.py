@@ -62,6 +62,7 @@ class PymunkWorld:
         )
         self.arenas = tuple(arenas)
         self._timing = Timing() if timing is None else timing
+        self.round_duration = self._timing.round_duration
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
         self.robots: tuple[PymunkKhepera, ...] = ()
