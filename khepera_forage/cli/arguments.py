@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"
@@ -53,6 +54,36 @@ def add_lab_argument(parser: argparse.ArgumentParser) -> None:
         help=f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated robots "
         "behind the real drivers",
     )
+
+
+def add_decision_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--decision`: a reading of the thesis other than the default."""
+    parser.add_argument(
+        "--decision",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
+        "('khepera-forage decisions' lists all names)",
+    )
+
+
+def add_allow_other_decisions_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--allow-other-decisions`."""
+    parser.add_argument(
+        "--allow-other-decisions",
+        action="store_true",
+        help="accept experience files that were recorded under other decisions",
+    )
+
+
+def decisions_of(arguments: argparse.Namespace) -> Decisions:
+    """The decisions that `--decision` describes; the defaults without it.
+
+    Raises:
+        ValueError: An unknown decision, or a value that is not allowed.
+    """
+    return Decisions.parse(arguments.decision)
 
 
 def require_at_least_one(option: str, value: int) -> None:

@@ -3,26 +3,29 @@
 import argparse
 from typing import Any
 
-from khepera_forage.cli.arguments import VIRTUAL_LAB
+from khepera_forage.cli.arguments import VIRTUAL_LAB, decisions_of
+from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.sim.world import World
+from khepera_forage.task.decisions import Decisions
 
 
 def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
     """The paired corridors. In a laboratory, print its robots and its camera.
 
     Args:
-        arguments: With `lab`, `num_learners` and `food_type`.
+        arguments: With `lab`, `num_learners`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    learners, kwargs = arguments.num_learners, {"food_types": arguments.food_type, **kwargs}
+    decisions, learners = decisions_of(arguments), arguments.num_learners
+    kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
     if arguments.lab is None:
         return TrainingEnv(num_learners=learners, **kwargs)
-    world = _laboratory(arguments.lab, "corridor", learners + 1)
+    world = _laboratory(arguments.lab, "corridor", learners + 1, decisions)
     try:
         return TrainingEnv(num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
     except BaseException:
@@ -34,13 +37,14 @@ def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
     """A recall environment. In a laboratory, print its robot and its camera.
 
     Args:
-        arguments: With `lab`, `arena` and `food_type`.
+        arguments: With `lab`, `arena`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    kwargs = {"food_types": arguments.food_type, **kwargs}
+    decisions = decisions_of(arguments)
+    kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
     if arguments.lab is None:
         return recall_rollouts.recall_env(arguments.arena, **kwargs)
-    world = _laboratory(arguments.lab, arguments.arena, 1)
+    world = _laboratory(arguments.lab, arguments.arena, 1, decisions)
     try:
         arena = world.arenas[0]
         if arena.name in ARENAS:
@@ -59,8 +63,10 @@ def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
         print(f"{clock.rounds} rounds, {clock.overruns} over their time{worst}")
 
 
-def _laboratory(lab: str, arena: str, robots: int) -> World:
+def _laboratory(lab: str, arena: str, robots: int, decisions: Decisions) -> World:
     """Open the laboratory that `--lab` names; one robot means the one that forages in a recall.
+
+    The decisions say how long rounds last and where start, food and home are, where the file leaves this open.
 
     Raises:
         ValueError: The file has a mistake.
@@ -69,13 +75,13 @@ def _laboratory(lab: str, arena: str, robots: int) -> World:
     if lab == VIRTUAL_LAB:
         from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 
-        virtual = VirtualLaboratory.from_arena(arena, robots)
+        virtual = VirtualLaboratory.from_arena(arena, robots, set_up_of(decisions), timing_of(decisions))
         print(f"virtual laboratory: robots at {', '.join(virtual.port_urls)}, a tracker on rendered frames")
         return virtual
     from khepera_forage.lab.laboratory import Laboratory
     from khepera_forage.lab.settings_file import load
 
-    settings = load(lab)
+    settings = load(lab, set_up_of(decisions), decisions.round_duration)
     if robots == 1:
         settings = settings.for_recall()
     elif len(settings.robots) < 2:

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import recall, reproduce, train, watch
+from khepera_forage.cli import decisions, recall, reproduce, train, watch
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
@@ -34,6 +34,12 @@ SUBCOMMANDS = (
         "show a training or recall episode in a window, or save it as a film",
         watch.add_arguments,
         watch.run,
+    ),
+    Subcommand(
+        "decisions",
+        "list what the thesis leaves open, with our decisions and their reasons",
+        decisions.add_arguments,
+        decisions.run,
     ),
     Subcommand("robot", "test a real Khepera, or start a virtual one", robot.add_arguments),
     Subcommand(

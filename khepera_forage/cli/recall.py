@@ -9,7 +9,9 @@ import numpy as np
 from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
+    add_allow_other_decisions_argument,
     add_arena_argument,
+    add_decision_argument,
     add_episodes_argument,
     add_food_type_argument,
     add_lab_argument,
@@ -34,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what determines a recall: the policy, the arena, the food type, the seed and the laboratory."""
+    """Add what determines a recall: policy, arena, food type, seed, laboratory and decisions."""
     parser.add_argument(
         "--experience",
         type=Path,
@@ -46,13 +48,25 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     add_food_type_argument(parser)
     add_seed_argument(parser, "the same seed gives the same episodes")
     add_lab_argument(parser)
+    add_decision_argument(parser)
+    add_allow_other_decisions_argument(parser)
 
 
 def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
-    """The policy that forages, its name in rows, and its number of experience vectors."""
+    """The policy that forages, its name in rows, and its number of experience vectors.
+
+    Raises:
+        ExperienceError: An experience file is not valid, or of other decisions than the environment.
+        OSError: An experience file cannot be read.
+    """
     if not arguments.experience:
-        return Teacher(env.home_radius), TEACHER, 0
-    vectors, behaviours = Experience.load(*arguments.experience).arrays()
+        return Teacher.of(env), TEACHER, 0
+    experience = Experience.load(
+        *arguments.experience,
+        decisions=env.decisions,
+        allow_other_decisions=arguments.allow_other_decisions,
+    )
+    vectors, behaviours = experience.arrays()
     return NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours), IMITATOR, len(behaviours)
 
 
@@ -60,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Forage, and print a line for each episode and the means.
 
     Raises:
-        ValueError: A number is out of range, or an experience file cannot be used.
+        ValueError: A number or a decision is not allowed, or an experience file cannot be used.
         OSError: The laboratory of `--lab` cannot be used.
     """
     require_at_least_one("--episodes", arguments.episodes)

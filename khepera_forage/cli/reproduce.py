@@ -3,7 +3,13 @@
 import argparse
 from importlib.util import find_spec
 
-from khepera_forage.cli.arguments import add_out_argument, add_seed_argument, require_at_least_one
+from khepera_forage.cli.arguments import (
+    add_decision_argument,
+    add_out_argument,
+    add_seed_argument,
+    decisions_of,
+    require_at_least_one,
+)
 from khepera_forage.thesis.jobs import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
 
@@ -30,13 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quick", action="store_true", help="a small version of all experiments, under a minute"
     )
+    add_decision_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the experiments and print the report.
 
     Raises:
-        ValueError: Fewer than one replication.
+        ValueError: Fewer than one replication, a decision that is not allowed, or a folder with rows of others.
         ImportError: `--backend compiled` without numba.
     """
     backend = arguments.backend or (COMPILED if find_spec("numba") is not None else PYMUNK)
@@ -51,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         n_jobs=arguments.jobs,
         quick=arguments.quick,
         backend=backend,
+        decisions=decisions_of(arguments),
     )
     print(page.read_text(encoding="utf-8"))
     print(f"Tables, figures and rows are in {arguments.out}")

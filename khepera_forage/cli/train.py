@@ -9,12 +9,14 @@ import numpy as np
 from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
+    add_decision_argument,
     add_episodes_argument,
     add_food_type_argument,
     add_lab_argument,
     add_num_learners_argument,
     add_out_argument,
     add_seed_argument,
+    decisions_of,
     new_experience_paths,
     require_at_least_one,
 )
@@ -23,7 +25,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TrainingRow
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,8 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patience",
         type=int,
-        default=Decisions().patience,
-        help=f"rounds that a learner may stay separated before the attempt ends ({Decisions().patience})",
+        help="rounds that a learner may stay separated before the attempt ends (that of decision patience)",
     )
     parser.add_argument(
         "--resume",
@@ -48,17 +49,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
     )
     add_lab_argument(parser)
+    add_decision_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Train, and print a line for each episode.
 
     Raises:
-        ValueError: A number is out of range.
+        ValueError: A number or a decision is not allowed.
         IncompleteTrainingError: None of many attempts at an episode was complete.
         OSError: An experience file is there already, or the laboratory of `--lab` cannot be used.
     """
     require_at_least_one("--episodes", arguments.episodes)
+    decisions = decisions_of(arguments)
+    if arguments.patience is not None and decisions.patience not in (
+        arguments.patience,
+        DEFAULT_DECISIONS.patience,
+    ):
+        raise ValueError(
+            f"--patience is {arguments.patience}, --decision patience={decisions.patience}; allowed: one of them"
+        )
     arguments.out.mkdir(parents=True, exist_ok=True)
     paths = new_experience_paths(arguments.out, arguments.episodes)
     with closing(training_env(arguments, patience=arguments.patience)) as env:

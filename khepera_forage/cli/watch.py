@@ -9,15 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.arguments import add_num_learners_argument, require_at_least_one
+from khepera_forage.cli.arguments import add_num_learners_argument, decisions_of, require_at_least_one
 from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, policy_of
 from khepera_forage.envs.rendering import save_gif
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
-
-ROUNDS_PER_SECOND = 10
-"""A round lasts 0.1 s."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Show or film one episode, and print its result.
 
     Raises:
-        ValueError: A number is out of range, or an experience file cannot be used.
+        ValueError: A number or a decision is not allowed, or an experience file cannot be used.
         OSError: The laboratory of `--lab` cannot be used.
     """
     require_at_least_one("--every", arguments.every)
@@ -43,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     run_phase = _run_training if arguments.phase == "training" else _run_recall
     run_phase(arguments, frames)
     if arguments.out is not None:
-        save_gif(frames, arguments.out, fps=ROUNDS_PER_SECOND / arguments.every)
+        save_gif(frames, arguments.out, fps=1 / (decisions_of(arguments).round_duration * arguments.every))
         print(f"{arguments.out}: {len(frames)} frames")
     return 0
 

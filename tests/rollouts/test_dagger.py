@@ -29,7 +29,9 @@ def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
     assert [r.queries for r in out.rounds] == [100, 100, 30]
     assert out.vectors.shape == (230, 5)
     for row, behaviour in zip(out.vectors, out.behaviours, strict=True):
-        assert behaviour == behaviour_for(classify(state_vector_of(row), env.home_radius, env.decisions.values()))
+        assert behaviour == behaviour_for(
+            classify(state_vector_of(row), env.home_radius, env.decisions.values())
+        )
     assert out.rounds[0].agreed == 100, "the teacher itself acts in the first round"
     assert out.rounds[1].agreed < 100
 

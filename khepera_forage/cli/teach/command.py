@@ -10,10 +10,12 @@ import numpy as np
 
 from khepera_forage.cli.arguments import (
     add_arena_argument,
+    add_decision_argument,
     add_episodes_argument,
     add_food_type_argument,
     add_out_argument,
     add_seed_argument,
+    decisions_of,
     new_experience_paths,
     require_at_least_one,
 )
@@ -52,23 +54,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also show the state of table 4.1, which determines what the hand-coded teacher would do",
     )
+    add_decision_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Open the window, record the episodes, and print what was recorded.
 
     Raises:
-        ValueError: A number is out of range.
+        ValueError: A number or a decision is not allowed.
         OSError: An experience file is there already, or there is no display.
         ImportError: pygame is not installed.
     """
     require_at_least_one("--episodes", arguments.episodes)
     if not 0 < arguments.pace < math.inf:
         raise ValueError(f"--pace is {arguments.pace}; allowed: a positive number of rounds a second")
+    decisions = decisions_of(arguments)
     paths = new_experience_paths(arguments.out, arguments.episodes)
     from khepera_forage.cli.teach.window import TeachingWindow
 
-    env = TrainingEnv(arena=arguments.arena, food_types=arguments.food_type)
+    env = TrainingEnv(arena=arguments.arena, food_types=arguments.food_type, decisions=decisions)
     with closing(env), closing(TeachingWindow()) as window:
         arguments.out.mkdir(parents=True, exist_ok=True)
         teacher = HumanTeacher(env, window, arguments.episodes, arguments.pace, arguments.hints)
@@ -79,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _teach(env: TrainingEnv, teacher: HumanTeacher, paths: list[Path], arguments: argparse.Namespace) -> None:
     """Record one complete episode for each path, until the person quits; print a summary and the next command."""
     recorded: list[Path] = []
-    vectors = decisions = agreed = 0
+    vectors = choices = agreed = 0
     seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
     for number, (path, seed) in enumerate(zip(paths, seeds, strict=True), 1):
         teacher.episode = number
@@ -90,16 +94,18 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, paths: list[Path], arguments
             break
         recorded.append(path)
         vectors += len(experience)
-        decisions += teacher.decisions
+        choices += teacher.choices
         agreed += teacher.agreed
-        summary = f"{len(experience)} experience vectors, {_agreement(teacher.agreed, teacher.decisions)}"
+        summary = f"{len(experience)} experience vectors, {_agreement(teacher.agreed, teacher.choices)}"
         print(f"{path}: {summary}", flush=True)
         teacher.news = f"Episode {number} is complete: {summary}."
     if not recorded:
         print("no episode is complete, so no file is kept")
         return
-    print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, decisions)}")
+    print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, choices)}")
     command = ["khepera-forage", "recall", "--arena", arguments.arena, "--experience", *map(str, recorded)]
+    for assignment in arguments.decision:
+        command += ["--decision", assignment]
     print(f"next: {shlex.join(command)}", flush=True)
     if len(recorded) == len(paths):
         teacher.show_end()
@@ -117,5 +123,5 @@ def _record_episode(
             (seed,) = seed.spawn(1)
 
 
-def _agreement(agreed: int, decisions: int) -> str:
-    return f"{100 * agreed / max(decisions, 1):.0f} % of the decisions as the hand-coded teacher's"
+def _agreement(agreed: int, choices: int) -> str:
+    return f"{100 * agreed / max(choices, 1):.0f} % of the behaviours as the hand-coded teacher's"

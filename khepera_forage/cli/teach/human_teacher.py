@@ -41,20 +41,20 @@ class HumanTeacher:
 
     Attributes:
         episode: Number of the current episode, from 1.
-        decisions: Behaviours chosen in this attempt, without WAIT.
-        agreed: Decisions that agree with the hand-coded teacher on the same state vector.
+        choices: Number of behaviours chosen in this attempt, without WAIT.
+        agreed: Number of choices that agree with the hand-coded teacher on the same state vector.
         news: Message shown at the beginning of the next attempt.
     """
 
     def __init__(self, env: TrainingEnv, screen: Screen, episodes: int, pace: float, hints: bool) -> None:
         self.episode = 1
-        self.decisions = self.agreed = 0
+        self.choices = self.agreed = 0
         self.news = ""
         self._env = env
         self._screen = screen
         self._episodes = episodes
         self._hints = hints
-        self._teacher = Teacher(env.home_radius)
+        self._teacher = Teacher.of(env)
         self._keys = BehaviourKeys(screen, 1.0 / pace, self._show)
         self._view = View(env.arenas)
         self._message, self._warning = CHOOSE, False
@@ -77,7 +77,7 @@ class HumanTeacher:
             )
         self._update_view()
         if self._env.infos[TEACHER]["steps"] == 0:
-            self.decisions = self.agreed = 0
+            self.choices = self.agreed = 0
             self._show_message(f"{self.news} Press Enter to begin.".lstrip())
             self.news = ""
             self._keys.confirm()
@@ -87,7 +87,7 @@ class HumanTeacher:
             return Behaviour.WAIT
         self._show_message(CHOOSE)
         chosen = self._keys.choose()
-        self.decisions += 1
+        self.choices += 1
         self.agreed += chosen == self._teacher.act(observation)
         return chosen
 

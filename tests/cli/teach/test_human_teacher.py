@@ -54,12 +54,12 @@ def test_keys_have_no_effect_while_the_learner_is_separated(window: RecordingWin
     assert teacher.act(observation) == Behaviour.WAIT
     assert window.captions[-1].message == SEPARATED_WARNING
     assert window.captions[-1].warning
-    assert teacher.decisions == 0
+    assert teacher.choices == 0
     observation[6] = 0
     env.infos[TEACHER]["steps"] = 1
     assert teacher.act(observation) == Behaviour.SEARCH_FOR_FOOD, "the key is still held"
     assert not window.captions[-1].warning
-    assert teacher.decisions == teacher.agreed == 1
+    assert teacher.choices == teacher.agreed == 1
 
 
 def test_caption_shows_the_held_and_the_last_behaviour(window: RecordingWindow) -> None:

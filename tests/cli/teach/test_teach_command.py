@@ -87,13 +87,14 @@ class TappingScript:
         self.chosen.append(wanted)
 
 
+@pytest.mark.parametrize("decision", [[], ["--decision", "next_to_food=22"]])
 def test_person_with_the_teachers_behaviours_records_the_same_file(
-    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+    decision: list[str], run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     run_script(HoldingScript())
-    assert main(["teach", "--seed", "1", *FAST]) == 0
+    assert main(["teach", "--seed", "1", *FAST, *decision]) == 0
     printed = capsys.readouterr().out
-    assert main(["train", "--episodes", "1", "--seed", "1", "--out", "trained"]) == 0
+    assert main(["train", "--episodes", "1", "--seed", "1", "--out", "trained", *decision]) == 0
     assert Path("taught/g1.csv").read_bytes() == Path("trained/g1.csv").read_bytes()
     experience = Experience.load("taught/g1.csv")
     assert f"1 episode(s), {len(experience)} experience vectors, 100 %" in printed
@@ -115,7 +116,7 @@ def test_wrong_behaviours_are_recorded_and_a_restart_discards_them(
     experience = Experience.load("taught/g1.csv")
     assert list(experience.behaviours) == script.chosen
     share = 100 * (len(script.chosen) - script.wrong) / len(script.chosen)
-    assert f"{share:.0f} % of the decisions as the hand-coded teacher's" in capsys.readouterr().out
+    assert f"{share:.0f} % of the behaviours as the hand-coded teacher's" in capsys.readouterr().out
     assert script.wrong == 6
     imitator = NearestNeighbourImitator(diagonal=138).fit(*experience.arrays())
     rng = np.random.default_rng(0)

@@ -1,0 +1,163 @@
+"""`--decision`, `--allow-other-decisions` and `khepera-forage decisions`."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.experience import Experience
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.task.decision_fields import Field
+from khepera_forage.task.decisions import Decisions
+
+COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def command_line(command: str) -> list[str]:
+    return [command, "recall"] if command == "watch" else [command]
+
+
+def test_table_has_every_decision_with_default_range_section_and_reason(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["decisions"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["decision", "default", "allowed", "thesis"]
+    known = [Field.of(field) for field in fields(Decisions)]
+    for field, line, reason in zip(known, lines[1::2], lines[2::2], strict=True):
+        assert line.startswith(f"{field.name} ")
+        assert line.endswith(f" {field.section}")
+        assert field.unit in line
+        assert reason == f"    {field.reason}"
+        for choice in field.choices:
+            assert choice in line
+    (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
+    assert next_to_food == ["next_to_food", "20", "pixels", "10", "to", "30", "4.2.1"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_explains_the_option(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    out = " ".join(capsys.readouterr().out.split())
+    assert "--decision NAME=VALUE" in out
+    assert "'khepera-forage decisions' lists all names" in out
+    assert ("--allow-other-decisions" in out) == (command in ("recall", "watch"))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (["next_to_foot=17"], "decision 'next_to_foot' is unknown; allowed: aimed, arm_travel_time, "),
+        (["next_to_food=5"], "decision next_to_food is 5.0; allowed: a number from 10 to 30 pixels"),
+        (["next_to_food=near"], "decision next_to_food is 'near'; allowed: a number from 10 to 30 pixels"),
+        (["next_to_food=nan"], "decision next_to_food is nan; allowed: a number from 10 to 30 pixels"),
+        (["patience=1.5"], "decision patience is '1.5'; allowed: a whole number from 1 to 10000 rounds"),
+        (
+            ["equal_distance=either"],
+            "decision equal_distance is 'either'; allowed: 'nearer state', 'farther state'",
+        ),
+        (["next_to_food"], "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=17"),
+        (["patience=5", "patience=6"], "decision patience is set twice; allowed: once"),
+        (
+            ["next_to_food=25", "close_to_food=24"],
+            "decision close_to_food is 24.0; allowed: at least next_to_food",
+        ),
+    ],
+)
+def test_bad_decision_is_reported_in_one_line(
+    command: str, values: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = [option for value in values for option in ("--decision", value)]
+    assert main([*command_line(command), *options]) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith(f"khepera-forage {command}: {message}")
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+    assert not list(Path().iterdir()), "nothing is written"
+
+
+def test_train_and_recall_store_their_decisions() -> None:
+    decision = ["--decision", "next_to_food=22", "--decision", "separation=20"]
+    assert main(["train", "--episodes", "1", "--out", "e", "--seed", "1", *decision]) == 0
+    experience = Experience.load("e/g1.csv")
+    assert experience.decisions == Decisions(next_to_food=22, separation=20)
+    text = "next_to_food=22;separation=20"
+    assert {row.decisions for row in read_rows(Path("e/attempts.csv"), TrainingRow)} == {text}
+    recall = ["recall", "--experience", "e/g1.csv", "--episodes", "1", "--out", "rows.csv"]
+    assert main([*recall, *decision]) == 0
+    (row,) = read_rows(Path("rows.csv"), RecallRow)
+    assert (row.decisions, row.experience_size) == (text, len(experience))
+
+
+def test_teacher_has_the_thresholds_of_the_decisions() -> None:
+    decision = ["--decision", "next_to_food=25", "--decision", "close_to_food=45"]
+    assert main(["recall", "--episodes", "2", "--out", "rows.csv", *decision]) == 0
+    assert [row.correct / row.steps for row in read_rows(Path("rows.csv"), RecallRow)] == [1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    "command", [["recall", "--episodes", "1", "--out", "rows.csv"], ["watch", "recall", "--out", "film.gif"]]
+)
+def test_experience_of_other_decisions_is_refused_unless_allowed(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    vector = (0, 52, 0, 215, 28)
+    Experience([vector], [0]).save("g1.csv")
+    Experience([vector], [0], decisions=Decisions(separation=20)).save("g2.csv")
+    for files, options, differences in (
+        (["g1.csv"], ["--decision", "separation=20"], "separation is 14, not 20"),
+        (["g2.csv"], [], "separation is 20, not 14"),
+        (
+            ["g2.csv"],
+            ["--decision", "next_to_food=22"],
+            "next_to_food is 20, not 22; separation is 20, not 14",
+        ),
+        (["g1.csv", "g2.csv"], [], "separation is 20, not 14"),
+    ):
+        assert main([*command, "--experience", *files, *options]) == 2
+        error = capsys.readouterr().err
+        assert error == (
+            f"khepera-forage {command[0]}: {files[-1]}: recorded under other decisions: {differences}; allowed: the "
+            "same decisions, or any with allow_other_decisions=True (--allow-other-decisions)\n"
+        )
+        assert not Path(command[-1]).exists()
+    assert main([*command, "--experience", "g1.csv", "g2.csv", "--allow-other-decisions"]) == 0
+    assert Path(command[-1]).exists()
+
+
+def test_patience_comes_from_one_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train", "--patience", "5", "--decision", "patience=7"]) == 2
+    assert "--patience is 5, --decision patience=7; allowed: one of them" in capsys.readouterr().err
+    assert not list(Path().iterdir())
+
+
+def test_reproduce_refuses_a_folder_with_rows_of_other_decisions(capsys: pytest.CaptureFixture[str]) -> None:
+    reproduce = ["reproduce", "--quick", "--backend", "pymunk", "--out", "thesis"]
+    Path("thesis").mkdir()
+    Path("thesis/recalls.csv").write_text("replication,decisions\n0,separation=20\n")
+    assert main(reproduce) == 2
+    assert (
+        "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; "
+        in capsys.readouterr().err
+    )
+
+
+def test_film_runs_at_the_speed_of_the_rounds() -> None:
+    from PIL import Image
+
+    durations = []
+    for value in ("0.1", "0.2"):
+        options = ["--every", "5", "--decision", f"round_duration={value}"]
+        assert main(["watch", "recall", "--out", "film.gif", *options]) == 0
+        with Image.open("film.gif") as film:
+            durations.append(film.info["duration"])
+    assert durations == [500, 1000]
