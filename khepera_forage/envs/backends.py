@@ -21,7 +21,7 @@ class EntryPoint:
 
     Args:
         on_pymunk: Class on pymunk.
-        compiled: Name of the class in `envs.compiled.single`, which needs numba.
+        compiled: Name of the class in `envs.compiled.single_envs`, which needs numba.
     """
 
     metadata = RecallEnv.metadata
@@ -43,7 +43,7 @@ class EntryPoint:
         """
         if check_backend(backend) == PYMUNK:
             return self._on_pymunk(**kwargs)
-        made = getattr(import_module("khepera_forage.envs.compiled.single"), self._compiled)
+        made = getattr(import_module("khepera_forage.envs.compiled.single_envs"), self._compiled)
         env: gym.Env[Any, Any] = made(**kwargs)
         return env
 

@@ -16,11 +16,8 @@ The functions take *records*: objects with the fields of `Track` and `Detection`
 dataclass and a named tuple, in compiled code records of numpy arrays.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
-
-from khepera_forage.vision.scene import Region, Scene
 
 GATE = 6.0
 """Distance in pixels within which a region may be found again, unless it is a marker that may be anywhere.
@@ -247,61 +244,3 @@ def _slot_for_new_track(tracks: Any) -> int:
         if not track.found and (oldest < 0 or track.label < tracks[oldest].label):
             oldest = k
     return oldest
-
-
-class Tracks:
-    """The regions under observation, with labels that are never reused between two resets.
-
-    The order in which a frame's detections come does not matter; new tracks are numbered in reading order.
-
-    Args:
-        by_place: Whether only places count, for markers without holes or with holes that cannot be told apart (3.5).
-            The number of holes is then what the last frame showed. "There is no evidence that a redetected region
-            corresponds to a previous lost one" (3.5): a region that reappears beyond `GATE` is another, and a lost
-            marker is dropped as food is.
-    """
-
-    def __init__(self, by_place: bool = False) -> None:
-        self._by_place = by_place
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget every track; labels start at 0 again."""
-        self._tracks: list[Track] = []
-        self._regions: list[Region] = []
-        self._next_label = 0
-
-    def update(self, detections: Sequence[Detection], visible: Callable[[float, float], bool]) -> Scene:
-        """The scene after one more frame.
-
-        Args:
-            detections: What the frame shows.
-            visible: Whether food at a place (pixels) would have shown in this frame: inside the picture, under no
-                marker, under no cable. Called only with last places of lost regions.
-        """
-        # One order for any order in which the detections come.
-        detections = sorted(detections)
-        new = match(self._tracks, detections, len(detections), self._by_place)
-        tracks, regions = [], []
-        for track, region in zip(self._tracks, self._regions, strict=True):
-            if track.detection >= 0:
-                region = _region(track.label, detections[track.detection])
-            elif may_vanish(track, self._by_place) and visible(track.x, track.y):
-                continue
-            elif region.found:
-                region = region._replace(found=False)
-            tracks.append(track)
-            regions.append(region)
-        if new:
-            # Slots are filled in this order, so that the oldest track stays first.
-            slots = [Track() for _ in range(new)]
-            tracks += slots
-            self._next_label = start_tracks(tracks, detections, len(detections), self._next_label)
-            regions += [_region(track.label, detections[track.detection]) for track in slots]
-        self._tracks, self._regions = tracks, regions
-        return Scene(tuple(regions))
-
-
-def _region(label: int, detection: Detection) -> Region:
-    x, y, holes, orientation, edge, first_x, first_y, area, perimeter, compactness = detection
-    return Region(label, x, y, holes, orientation, True, edge, first_x, first_y, area, perimeter, compactness)

@@ -8,7 +8,7 @@ import numpy as np
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_WIDTH
-from khepera_forage.vision.association import Detection, Tracks
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import (
     FOOD_FEATURES,
@@ -22,6 +22,7 @@ from khepera_forage.vision.shapes import (
     under_plate,
     visible_clearance,
 )
+from khepera_forage.vision.tracks import Tracks
 
 _BLOCK = 64
 """Frames for which random numbers are drawn at a time."""

@@ -2,7 +2,7 @@
 
 import math
 
-from khepera_forage.vision.association import Detection, Tracks
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.detector import Detector
 from khepera_forage.vision.detection.floor_visibility import FloorVisibility
@@ -11,6 +11,7 @@ from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.tracks import Tracks
 
 __all__ = ["Tracker", "TrackerSettings"]
 

@@ -13,7 +13,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
+from khepera_forage.envs.compiled.single_envs import CompiledBehavioursEnv, CompiledWheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
 

@@ -24,8 +24,9 @@ from khepera_forage.sim.compiled.numbers import MOST_FOODS
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
-from khepera_forage.vision.association import Detection, Tracks
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.shapes import Plate, under_plate
+from khepera_forage.vision.tracks import Tracks
 from tests.compiled.many_worlds import ManyWorlds
 
 HALL = Arena(

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.vision import association
-from khepera_forage.vision.association import GATE, Detection, Tracks
+from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.scene import Region, Scene
+from khepera_forage.vision.tracks import Tracks
 
 Visible = Callable[[float, float], bool]
 

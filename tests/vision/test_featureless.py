@@ -3,7 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.association import GATE, Detection, Tracks
+from khepera_forage.vision.association import GATE, Detection
+from khepera_forage.vision.tracks import Tracks
 
 
 def seen(x: float, y: float, holes: int = 0) -> Detection:

@@ -1,4 +1,4 @@
-"""Recall environments on the backend "compiled", one world at a time: `gym.make(..., backend="compiled")`."""
+"""What both kinds of recall environment share on the backend "compiled", one world at a time."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -10,37 +10,32 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import FoodOdds, behaviour_number, motor_action
+from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.envs.compiled.forager import CompiledForager
 from khepera_forage.envs.compiled.one_world import OneWorld
 from khepera_forage.envs.compiled.parameters import recall_parameters
-from khepera_forage.envs.compiled.records import TASK, VECTOR, episode_dtype, tracker_dtype
+from khepera_forage.envs.compiled.records import TASK, episode_dtype, tracker_dtype
 from khepera_forage.envs.compiled.view import view_of
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.screen import Screen
-from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, Behaviour
+from khepera_forage.task.states import Behaviour
 
 _STEPS, _CORRECT, _REWARD, _SCORE, _PENALTY, _TERMINATED, _TRUNCATED = map(
     episode_dtype.names.index,  # type: ignore[union-attr]
     ("steps", "correct", "reward", "score", "penalty", "terminated", "truncated"),
 )
 _DELIVERED, _POISON_HOME = map(tracker_dtype.names.index, ("delivered", "poison_home"))  # type: ignore[union-attr]
-_STATE, _FOOD_SEEN, _FOOD_X, _FOOD_Y, _FOOD_TYPE, _WALL_DISTANCE, _WALL_BEARING = map(
-    TASK.index, ("state", "food_seen", "food_x", "food_y", "food_type", "wall_distance", "wall_bearing")
-)
-_VECTOR = slice(TASK.index(VECTOR[0]), TASK.index(VECTOR[-1]) + 1)
+_STATE = TASK.index("state")
 """Where these fields are in their records: reading by number is several times as fast as by name."""
 _FIRST_OF_POSE = robot_dtype(1).fields["marker_x"][1] // 8  # type: ignore[index]
 _POSE = slice(_FIRST_OF_POSE, _FIRST_OF_POSE + 3)
@@ -233,56 +228,3 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             tracker[_DELIVERED],
             tracker[_POISON_HOME],
         )
-
-
-class CompiledBehavioursEnv(CompiledRecallEnv[int]):
-    """`BehavioursEnv` on the backend "compiled"."""
-
-    _numbers = 1
-
-    def _like(self, **kwargs: Any) -> RecallEnv[int]:
-        return BehavioursEnv(**kwargs)
-
-    def _command(self, action: int, row: NDArray[np.float64]) -> None:
-        behaviour = behaviour_number(action, NUM_BEHAVIOURS)
-        self._executed = BEHAVIOURS[behaviour]
-        row[0, 0] = behaviour
-
-    def _observation(self, task: Sequence[float]) -> Observation:
-        presence, home, food_type, arm, food = task[_VECTOR]
-        diagonal = self.diagonal
-        return {
-            "object_presence": np.int64(presence),
-            "robot_home_distance": np.array((int(home if home < diagonal else diagonal),)),
-            "food_type": np.int64(food_type),
-            "arms_height": np.array((int(arm),)),
-            "robot_food_distance": np.array((int(food if food < diagonal else diagonal),)),
-        }
-
-
-class CompiledWheelsEnv(CompiledRecallEnv[NDArray[np.float64]]):
-    """`WheelsEnv` on the backend "compiled"."""
-
-    _numbers = 4
-
-    def _like(self, **kwargs: Any) -> RecallEnv[NDArray[np.float64]]:
-        return WheelsEnv(**kwargs)
-
-    def _command(self, action: NDArray[np.float64], row: NDArray[np.float64]) -> None:
-        row[0] = motor_action(action)
-
-    def _observation(self, task: Sequence[float]) -> Observation:
-        robot = self._robot
-        return {
-            "proximity": robot["proximity"][:6, 0].astype(np.int64),
-            "arm": robot["arm_reading"].astype(np.int64),
-            "jaw": robot["jaw_reading"].astype(np.int64),
-            "object_presence": np.int64(robot["object_presence"][0] != 0),
-            "pose": self._pose.copy(),
-            "tracked": np.int64(robot["marker_found"][0]),
-            "food_seen": np.int64(task[_FOOD_SEEN]),
-            "food": np.array((task[_FOOD_X], task[_FOOD_Y])),
-            "food_type": np.int64(task[_FOOD_TYPE]),
-            "home": self._home.copy(),
-            "wall": np.array((task[_WALL_DISTANCE], task[_WALL_BEARING])),
-        }

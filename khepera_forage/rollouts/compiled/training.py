@@ -27,8 +27,10 @@ from khepera_forage.envs.compiled.worlds import empty_worlds
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled.records import VECTOR_COLUMNS, attempt_dtype, pair_dtype
-from khepera_forage.rollouts.compiled.training_kernel import Records, Side, Terms, train_all
+from khepera_forage.rollouts.compiled.training_kernel import Records, train_all
 from khepera_forage.rollouts.compiled.training_results import Trained, trained
+from khepera_forage.rollouts.compiled.training_rounds import Side, Terms
+from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
@@ -77,7 +79,7 @@ def train_learners(
 
     Raises:
         ValueError: An argument out of range, or marks with no room.
-        RuntimeError: No attempt at a training episode was complete.
+        IncompleteTrainingError: No attempt at a training episode was complete.
     """
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
     decisions = checked_decisions(decisions)
@@ -115,7 +117,9 @@ def train_learners(
         done = records.attempts[: some.size][np.arange(terms.attempts) < made[:, None]]
         last = done[np.cumsum(made) - 1]
         if not last["complete"].all():
-            raise RuntimeError(f"none of {terms.attempts} attempts at a training episode was complete")
+            raise IncompleteTrainingError(
+                f"none of {terms.attempts} attempts at a training episode was complete"
+            )
         kept = np.arange(terms.limit) < last["vectors"][:, None]
         vectors.append(records.vectors[: some.size][kept])
         lines.append(done)
