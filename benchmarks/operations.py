@@ -1,142 +1,205 @@
-"""How far a step of the batched worlds is from the limit of the machine, on one core. Needs numba.
+"""The distance of a compiled step from the limit of the machine, on one core. Needs numba.
 
     python benchmarks/operations.py --help
 
 The operations of a step under the teacher in the corridor are counted, by running the kernels in plain Python on
-numbers that count. What the core does at most is measured by simple loops on numbers in its first cache. Both together
-give the least time of a step for these operations; beside it stands the time that a step takes.
+numbers that count. The highest rate of each operation on a core is measured by simple loops on numbers in its first
+cache. Both together give the shortest possible time of a step with these operations, which is compared with the
+measured time.
 """
 
-import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
 from time import perf_counter
+from typing import TYPE_CHECKING, NamedTuple
 
 import numba
-from _operations.counters import ARITHMETIC, COMPARISON, DIVISION, KINDS, LOAD, STORE
-from _operations.counting import PARTS, Counts, counted_apart
-from _operations.peaks import ARITHMETIC as ARITHMETIC_LOOP
-from _operations.peaks import COMPARISONS, DIVISIONS, MEMORY, PEAKS, Peak, rate, width
-from arguments import add_count, count_of, parser_for
+from harness.arguments import Count, parse
+from harness.figures import OURS, THESIS, grid, new_figure
+from harness.page import Page, Picture, finish
+from harness.processes import Unit, collect
+from harness.tables import pick
+from operation_counts.counters import ARITHMETIC, COMPARISON, DIVISION, KINDS, LOAD, STORE
+from operation_counts.counting import PARTS, count_apart
+from operation_counts.peaks import ARITHMETIC as ARITHMETIC_LOOP
+from operation_counts.peaks import COMPARISONS, DIVISIONS, MEMORY, PEAKS, rate, width
 
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.thesis.tables import Column, Table
 
-STEPS, QUICK_STEPS = 20_000, 100
-"""Steps that are counted, about: whole episodes of some `_EPISODE` each."""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STEPS = Count("steps", 20_000, 100, "steps that are counted, about: whole episodes")
 EPISODES, QUICK_EPISODES = 16_384, 256
-"""Episodes by which a step is timed, in each repeat."""
+"""Episodes for the time of a step, in each repeat."""
 REPEATS, QUICK_REPEATS = 9, 2
-STEM = "operations"
-_EPISODE = 96
+_STEPS_AN_EPISODE = 96
+STEP = "a step of run_teacher"
 
 
-def counts_table(counts: Counts) -> Table:
+@dataclass(frozen=True, slots=True)
+class Counted:
+    """Operations of one kind in one part of a round.
+
+    Attributes:
+        part: Of the round.
+        kind: One of `KINDS`.
+        number: In all steps.
+        steps: How many there were.
+    """
+
+    part: str
+    kind: str
+    number: int
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """One repeat of a loop, or of the step.
+
+    Attributes:
+        name: Of a peak, or `STEP`.
+        repeat: From 0.
+        ns: Nanoseconds of one operation, or of the step.
+    """
+
+    name: str
+    repeat: int
+    ns: float
+
+
+class Counting(NamedTuple):
+    """Counts the operations of some episodes."""
+
+    episodes: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """There is one unit of this kind."""
+        return "operations"
+
+    def run(self) -> list[Counted]:
+        """Count in another process."""
+        counts = count_apart(self.episodes, self.seed)
+        return [Counted(*where, number, counts.steps) for where, number in counts.by_part.items()]
+
+
+class Timing(NamedTuple):
+    """One repeat of all loops and of the step, on one core."""
+
+    repeat: int
+    episodes: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Number of the repeat."""
+        return f"repeat {self.repeat}"
+
+    def run(self) -> list[Timed]:
+        """Measure all loops, then the step."""
+        threads = numba.get_num_threads()
+        numba.set_num_threads(1)
+        run_teacher(episodes=1, seed=self.seed)  # compiles
+        rows = [Timed(peak.name, self.repeat, 1 / rate(peak)) for peak in PEAKS]
+        start = perf_counter()
+        steps = int(run_teacher(episodes=self.episodes, seed=self.seed).steps.sum())
+        rows.append(Timed(STEP, self.repeat, (perf_counter() - start) / steps * 1e9))
+        numba.set_num_threads(threads)
+        return rows
+
+
+def counts_table(rows: Sequence[Counted]) -> Table:
     """Operations of a step, by part and kind."""
-    parts = [*PARTS, *sorted({part for part, _ in counts.by_part} - PARTS.keys())]
-    values = [[counts.by_part.get((part, kind), 0) / counts.steps for kind in KINDS] for part in parts]
-    together = [sum(column) for column in zip(*values, strict=True)]
-    rows = [(part, *row) for part, row in zip([*parts, "together"], [*values, together], strict=True)]
+    numbers = {(row.part, row.kind): row.number / row.steps for row in rows}
+    parts = [*PARTS, *sorted({part for part, _ in numbers} - PARTS.keys())]
+    values = [[numbers.get((part, kind), 0) for kind in KINDS] for part in parts]
+    sums = [sum(column) for column in zip(*values, strict=True)]
     return Table(
-        f"{STEM}_counts",
+        "counts",
         "Operations of a step of one world",
-        f"Over {counts.steps:,} steps. Of a choice only the side that is taken counts.",
+        f"Over {rows[0].steps:,} steps. Of a choice, only the side that is taken counts.",
         (Column("part"), *(Column(kind) for kind in KINDS)),
-        rows,
+        [(part, *row) for part, row in zip([*parts, "sum"], [*values, sums], strict=True)],
     )
 
 
-def peaks_table(peaks: dict[Peak, float]) -> Table:
-    """What one core does at most."""
+def peaks_table(rows: Sequence[Timed]) -> Table:
+    """The highest rates of operations on one core."""
     return Table(
-        f"{STEM}_peaks",
-        "What one core does at most",
+        "peaks",
+        "Highest rates of one core",
         "Operations a nanosecond, each on one float64; the best repeat.",
         (Column("operation"), Column("a nanosecond"), Column("bits of a register")),
-        [(peak.name, best, width(peak)) for peak, best in peaks.items()],
+        [(peak.name, 1 / best(rows, peak.name), width(peak)) for peak in PEAKS],
     )
 
 
-def limit_table(counts: Counts, peaks: dict[Peak, float], step: float) -> Table:
-    """The least time of a step, and the time it takes.
+def best(rows: Sequence[Timed], name: str) -> float:
+    """The shortest time of all repeats, in ns."""
+    return min(row.ns for row in pick(rows, name=name))
 
-    Args:
-        counts: Of some steps.
-        peaks: Operations a nanosecond.
-        step: ns that a step takes.
-    """
-    done = {
-        kind: sum(n for (_, k), n in counts.by_part.items() if k == kind) / counts.steps for kind in KINDS
+
+def limits(counts: Sequence[Counted], times: Sequence[Timed]) -> dict[str, float]:
+    """Nanoseconds of a step by kind of operation, their sum, and the measured time."""
+    done = {kind: sum(row.number / row.steps for row in pick(counts, kind=kind)) for kind in KINDS}
+    arithmetic = done[ARITHMETIC] * best(times, ARITHMETIC_LOOP.name)
+    comparisons = done[COMPARISON] * best(times, COMPARISONS.name)
+    divisions = done[DIVISION] * best(times, DIVISIONS.name)
+    memory = (done[LOAD] + done[STORE]) * best(times, MEMORY.name)
+    return {
+        "arithmetic": arithmetic,
+        "comparisons": comparisons,
+        "roots, divisions": divisions,
+        "loads and stores, in parallel": memory,
+        "shortest time": max(arithmetic + comparisons + divisions, memory),
+        "measured: a step of run_teacher": best(times, STEP),
     }
-    arithmetic = done[ARITHMETIC] / peaks[ARITHMETIC_LOOP]
-    compared = done[COMPARISON] / peaks[COMPARISONS]
-    divided = done[DIVISION] / peaks[DIVISIONS]
-    memory = (done[LOAD] + done[STORE]) / peaks[MEMORY]
-    least = max(arithmetic + compared + divided, memory)
+
+
+def limit_table(found: dict[str, float]) -> Table:
+    """The shortest possible time of a step, and the measured time."""
+    *_, measured = found.values()
     return Table(
-        f"{STEM}_limit",
-        "The least time of a step, and the time it takes",
-        "Loads and stores go on beside the rest: the larger of both sides counts. "
-        "Roots are taken at the rate of divisions, which is the higher one.",
-        (Column("what"), Column("ns a step"), Column("share of the step (%)", 0)),
-        [
-            (name, time, 100 * time / step)
-            for name, time in (
-                ("arithmetic", arithmetic),
-                ("comparisons", compared),
-                ("roots, divisions", divided),
-                ("loads and stores, beside these", memory),
-                ("least time", least),
-                ("a step of run_teacher, as measured", step),
-            )
-        ],
+        "limit",
+        "Shortest possible and measured time of a step",
+        "Loads and stores run in parallel with the rest, so the larger of the two sums is the limit. Roots count at "
+        "the rate of divisions, which is higher.",
+        (Column("operations"), Column("ns a step"), Column("share of the step (%)", 0)),
+        [(name, time, 100 * time / measured) for name, time in found.items()],
     )
 
 
-def measure(repeats: int, episodes: int, seed: int) -> tuple[dict[Peak, float], float]:
-    """The best of some repeats, on one core: operations a nanosecond of each loop, and ns of a step."""
-    most = numba.get_num_threads()
-    numba.set_num_threads(1)
-    run_teacher(episodes=1, seed=seed)  # compiles
-    best, step = dict.fromkeys(PEAKS, 0.0), float("inf")
-    for _ in range(repeats):
-        best = {peak: max(known, rate(peak)) for peak, known in best.items()}
-        start = perf_counter()
-        steps = int(run_teacher(episodes=episodes, seed=seed).steps.sum())
-        step = min(step, (perf_counter() - start) / steps * 1e9)
-    numba.set_num_threads(most)
-    return best, step
+def picture(found: dict[str, float]) -> "Figure":
+    """The times of a step as bars."""
+    figure = new_figure(6.4, 2.8)
+    axes = figure.subplots()
+    names = list(found)[::-1]
+    colours = [THESIS if name.startswith("measured") else OURS for name in names]
+    axes.barh(range(len(names)), [found[name] for name in names], color=colours)
+    axes.set_yticks(range(len(names)), names, fontsize=8)
+    axes.set_xlabel("ns a step of one world, one core")
+    grid(axes, "x")
+    return figure
 
 
-def write(folder: Path, tables: Sequence[Table]) -> str:
-    """Write the tables.
-
-    Returns:
-        The page with all of them.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    text = "\n".join(table.markdown() for table in tables)
-    (folder / f"{STEM}.md").write_text(text, encoding="utf-8")
-    for table in tables:
-        (folder / f"{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
-    return text
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Do what the arguments ask for."""
-    quick = arguments.quick
-    steps = count_of(arguments.steps, STEPS, quick, QUICK_STEPS)
-    counts = counted_apart(-(-steps // _EPISODE), arguments.seed)
-    episodes, repeats = (QUICK_EPISODES, QUICK_REPEATS) if quick else (EPISODES, REPEATS)
-    peaks, step = measure(repeats, episodes, arguments.seed)
-    tables = counts_table(counts), peaks_table(peaks), limit_table(counts, peaks, step)
-    print(write(arguments.out, tables))
-    print(f"The tables are in {arguments.out}")
-    return 0
+def main() -> int:
+    """Run the benchmark."""
+    given = parse("operations", __doc__, STEPS, jobs=None)
+    episodes, repeats = (QUICK_EPISODES, QUICK_REPEATS) if given.quick else (EPISODES, REPEATS)
+    counting = Counting(-(-given.steps // _STEPS_AN_EPISODE), given.seed)
+    units: list[Unit] = [counting, *(Timing(number, episodes, given.seed) for number in range(repeats))]
+    rows = collect(given, units, {Counted: "operations", Timed: "times"})
+    counts, times = rows.of(Counted), rows.of(Timed)
+    found = limits(counts, times)
+    shown = Picture("operations", "shortest possible and measured time of a step", picture(found))
+    tables = counts_table(counts), peaks_table(times), limit_table(found)
+    return finish(given, Page("The limit of the machine", [*tables, shown]))
 
 
 if __name__ == "__main__":
-    parser = parser_for(__doc__, "results/operations")
-    add_count(parser, "--steps", STEPS, QUICK_STEPS, "steps that are counted, about: whole episodes")
-    sys.exit(run(parser.parse_args()))
+    sys.exit(main())

@@ -232,16 +232,16 @@ def _picture(rows: Sequence[Round]) -> "Figure":
                 left.bar(place + shift, wire, 0.34, color=colour, label=label)
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
-    left.set_xlabel("baud")
-    left.set_ylabel("ms a round (median)\nsolid: on the wire; pale: measured")
+    left.set(xlabel="baud", ylabel="ms a round (median)\nsolid: on the wire; pale: measured")
     left.legend(fontsize=8)
     measured = _by_fleet(rows)
     values = [taken.value for taken in measured.values()]
     bars = [[t.value - t.low for t in measured.values()], [t.high - t.value for t in measured.values()]]
     right.bar(range(len(values)), values, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
     right.set_xticks(range(len(values)), [str(robots) for robots in measured])
-    right.set_xlabel(f"robots in parallel, {FLEET_BAUD} baud")
-    right.set_ylabel("ms a round (median, 5th to 95th percentile)")
+    right.set(
+        xlabel=f"robots in parallel, {FLEET_BAUD} baud", ylabel="ms a round (median, 5th to 95th percentile)"
+    )
     right.set_ylim(bottom=0)
     return figure
 

@@ -85,6 +85,7 @@ SCRIPTS = {
         run=LEARNERS_RUN,
         small=LEARNERS_RUN,
     ),
+    "operations": Script(("--steps",), ("operations", "times"), needs=("numba",)),
     "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),

@@ -1,4 +1,4 @@
-"""Numbers and rows that count what is done with them, and what stands for `math` and `numpy` beside them."""
+"""Numbers and records that count the operations on them, and substitutes for `math` and `numpy`."""
 
 import math
 import operator
@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 ARITHMETIC, COMPARISON, DIVISION, LOAD, STORE = KINDS = (
     "arithmetic",
@@ -19,10 +18,10 @@ ARITHMETIC, COMPARISON, DIVISION, LOAD, STORE = KINDS = (
 
 
 class Account:
-    """How often each kind of operation was done in each part of a round.
+    """Numbers of operations by part of a round and kind.
 
     Attributes:
-        part: The part that is under way.
+        part: The present part.
         counts: By part and kind.
     """
 
@@ -31,16 +30,16 @@ class Account:
         self.counts: Counter[tuple[str, str]] = Counter()
 
     def add(self, kind: str) -> None:
-        """Count one operation in the part that is under way."""
+        """Count one operation in the present part."""
         self.counts[self.part, kind] += 1
 
 
-ACCOUNT = Account("new episodes, account")
-"""Operators have no argument for it; the part is where everything belongs that no kernel does."""
+ACCOUNT = Account("new episodes, accounting")
+"""Operators have no argument for it. The part is that of everything outside the named kernels."""
 
 
 class Number:
-    """A float64, or 64 random bits, whose operators count themselves. What `int` makes of it counts no more."""
+    """A float64, or 64 random bits, whose operators count themselves; numbers made by `int` do not count."""
 
     __slots__ = ("value",)
     __array_ufunc__ = None  # numpy's scalars leave operators to this class
@@ -62,12 +61,12 @@ class Number:
 
 
 def plain(value: Any) -> Any:
-    """A number without its account."""
+    """The value of a number that counts; any other value stays the same."""
     return value.value if isinstance(value, Number) else value
 
 
 def counted(kind: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of plain numbers as one operation on those that count; plain if none of its arguments counts."""
+    """A function that counts as one operation if one of its arguments counts."""
 
     def operation(*values: Any) -> Any:
         if not any(isinstance(value, Number) for value in values):
@@ -79,7 +78,20 @@ def counted(kind: str, function: Callable[..., Any]) -> Callable[..., Any]:
     return operation
 
 
-for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "and", "xor", "rshift"):
+for _name in (
+    "add",
+    "sub",
+    "mul",
+    "truediv",
+    "floordiv",
+    "mod",
+    "pow",
+    "and",
+    "or",
+    "xor",
+    "lshift",
+    "rshift",
+):
     _plain = getattr(operator, f"__{_name}__")
     _operation = counted(DIVISION if _name == "truediv" else ARITHMETIC, _plain)
     setattr(Number, f"__{_name}__", _operation)
@@ -87,29 +99,57 @@ for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "and", "
 for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
     setattr(Number, f"__{_name}__", counted(COMPARISON, getattr(operator, _name)))
 for _name, _plain in (
-    *(("neg", operator.neg), ("abs", abs)),
+    *(("neg", operator.neg), ("abs", abs), ("round", round)),
     *(("floor", math.floor), ("ceil", math.ceil)),
 ):
     setattr(Number, f"__{_name}__", counted(ARITHMETIC, _plain))
 
 
-class Rows:
-    """An array whose elements are read and written one by one, and counted; a slice is as yet no load."""
+class Records:
+    """Records of a numpy array, with fields as attributes, as compiled code reads and writes them.
 
-    def __init__(self, array: NDArray[Any]) -> None:
-        self.array = array
-        self.shape = array.shape
+    Args:
+        array: A structured array, one of its records, or one of their fields.
+        counts: Whether loads and stores count; what all worlds share does not count, because it stays in registers.
+    """
+
+    def __init__(self, array: Any, counts: bool = True) -> None:
+        object.__setattr__(self, "_array", array)
+        object.__setattr__(self, "_counts", counts)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the array."""
+        shape: tuple[int, ...] = self._array.shape
+        return shape
+
+    def __len__(self) -> int:
+        return len(self._array)
 
     def __getitem__(self, index: Any) -> Any:
-        element = self.array[index]
-        if isinstance(element, np.ndarray):
-            return Rows(element)
+        return self._read(self._array[index])
+
+    def __setitem__(self, index: Any, value: Any) -> None:
+        self._write(index, value)
+
+    def __getattr__(self, name: str) -> Any:
+        return self._read(self._array[name])
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._write(name, value)
+
+    def _read(self, element: Any) -> Any:
+        if isinstance(element, (np.ndarray, np.void)):
+            return Records(element, self._counts)
+        if not self._counts:
+            return element.item()
         ACCOUNT.add(LOAD)
         return Number(element if isinstance(element, np.uint64) else float(element))
 
-    def __setitem__(self, index: Any, value: Any) -> None:
-        ACCOUNT.add(STORE)
-        self.array[index] = plain(value)
+    def _write(self, place: Any, value: Any) -> None:
+        if self._counts:
+            ACCOUNT.add(STORE)
+        self._array[place] = plain(value)
 
 
 class CountingMath:
@@ -123,15 +163,11 @@ class CountingMath:
 
 
 class CountingNumpy:
-    """What kernels use of numpy, for numbers that count."""
+    """The functions of numpy that kernels call, for numbers that count."""
 
     rint = staticmethod(counted(ARITHMETIC, lambda value: float(np.rint(value))))
     float64 = staticmethod(counted(ARITHMETIC, float))
-
-    @staticmethod
-    def zeros(shape: Any, kind: Any = np.float64) -> Rows:
-        """Room for what a block keeps beside its worlds."""
-        return Rows(np.zeros(shape, kind))
+    uint64 = staticmethod(counted(ARITHMETIC, lambda value: np.uint64(int(value))))
 
     def __getattr__(self, name: str) -> Any:
         return getattr(np, name)

@@ -1,4 +1,4 @@
-"""What one core does at most: simple loops over arrays in its first cache, compiled as the kernels are."""
+"""Highest rates of one core: simple loops over arrays in its first cache, compiled like the kernels."""
 
 import re
 from collections.abc import Callable
@@ -30,8 +30,8 @@ class Peak(NamedTuple):
     operations: int
 
 
-# In every loop numbers settle between 0.5 and 2 however often it runs. What it multiplies by and compares with comes
-# from `rows`, so that nothing is worked out beforehand. Only rows are read and written, in order.
+# In every loop, numbers stay between 0.5 and 2 however often it runs. Factors and thresholds come from `rows`, so that
+# the compiler cannot compute anything in advance. Only rows are read and written, in order.
 
 
 @_compiled
@@ -85,7 +85,7 @@ def _roots(rows: _Rows, rounds: int) -> None:
 
 @_compiled
 def _memory(rows: _Rows, rounds: int) -> None:
-    # Each round has other rows, or the compiler would keep them.
+    # Each round has different rows, or the compiler would keep them in registers.
     for n in range(rounds):
         one, two, three, four = n & 1, 2 + (n & 1), 4 + (n & 1), 6 + (n & 1)
         for i in range(_LANES):
@@ -102,7 +102,7 @@ PEAKS = ARITHMETIC, COMPARISONS, DIVISIONS, ROOTS, MEMORY = (
 
 
 def rate(peak: Peak) -> float:
-    """Operations that a core does in a nanosecond, each on one number."""
+    """Operations of a core in a nanosecond, each on one number."""
     rows = np.ones((9, _LANES))
     peak.loop(rows, 1)  # compiles
     start = perf_counter()

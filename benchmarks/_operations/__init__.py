@@ -1,1 +1,0 @@
-"""What `benchmarks/operations.py` counts and measures."""
