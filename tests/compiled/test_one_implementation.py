@@ -8,16 +8,37 @@ from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 import khepera_forage
 from khepera_forage import task
+from khepera_forage.envs.compiled.records import (
+    arena_dtype,
+    decisions_dtype,
+    episode_dtype,
+    food_object_dtype,
+    link_dtype,
+    place_dtype,
+    start_dtype,
+    tracker_dtype,
+    wall_dtype,
+)
 from khepera_forage.envs.compiled.rules import RULE_MODULES
+from khepera_forage.geometry.walls import Wall
 from khepera_forage.policies import nearest_neighbour
 from khepera_forage.policies.nearest_neighbour import distance, votes
+from khepera_forage.rollouts.compiled.records import decision_dtype, pair_dtype
+from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
+from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import DecisionCounts, Episode
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.pairing import Pairing
+from khepera_forage.task.placement import Place, Start
 from khepera_forage.vision import association
+from khepera_forage.vision.association import Detection, Track
 
 PACKAGE = Path(khepera_forage.__file__).parent
 COMPILED = sorted(
@@ -146,36 +167,50 @@ def test_rules_in_a_compiled_module_are_the_functions_that_python_calls(path: Pa
 
 
 @pytest.mark.parametrize(
-    ("module", "rules"),
+    ("package", "needed"),
     [
-        ("envs.compiled.commands", {"applicable", "command", "decode_motors"}),
-        (
-            "envs.compiled.perception",
-            {"update_food", "explored", "raw_data", "state_vector", "classify", "to_wall"},
-        ),
-        (
-            "envs.compiled.rounds",
-            {"draw_layout", "draw_food_types", "layout_key", "food_type_key"}
-            | {"begin_episode", "begin_step", "end_step"},
-        ),
-        ("sim.compiled.tracking", {"match", "may_vanish", "start_tracks"}),
-        ("rollouts.compiled.policy_kernel", {"count_decision"}),
-        ("rollouts.compiled.nearest_neighbour", {"nearest_votes", "draw_label", "scaled_distance"}),
-        ("rollouts.compiled.rollout_kernel", {"is_collected"}),
-        (
-            "rollouts.compiled.training_kernel",
-            {
-                "update_pairing",
-                "lead",
-                "teacher_says",
-                "attempt_ends",
-                "has_done_its_part",
-                "share_identified",
-            }
-            | {"place_by_hand", "draw_food_types", "command", "applicable"},
-        ),
+        ("sim", "match may_vanish start_tracks"),
+        ("envs", "applicable command decode_motors explored update_food raw_data state_vector classify"),
+        ("envs", "draw_layout draw_food_types layout_key food_type_key begin_episode begin_step end_step"),
+        ("rollouts", "nearest_votes draw_label scaled_distance count_decision is_collected share_identified"),
+        ("rollouts", "update_pairing lead teacher_says attempt_ends has_done_its_part place_by_hand"),
     ],
 )
-def test_kernels_call_the_rules_that_they_need(module: str, rules: set[str]) -> None:
-    tree = ast.parse((PACKAGE / (module.replace(".", "/") + ".py")).read_text(encoding="utf-8"))
-    assert rules <= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: str) -> None:
+    used = {
+        node.id
+        for path in COMPILED
+        if path.parent.parent.name == package
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Name)
+    }
+    assert set(needed.split()) <= used
+
+
+@pytest.mark.parametrize(
+    ("record", "thing"),
+    [
+        (tracker_dtype, FoodTracker),
+        (food_object_dtype, FoodObject),
+        (link_dtype, Link),
+        (track_dtype, Track),
+        (episode_dtype, Episode),
+        (decision_dtype, DecisionCounts),
+        (pair_dtype, Pairing),
+        (start_dtype, Start),
+        (place_dtype, Place),
+        (decisions_dtype, Decisions),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_records_have_the_fields_of_the_dataclasses(record: Any, thing: Any) -> None:
+    """Lists of records are arrays of their own."""
+    assert {field.name for field in fields(thing)} - {"foods", "links"} <= set(record.names)
+
+
+def test_records_of_walls_arenas_and_detections_have_the_fields_of_the_tuples() -> None:
+    assert set(Wall._fields) == set(wall_dtype.names or ())
+    for prefix, known in (("map", ArenaMap), ("floor", Floor)):
+        names = {f"{prefix}_{name}" for name in known._fields if name != "walls"}
+        assert names <= set(arena_dtype.names or ())
+    assert set(detection_dtype.names or ()) <= set(Detection._fields)

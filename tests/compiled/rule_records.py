@@ -1,0 +1,52 @@
+"""Dataclasses of the rules as numpy records, and their comparison."""
+
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.envs.arguments import food_odds
+from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+from khepera_forage.envs.compiled.parameters import (
+    TaskParameters,
+    task_parameters,
+)
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
+from khepera_forage.task.decisions import Decisions
+
+DECISIONS = (
+    Decisions(),
+    Decisions(next_to_food=17, close_to_food=36, equal_distance="farther state", separation=8, same_place=1),
+)
+
+
+def task_of(arena: Arena, decisions: Decisions = DECISIONS[0]) -> TaskParameters:
+    """Parameters of kernels; all food is pickable."""
+    return task_parameters(arena, 500, food_odds(None), decisions)
+
+
+def records(dtype: np.dtype[Any], things: Any) -> Any:
+    """Dataclasses as an array of records: the fields that both have."""
+    array = np.zeros(len(things), dtype)
+    for record, thing in zip(array, things, strict=True):
+        for name in _common(dtype, thing):
+            record[name] = getattr(thing, name)
+    return array
+
+
+def check_same(array: Any, things: Any) -> None:
+    """Records and dataclasses with the same values, to rounding."""
+    for record, thing in zip(array, things, strict=True):
+        for name in _common(array.dtype, thing):
+            expected = getattr(thing, name)
+            if isinstance(expected, float):
+                assert record[name] == pytest.approx(expected, abs=1e-9), name
+            else:
+                assert np.array_equal(record[name], expected), name
+
+
+def _common(dtype: np.dtype[Any], thing: Any) -> list[str]:
+    names = [field.name for field in fields(thing)] if is_dataclass(thing) else thing._fields
+    return [name for name in names if name in (dtype.names or ())]

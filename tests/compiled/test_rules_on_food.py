@@ -1,0 +1,151 @@
+"""Food tracking and association: dataclasses in Python and records in compiled code come to the same."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage.compilation.decorators import entrance
+from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+from khepera_forage.envs.compiled.parameters import (
+    arena_map,
+)
+from khepera_forage.envs.compiled.records import (
+    food_object_dtype,
+    link_dtype,
+    tracker_dtype,
+)
+from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
+from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
+from khepera_forage.task.food_tracking import (
+    FoodObject,
+    FoodTracker,
+    Link,
+    is_collected,
+    share_identified,
+    update_food,
+)
+from khepera_forage.vision.association import Detection, Track, match, may_vanish, start_tracks
+from tests.compiled.rule_records import check_same, records, task_of
+
+
+@entrance
+def _update_food(
+    tracker: Any, foods: Any, links: Any, tracks: Any, task: Any, pose: Any, present: bool, explored: bool
+) -> None:
+    update_food(
+        tracker[0], foods, links, tracks, arena_map(task), pose[0], pose[1], pose[2], present, explored
+    )
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_update_food_is_the_same_on_records(count: int) -> None:
+    """Sequences of rounds in which tracks appear, move, vanish and return with other labels."""
+    rng, arena, task = np.random.default_rng(count), arena_map_of(CORRIDOR), task_of(CORRIDOR)
+    delivered = held = identified = 0
+    for _ in range(40):
+        foods = [
+            FoodObject(float(rng.uniform(20, 125)), float(rng.uniform(0, 45)), int(rng.integers(1, 4)))
+            for _ in range(count)
+        ]
+        tracker = FoodTracker(foods=foods, links=[Link() for _ in range(2 * count)], deliverable=count)
+        arrays = (
+            records(tracker_dtype, [tracker]),
+            records(food_object_dtype, foods),
+            records(link_dtype, tracker.links),
+        )
+        tracks = [Track() for _ in range(2 * count)]
+        for number in range(25):
+            for track in tracks:
+                chance = rng.random()
+                if chance < 0.1:
+                    x, y = rng.uniform((20, -8), (125, 55))
+                    track.label, track.x, track.y = int(rng.integers(0, 40)) * 50 + number, float(x), float(y)
+                elif chance < 0.15:
+                    track.label = -1
+                track.x += float(rng.normal(0, 1))
+                track.found, track.holes = bool(rng.random() < 0.8), int(rng.random() < 0.1)
+            x, y = rng.uniform((20, 5), (125, 40))
+            present = bool(rng.random() < 0.5)
+            explored = present and bool(rng.random() < 0.3)
+            pose = (float(x), float(y), float(rng.integers(0, 360)))
+            update_food(tracker, foods, tracker.links, tracks, arena, *pose, present, explored)
+            _update_food(*arrays, records(track_dtype, tracks), task, np.array(pose), present, explored)
+            for array, things in zip(arrays, ([tracker], foods, tracker.links), strict=True):
+                check_same(array, things)
+            held += tracker.held >= 0
+        delivered += tracker.delivered + tracker.poison_home
+        identified += sum(food.known > 0 for food in foods)
+    assert delivered > 10
+    assert held > 200
+    assert identified > 20
+
+
+@entrance
+def _share(foods: Any, others: Any, collected: Any) -> None:
+    share_identified(foods, others)
+    for k in range(len(others)):
+        collected[k] = is_collected(others[k])
+
+
+def test_share_identified_is_the_same_on_records() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        foods, others = (
+            [
+                FoodObject(0.0, 0.0, known=int(rng.integers(0, 4)), delivered=bool(rng.integers(0, 2)))
+                for _ in range(4)
+            ]
+            for _ in range(2)
+        )
+        changed, collected = records(food_object_dtype, others), np.zeros(4, np.bool_)
+        _share(records(food_object_dtype, foods), changed, collected)
+        share_identified(foods, others)
+        check_same(changed, others)
+        assert collected.tolist() == [is_collected(food) for food in others]
+
+
+@entrance
+def _associate(
+    tracks: Any, detections: Any, count: int, by_place: bool, visible: Any, next_label: int
+) -> tuple[int, int]:
+    new = match(tracks, detections, count, by_place)
+    for k in range(len(tracks)):
+        if may_vanish(tracks[k], by_place) and visible[k]:
+            tracks[k].label = -1
+    if new:
+        next_label = start_tracks(tracks, detections, count, next_label)
+    return new, next_label
+
+
+@pytest.mark.parametrize("by_place", [False, True])
+def test_association_is_the_same_on_records(by_place: bool) -> None:
+    """Regions on a grid of half the gate, so that costs and distances tie often."""
+    rng, slots = np.random.default_rng(int(by_place)), 6
+    python: Any = _associate.py_func  # type: ignore[attr-defined]
+    matched = started = vanished = 0
+    for _ in range(60):
+        tracks, next_label = [Track() for _ in range(slots)], 0
+        arrays, record_label = records(track_dtype, tracks), 0
+        for _ in range(20):
+            places = rng.integers(0, 6, (int(rng.integers(0, 5)), 2)) * 3.0
+            detections = [
+                Detection(x, y, int(rng.choice((0, 0, 1, 2))), 0, False, x, y, 1.0, 1.0, 1.0)
+                for x, y in places.tolist()
+            ]
+            visible = rng.random(slots) < 0.3
+            arguments = (len(detections), by_place, visible)
+            before = sum(track.label >= 0 for track in tracks)
+            new, next_label = python(tracks, detections, *arguments, next_label)
+            given = records(detection_dtype, [*detections, Detection(*[0] * 10)])  # type: ignore[arg-type]
+            assert _associate(arrays, given, *arguments, record_label) == (new, next_label)
+            record_label = next_label
+            check_same(arrays, tracks)
+            matched += len(detections) - new
+            started += new
+            vanished += before > sum(track.label >= 0 for track in tracks)
+    assert matched > 300
+    assert started > 300
+    assert vanished > 100
