@@ -105,7 +105,11 @@ def test_teacher_has_the_thresholds_of_the_decisions() -> None:
 
 
 @pytest.mark.parametrize(
-    "command", [["recall", "--episodes", "1", "--out", "rows.csv"], ["watch", "recall", "--out", "film.gif"]]
+    "command",
+    [
+        ["recall", "--episodes", "1", "--out", "rows.csv"],
+        ["watch", "recall", "--every", "100", "--out", "film.gif"],
+    ],
 )
 def test_experience_of_other_decisions_is_refused_unless_allowed(
     command: list[str], capsys: pytest.CaptureFixture[str]
@@ -149,6 +153,19 @@ def test_reproduce_refuses_a_folder_with_rows_of_other_decisions(capsys: pytest.
         "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; "
         in capsys.readouterr().err
     )
+
+
+@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+def test_decisions_under_which_no_training_succeeds_are_reported_in_one_line(
+    backend: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The gripper cannot be lowered 12 pixels from food: its fingers reach further."""
+    if backend == "compiled":
+        pytest.importorskip("numba")
+    decision = [f"--decision={text}" for text in ("next_to_food=12", "most_attempts=2")]
+    assert main(["reproduce", "--quick", "--backend", backend, "--jobs", "1", "--out", "t", *decision]) == 2
+    error = capsys.readouterr().err
+    assert error == "khepera-forage reproduce: none of 2 attempts at a training episode was complete\n"
 
 
 def test_film_runs_at_the_speed_of_the_rounds() -> None:
