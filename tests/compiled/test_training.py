@@ -11,7 +11,6 @@ from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.records import HEARD
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -108,7 +107,7 @@ def test_decisions_on_following_change_training_as_on_pymunk(
 def _check_changed(arenas: tuple[Arena, Arena], decisions: Decisions) -> None:
     """The same training on both backends, and another one than under the default decisions."""
     env = _on_pymunk(arenas, decisions)
-    experience, rows = train(env, np.random.SeedSequence(0), attempts=1, teacher=Teacher.of(env))
+    experience, rows = train(env, np.random.SeedSequence(0), attempts=1)
     compiled = train_learners(1, noise=Noise.none(), attempts=1, decisions=decisions)
     _check_same(compiled, experience, rows)
     usual = train_learners(1, noise=Noise.none(), attempts=1)
