@@ -12,7 +12,7 @@ def test_benchmark_has_rows_of_reinforcement_learners(tmp_path: Path) -> None:
     out = tmp_path / "learners"
     names = ["imitator", *FROM_STEPS]
     only = [part for name in names for part in ("--only", name)]
-    quick("learners.py", out, *only, "--seeds", "1", "--jobs", "1")
+    quick("learners", out, *only, "--seeds", "1", "--jobs", "1")
     rows = read(out / "rows.csv")
     assert [row["learner"] for row in rows] == ["imitator"] * 4 + [
         name for name in FROM_STEPS for _ in range(2)

@@ -15,7 +15,7 @@ def command_of(script: str, *arguments: str) -> list[str]:
         sys.executable,
         "-W",
         "error",
-        str(ROOT / "benchmarks" / f"{script.removesuffix('.py')}.py"),
+        str(ROOT / "benchmarks" / f"{script}.py"),
         *arguments,
     ]
 

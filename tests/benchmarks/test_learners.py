@@ -74,7 +74,7 @@ def test_steps_are_those_of_the_learning(out: Path) -> None:
 
 
 def test_the_teacher_delivers_all_and_random_behaviours_little(out: Path) -> None:
-    rows = read(out / "rows.csv")
+    rows = [row for row in read(out / "rows.csv") if row["amount"] in ("0", "2", "200")]  # after all learning
     share = {
         name: sum(int(r["delivered"]) for r in rows if r["learner"] == name)
         / sum(int(r["foods"]) for r in rows if r["learner"] == name)

@@ -12,7 +12,7 @@ def out(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     if request.param == "compiled":
         pytest.importorskip("numba")
     folder = tmp_path_factory.mktemp("run") / "thesis"
-    printed = quick("thesis.py", folder, "--backend", request.param)
+    printed = quick("thesis", folder, "--backend", request.param)
     (folder.parent / "printed").write_text(printed, encoding="utf-8")
     return folder
 
@@ -41,6 +41,6 @@ def test_rows_are_kept(out: Path) -> None:
 
 
 def test_help_names_every_argument() -> None:
-    told = help_of("thesis.py")
+    told = help_of("thesis")
     for argument in ("--seed", "--out", "--quick", "--replications", "--jobs", "--backend"):
         assert argument in told
