@@ -43,6 +43,7 @@ class Laboratory:
         arenas: The arena of every robot.
         markers: Number of holes of every robot's marker.
         camera: The camera with its tracker.
+        round_duration: Seconds of one round, the period of the settings.
         clock: Also counts the rounds that overran.
 
     Raises:
@@ -63,6 +64,7 @@ class Laboratory:
         self.settings = settings
         self.arenas: tuple[Arena, ...] = settings.arenas
         check_seen(self.arenas)
+        self.round_duration = settings.period
         self.markers = tuple(entry.holes for entry in settings.robots)
         self.clock: Clock = WallClock(settings.period) if clock is None else clock
         self._operator: Operator = CommandLineOperator() if operator is None else operator
@@ -77,11 +79,6 @@ class Laboratory:
         except BaseException:
             self.camera.close()
             raise
-
-    @property
-    def round_duration(self) -> float:
-        """Seconds of one round: the period of the settings."""
-        return self.settings.period
 
     @property
     def robots(self) -> Sequence[SerialKhepera]:
