@@ -6,15 +6,31 @@ Goals on one core: 15,000 steps a second of Corridor-v0 under the teacher, 4,000
 corridors, 40,000 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB
 for the main job. With `--compiled`: 15 million steps a second in the kernel, 5 million and 300 times pymunk through
 `gym.make_vec`, and 150,000 of one world; there is then a second picture, of the cost of a step against worlds and food.
+
+`--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as b91f85b
+(version 0.1), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`. About 20 minutes
+on two cores; with --quick five, most of them compilation.
 """
 
 import argparse
 import sys
+from pathlib import Path
 
-from harness.arguments import Count, parse
-from harness.page import finish
+from harness.arguments import Arguments, Count, parse
+from harness.page import finish, write
 from harness.processes import collect
-from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
+from timing import (
+    bare_pymunk,
+    beside,
+    compiled,
+    compiling,
+    environments,
+    fresh_processes,
+    imitator,
+    parts,
+    scaling,
+)
+from timing.checkouts import checkouts
 from timing.measures import Job, Measured, Repeat, lines_of, repeats
 from timing.page import page
 
@@ -22,6 +38,7 @@ COUNTS = (
     Count("steps", 10_000, 400, "steps, rounds or decisions of each measure in a repeat"),
     Count("repeats", 7, 2, "repeats, of which the median counts"),
 )
+ROOT = Path(__file__).resolve().parents[1]
 EPISODES, QUICK_EPISODES = 16_384, 1_024
 """Compiled episodes of a measure in each repeat."""
 COMPILED_STEPS, QUICK_COMPILED_STEPS = 100_000, 2_000
@@ -59,11 +76,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of this script alone."""
     parser.add_argument("--compiled", action="store_true", help="also the compiled backend (needs numba)")
     parser.add_argument("--memory", action="store_true", help="also the peak memory of the main job in small")
+    text = "measure only the speed of this checkout beside that of a commit; page and rows are beside.md and beside.csv"
+    parser.add_argument("--beside", metavar="COMMIT", help=text)
+    names = [case.name for case in beside.CASES]
+    text = "a case of --beside; may be given several times (all)"
+    parser.add_argument("--only", action="append", choices=names, help=text)
+
+
+def compare(given: Arguments) -> int:
+    """Measure this checkout beside a commit, and write and print the ratios."""
+    cases = [case for case in beside.CASES if not given.only or case.name in given.only]
+    try:
+        with checkouts(given.beside, ROOT) as (theirs, ours):
+            units = beside.pairs(cases, (theirs, ours), given.repeats, given.quick, given.seed)
+            rows = collect(given, units, {beside.Timed: "beside"}).of(beside.Timed)
+    except (ValueError, beside.CaseError) as error:
+        sys.exit(f"throughput.py: {error}")
+    result = beside.page(rows, theirs, ours, given.repeats, given.quick)
+    del given.counts["steps"]  # the sizes of the cases are fixed
+    options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
+    write(given.out, "beside", result, given.command(*options))
+    print("\n".join(table.markdown() for table in result.tables))
+    print(f"Page, table and rows are in {given.out}: beside.md, table_beside.csv, beside.csv")
+    return 0
 
 
 def main() -> int:
     """Run the benchmark."""
     given = parse("throughput", __doc__, *COUNTS, jobs=None, add=add_arguments)
+    if given.beside is not None:
+        if given.compiled or given.memory:
+            sys.exit(
+                "throughput.py: --beside measures nothing else; allowed: without --compiled and --memory"
+            )
+        return compare(given)
+    if given.only:
+        sys.exit("throughput.py: --only selects cases of --beside; allowed: with --beside COMMIT")
     seed, quick = given.seed, given.quick
     units = repeats("python", python_jobs(given.steps, seed), given.repeats)
     if given.compiled:

@@ -116,6 +116,11 @@ class Line:
         return goal / self.median if self.measure.unit in LOWER_IS_BETTER else self.median / goal
 
 
+def digits(value: float) -> int:
+    """Digits after the point in a table: three digits of small values, none after the point of large ones."""
+    return 0 if value >= 1000 else 1 if value >= 10 else 2
+
+
 def lines_of(rows: Sequence[Measured]) -> list[Line]:
     """One line a measure, in the order of the rows."""
     values: dict[Measure, list[float]] = {}

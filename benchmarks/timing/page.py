@@ -9,7 +9,7 @@ from harness.page import Page, Picture
 
 from khepera_forage.thesis.tables import Column, Table
 from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
-from timing.measures import Line
+from timing.measures import Line, digits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,9 @@ def page(lines: Sequence[Line]) -> Page:
     repeats = max(len(line.values) for line in lines)
     head = (
         "One process and one thread where nothing else is said. Measured: median [lowest, highest] of "
-        f"{repeats} repeats; every measure is taken once in each repeat, on the same work."
+        f"{repeats} repeats; every measure is taken once in each repeat, on the same work. "
+        "`python benchmarks/throughput.py --beside b91f85b` compares the speed with version 0.1 (or any commit): both "
+        "versions run the same cases alternately on the same machine, and each ratio has a target."
     )
     sections = dict.fromkeys(line.measure.section for line in lines)
     content: list[str | Table | Picture] = [head, *(_table(section, lines) for section in sections)]
@@ -71,9 +73,9 @@ def _table(section: str, lines: Sequence[Line]) -> Table:
 
 
 def _rounded(line: Line) -> str:
-    """Median, lowest and highest: three digits of small values, none after the point of large ones."""
-    digits = 0 if line.median >= 1000 else 1 if line.median >= 10 else 2
-    median, low, high = (f"{v:,.{digits}f}" for v in (line.median, min(line.values), max(line.values)))
+    """Median, lowest and highest."""
+    shown = digits(line.median)
+    median, low, high = (f"{v:,.{shown}f}" for v in (line.median, min(line.values), max(line.values)))
     return median if len(line.values) == 1 else f"{median} [{low}, {high}]"
 
 
