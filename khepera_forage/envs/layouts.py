@@ -30,10 +30,7 @@ def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues)
     Raises:
         ValueError: The arena has no room.
     """
-    start, places = Start(), [Place() for _ in range(foods)]
-    if not draw_layout(start, places, key, floor_of(arena), decisions):
-        raise no_room(arena, foods)
-    return _layout_of(start, places)
+    return given_layout(arena, foods, {}, key, decisions)
 
 
 def no_room(arena: Arena, foods: int) -> ValueError:
@@ -58,11 +55,13 @@ def given_layout(
     Raises:
         ValueError: An unknown option, a wrong number of values, a place that is not on the free floor.
     """
-    start, places = given_places(arena, foods, options)
-    if start is not None and places is not None:
-        return Layout((start,), places)
-    drawn = random_layout(arena, foods, key, decisions)
-    return Layout(drawn.starts if start is None else (start,), drawn.foods if places is None else places)
+    given_start, given = given_places(arena, foods, options)
+    start = Start() if given_start is None else Start(*given_start)
+    places = [Place() for _ in range(foods)] if given is None else [Place(*place) for place in given]
+    has_start, has_places = given_start is not None, given is not None
+    if not draw_layout(start, places, key, floor_of(arena), decisions, has_start, has_places):
+        raise no_room(arena, foods)
+    return _layout_of(start, places)
 
 
 def given_places(

@@ -123,10 +123,10 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
             self._episodes = 0
         key, episode = self._key, self._episodes
-        self._episodes += 1
         self.layout = given_layout(
             self.arena, self.foods, options or {}, layout_key(key, episode), self._values
         )
+        self._episodes += 1
         self.world.reset(self.np_random.spawn(1)[0], self.layout)
         tracker = tracker_of(self.layout.foods)
         draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)

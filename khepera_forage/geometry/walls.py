@@ -53,11 +53,12 @@ def walls_of(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Wall, ...]:
     return tuple(wall_of(side, k) for k, corners in enumerate(polygons) for side in edges(corners))
 
 
-def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
-    """From a place to the nearest point of a wall."""
-    dx, dy = wall.x1 - x, wall.y1 - y
-    ex, ey = wall.ex, wall.ey
-    t = -(dx * ex + dy * ey) * wall.share
+def to_wall(
+    x: float, y: float, x1: float, y1: float, ex: float, ey: float, share: float
+) -> tuple[float, float]:
+    """From a place to the nearest point of the wall with these first five fields."""
+    dx, dy = x1 - x, y1 - y
+    t = -(dx * ex + dy * ey) * share
     t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
     return dx + t * ex, dy + t * ey
 
@@ -71,7 +72,7 @@ def clearance(x: float, y: float, walls: Any) -> float:
         if wall.polygon != polygon:
             free = free and odd == (polygon == 0)
             odd, polygon, first = False, wall.polygon, k
-        dx, dy = to_wall(x, y, wall)
+        dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
         least = min(least, dx * dx + dy * dy)
         # A ray to the right of the place crosses a polygon an odd number of times from inside. A wall ends exactly
         # where the next one starts; y1 + ey is rounded, and a ray through that corner would cross one wall too many.

@@ -33,7 +33,7 @@ ARM_SPEED = 40.0
 """Positions per second: one second between raised and lowered (KNET and Webots wait 1 s for an arm)."""
 JAW_OPEN = 200
 JAW_CLOSED = 0
-JAW_SPEED = 333.0
+JAW_SPEED = JAW_OPEN / 0.6
 """Positions per second: 0.6 s from open to closed (KNET)."""
 JAW_ROOT = 38.0
 """mm from the robot's centre forward to the root of the fingers (Webots)."""

@@ -112,9 +112,8 @@ def update_food(
         _follow_gripper(tracker, foods, x + _GRIPPER * cosine, y + _GRIPPER * sine, explored)
     else:
         tracker.held = -1
-    _follow_tracks(tracker, foods, links, tracks, arena)
+    _follow_tracks(tracker, foods, links, tracks, arena, x, y)
     _count(tracker, foods)
-    _find_nearest(tracker, foods, links, tracks, arena, x, y)
 
 
 def share_identified(foods: Any, others: Any) -> None:
@@ -150,33 +149,38 @@ def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool
         held.known = held.type
 
 
-def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> None:
-    """Link new tracks to food objects, follow those that are found, and see which lie at home."""
-    for link in links:
-        if link.label >= 0 and not _is_watched(link.label, tracks, arena):
-            link.label = -1
-    for k in range(len(tracks)):
-        track = tracks[k]
-        if track.label < 0 or not track.found or track.holes != 0 or not is_within(track.x, track.y, arena):
-            continue
-        food = _linked_food(track.label, links)
-        if food < 0:
-            food = _link(track, foods, links)
-        if food < 0 or food == tracker.held:
-            continue
-        shown = foods[food]
-        shown.x, shown.y, shown.carried = track.x, track.y, False
-        if not shown.delivered and at_home(shown.x, shown.y, arena):
-            shown.delivered = True
-            shown.known = shown.type
+def _follow_tracks(
+    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
+) -> None:
+    """Link new tracks to food objects, see which of these lie at home, and find the nearest candidate.
 
-
-def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
-    """Whether there still is a track with this label in the arena."""
+    A candidate is a region without holes that shows neither delivered nor known poisonous food.
+    """
+    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    best = math.inf
     for track in tracks:
-        if track.label == label:
-            return is_within(track.x, track.y, arena)
-    return False
+        if track.label < 0 or track.holes != 0 or not is_within(track.x, track.y, arena):
+            continue
+        number = _linked_food(track.label, links)
+        if track.found:
+            if number < 0:
+                number = _link(track, foods, links, tracks, arena)
+            if number >= 0 and number != tracker.held:
+                _see(foods[number], track, arena)
+        if number < 0 or is_candidate(foods[number], number == tracker.held):
+            dx, dy = track.x - x, track.y - y
+            squared = dx * dx + dy * dy
+            if squared < best:
+                best = squared
+                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
+
+
+def _see(food: Any, track: Any, arena: ArenaMap) -> None:
+    """Food is where its track is; it is delivered, and its type known, once that is at home."""
+    food.x, food.y, food.carried = track.x, track.y, False
+    if not food.delivered and at_home(food.x, food.y, arena):
+        food.delivered = True
+        food.known = food.type
 
 
 def _linked_food(label: int, links: Any) -> int:
@@ -187,8 +191,11 @@ def _linked_food(label: int, links: Any) -> int:
     return -1
 
 
-def _link(track: Any, foods: Any, links: Any) -> int:
+def _link(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> int:
     """Link a new track to the nearest food object that no other track shows, or that was carried since."""
+    for link in links:
+        if link.label >= 0 and not _is_watched(link.label, tracks, arena):
+            link.label = -1
     nearest, best = -1, math.inf
     for k in range(len(foods)):
         food = foods[k]
@@ -208,6 +215,14 @@ def _link(track: Any, foods: Any, links: Any) -> int:
     return nearest
 
 
+def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
+    """Whether there still is a track with this label in the arena."""
+    for track in tracks:
+        if track.label == label:
+            return is_within(track.x, track.y, arena)
+    return False
+
+
 def _count(tracker: Any, foods: Any) -> None:
     """Count delivered, poisonous and deliverable food."""
     delivered, poison_home, deliverable = 0, 0, 0
@@ -219,24 +234,6 @@ def _count(tracker: Any, foods: Any) -> None:
             delivered += 1 if food.delivered else 0
     tracker.delivered, tracker.poison_home, tracker.deliverable = delivered, poison_home, deliverable
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else FoodType.UNKNOWN.value
-
-
-def _find_nearest(
-    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
-) -> None:
-    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food."""
-    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
-    best = math.inf
-    for track in tracks:
-        if track.label < 0 or track.holes != 0:
-            continue
-        dx, dy = track.x - x, track.y - y
-        squared = dx * dx + dy * dy
-        if squared < best and is_within(track.x, track.y, arena):
-            food = _linked_food(track.label, links)
-            if food < 0 or is_candidate(foods[food], food == tracker.held):
-                best = squared
-                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -84,8 +84,8 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
     x, y = own.x, own.y
     nearest = math.inf
     wall_x = wall_y = 0.0
-    for wall in arena.walls:
-        dx, dy = to_wall(x, y, wall)
+    for x1, y1, ex, ey, share, _, _, _, _ in arena.walls:
+        dx, dy = to_wall(x, y, x1, y1, ex, ey, share)
         squared = dx * dx + dy * dy
         if squared < nearest:
             nearest, wall_x, wall_y = squared, dx, dy

@@ -21,6 +21,8 @@ _MARGIN = 5.0
 """mm that a random start keeps clear around body and gripper, and food beyond the close threshold."""
 _LAYOUTS = 1 << 48
 """First number of a key that is for layouts; devices of simulated worlds use the numbers below."""
+_FOOD_NUMBERS = 1 << 20
+"""First number of a layout's key that is for food."""
 TRIES = 200
 """Draws of a layout after which there is no room."""
 
@@ -64,7 +66,15 @@ def draw_food_types(foods: Any, key: Any, odds: Any) -> None:
         foods[k].type = drawn_type(uniform(key, k), odds)
 
 
-def draw_layout(start: Any, places: Any, key: Any, floor: Floor, decisions: DecisionValues) -> bool:
+def draw_layout(
+    start: Any,
+    places: Any,
+    key: Any,
+    floor: Floor,
+    decisions: DecisionValues,
+    start_given: bool = False,
+    places_given: bool = False,
+) -> bool:
     """Draw a random start and random food places (5.4.1.1).
 
     The robot starts anywhere outside home, heading uniform. Food lies outside home, further from the robot than the
@@ -76,30 +86,42 @@ def draw_layout(start: Any, places: Any, key: Any, floor: Floor, decisions: Deci
         key: From `layout_key`.
         floor: Where.
         decisions: `DecisionValues`.
+        start_given: Whether the start stays as it is.
+        places_given: Whether the places stay as they are.
 
     Returns:
         Whether there is room.
     """
-    width, height = floor.right - floor.left, floor.top - floor.bottom
-    number = 0
+    # Numbers of their own: a given start leaves the food of a key where it is, and given food the start.
+    number, food_number = 0, _FOOD_NUMBERS
     for _ in range(TRIES):
-        start.x = floor.left + width * uniform(key, number)
-        start.y = floor.bottom + height * uniform(key, number + 1)
-        start.heading = math.pi * (2.0 * uniform(key, number + 2) - 1.0)
-        number += 3
-        if not (_is_outside_home(start, RADIUS, floor) and _robot_is_free(start, _MARGIN, floor)):
+        if not start_given:
+            start.x, start.y = _draw_place(key, number, floor)
+            start.heading = math.pi * (2.0 * uniform(key, number + 2) - 1.0)
+            number += 3
+            if not (_is_outside_home(start, RADIUS, floor) and _robot_is_free(start, _MARGIN, floor)):
+                continue
+        if places_given:
+            if layout_is_free(start, places, floor):
+                return True
             continue
         placed = 0
         for _ in range(50 * len(places)):
             place = places[placed]
-            place.x = floor.left + width * uniform(key, number)
-            place.y = floor.bottom + height * uniform(key, number + 1)
-            number += 2
+            place.x, place.y = _draw_place(key, food_number, floor)
+            food_number += 2
             if _food_fits(place, places, placed, start, floor, decisions):
                 placed += 1
                 if placed == len(places):
                     return True
     return False
+
+
+def _draw_place(key: Any, number: int, floor: Floor) -> tuple[float, float]:
+    """A random place within the floor's bounds, from two numbers of a key."""
+    x = floor.left + (floor.right - floor.left) * uniform(key, number)
+    y = floor.bottom + (floor.top - floor.bottom) * uniform(key, number + 1)
+    return x, y
 
 
 def place_by_hand(

@@ -67,7 +67,8 @@ def perceive_block(robot: Any, task: Any, parameters: TaskParameters) -> None:
     for k in range(arena.walls.shape[0]):
         wall = arena.walls[k]
         for i in range(lanes):
-            dx, dy = to_wall(robot.marker_x[i], robot.marker_y[i], wall)
+            x, y = robot.marker_x[i], robot.marker_y[i]
+            dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
             squared = dx * dx + dy * dy
             nearer = squared < task.wall_squared[i]
             task.wall_squared[i] = squared if nearer else task.wall_squared[i]

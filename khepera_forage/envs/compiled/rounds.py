@@ -54,14 +54,13 @@ def begin_world(
     episode, key = worlds.episodes[i], worlds.bodies.robots.key[i]
     start, places, arena = worlds.starts[0], worlds.places, task.arena[0]
     has_start, has_places = given[0].x == given[0].x, given_places[0].x == given_places[0].x
-    free = has_start and has_places
-    if not free:
-        free = draw_layout(start, places, layout_key(key, episode.number), floor(task), decision_values(task))
     if has_start:
         start.x, start.y, start.heading = given[0].x, given[0].y, given[0].heading
     if has_places:
         for k in range(places.shape[0]):
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
+    drawn_key, values = layout_key(key, episode.number), decision_values(task)
+    free = draw_layout(start, places, drawn_key, floor(task), values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)
     episode.number += 1
