@@ -21,6 +21,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
 _DEGREE = math.pi / 180.0
+_UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
 @dataclass(slots=True)
@@ -119,7 +120,7 @@ def update_food(
 def share_identified(foods: Any, others: Any) -> None:
     """Make known what has been identified in a corresponding arena: corresponding food is of one type (4.5)."""
     for k in range(len(foods)):
-        if foods[k].known != FoodType.UNKNOWN:
+        if foods[k].known != _UNKNOWN:
             others[k].known = foods[k].known
 
 
@@ -130,7 +131,7 @@ def is_finished(tracker: Any) -> bool:
 
 def is_collected(food: Any) -> bool:
     """Whether food has been brought home and is not poisonous."""
-    return bool(food.delivered and food.known != FoodType.POISONOUS)
+    return bool(food.delivered and food.known != _POISONOUS)
 
 
 def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool) -> None:
@@ -145,7 +146,7 @@ def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool
         tracker.held = nearest
     held = foods[tracker.held]
     held.x, held.y, held.carried = x, y, True
-    if explored and held.known == FoodType.UNKNOWN:
+    if explored and held.known == _UNKNOWN:
         held.known = held.type
 
 
@@ -227,15 +228,15 @@ def _count(tracker: Any, foods: Any) -> None:
     """Count delivered, poisonous and deliverable food."""
     delivered, poison_home, deliverable = 0, 0, 0
     for food in foods:
-        if food.known == FoodType.POISONOUS:
+        if food.known == _POISONOUS:
             poison_home += 1 if food.delivered else 0
         else:
             deliverable += 1
             delivered += 1 if food.delivered else 0
     tracker.delivered, tracker.poison_home, tracker.deliverable = delivered, poison_home, deliverable
-    tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else FoodType.UNKNOWN.value
+    tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
 
 
 def is_candidate(food: Any, held: bool) -> bool:
     """Whether food may be the nearest food: not delivered, and not known to be poisonous unless it is held."""
-    return not food.delivered and (food.known != FoodType.POISONOUS or held)
+    return not food.delivered and (food.known != _POISONOUS or held)

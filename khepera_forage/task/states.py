@@ -48,6 +48,7 @@ class Behaviour(IntEnum):
     WAIT = 10
 
 
+_LESS = 1e-6  # pixels
 NUM_STATES = State.UNKNOWN.value
 """How many states there are that occur."""
 NUM_BEHAVIOURS = Behaviour.WAIT.value
@@ -83,7 +84,9 @@ def classify(vector: StateVector, home_radius: float, decisions: DecisionValues)
         decisions: `DecisionValues`.
     """
     presence, home, food_type, arm, food = vector
-    at_home = _reaches(home, home_radius, decisions)
+    # Distances are whole pixels: just below a threshold, those equal to it belong to the farther state.
+    less = _LESS if decisions.equal_distance == FARTHER_STATE else 0.0
+    at_home = home <= home_radius - less
     if presence:
         if at_home:
             return State.AT_HOME_WITH_FOOD
@@ -98,9 +101,9 @@ def classify(vector: StateVector, home_radius: float, decisions: DecisionValues)
         return State.UNKNOWN
     if at_home:
         return State.AT_HOME_NO_FOOD
-    if _reaches(food, decisions.next_to_food, decisions):
+    if food <= decisions.next_to_food - less:
         return State.NEXT_TO_FOOD
-    if _reaches(food, decisions.close_to_food, decisions):
+    if food <= decisions.close_to_food - less:
         return State.CLOSE_TO_FOOD
     return State.SEARCH
 
@@ -110,13 +113,6 @@ def is_raised(arm: int, decisions: DecisionValues) -> bool:
     return bool(arm <= ARM_RAISED + decisions.carry_margin)
 
 
-def _reaches(distance: float, threshold: float, decisions: DecisionValues) -> bool:
-    """Whether a distance belongs to the nearer state of a threshold."""
-    if decisions.equal_distance == FARTHER_STATE:
-        return bool(distance < threshold)
-    return bool(distance <= threshold)
-
-
 def behaviour_for(state: State) -> Behaviour:
-    """The IF-THEN rules of 4.4.1: states and behaviours stand one to one, in the order of table 4.1."""
+    """The IF-THEN rules of 4.4.1: states and behaviours correspond one to one, in the order of table 4.1."""
     return BEHAVIOURS[state]

@@ -38,24 +38,33 @@ class Tracks:
         """
         # One order for any order in which the detections come.
         detections = sorted(detections)
-        new = match(self._tracks, detections, len(detections), self._by_place)
-        tracks, regions = [], []
-        for track, region in zip(self._tracks, self._regions, strict=True):
+        tracks, regions = self._tracks, []
+        new = match(tracks, detections, len(detections), self._by_place)
+        for track, region in zip(tracks, self._regions, strict=False):
             if track.detection >= 0:
-                region = _region(track.label, detections[track.detection])
+                # `_region`, written out: this is done for every region of every frame.
+                x, y, holes, degrees, edge, left, top, area, outline, compactness = detections[
+                    track.detection
+                ]
+                label = track.label
+                region = Region(
+                    label, x, y, holes, degrees, True, edge, left, top, area, outline, compactness
+                )
             elif may_vanish(track, self._by_place) and visible(track.x, track.y):
+                track.label = -1
                 continue
             elif region.found:
                 region = region._replace(found=False)
-            tracks.append(track)
             regions.append(region)
+        if len(regions) < len(tracks):
+            self._tracks = tracks = [track for track in tracks if track.label >= 0]
         if new:
             # Slots are filled in this order, so that the oldest track stays first.
             slots = [Track() for _ in range(new)]
             tracks += slots
             self._next_label = start_tracks(tracks, detections, len(detections), self._next_label)
             regions += [_region(track.label, detections[track.detection]) for track in slots]
-        self._tracks, self._regions = tracks, regions
+        self._regions = regions
         return Scene(tuple(regions))
 
 
