@@ -88,10 +88,12 @@ class BehavioursEnv(RecallEnv[int]):
     def _observation(self, forager: Forager) -> Observation:
         presence, home, food_type, arm, food = forager.vector
         diagonal = self._map.diagonal
+        # One fresh array for all three numbers: making an array takes longer than a slice.
+        numbers = np.array((min(home, diagonal), arm, min(food, diagonal)))
         return {
             "object_presence": _WHOLE[presence],
-            "robot_home_distance": np.array((min(home, diagonal),)),
+            "robot_home_distance": numbers[:1],
             "food_type": _WHOLE[food_type],
-            "arms_height": np.array((arm,)),
-            "robot_food_distance": np.array((min(food, diagonal),)),
+            "arms_height": numbers[1:2],
+            "robot_food_distance": numbers[2:],
         }

@@ -49,6 +49,22 @@ _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 
 
+# Numbers of the behaviours: looking up members of an enum would take a quarter of `command`.
+(
+    _SEARCH_FOR_FOOD,
+    _MOVE_SLOWLY,
+    _ORIENT_WITH_FOOD,
+    _EXPLORE_FOOD,
+    _PICK_UP_FOOD,
+    _PUSH_FOOD,
+    _AVOID_FOOD,
+    _GO_HOME,
+    _AVOID_HOME,
+    _RELEASE_FOOD,
+    _,
+) = (behaviour.value for behaviour in Behaviour)
+
+
 def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     """Motors for one step of a behaviour.
 
@@ -57,25 +73,25 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
         raw: What the robot perceives now.
         decisions: `DecisionValues`.
     """
-    if behaviour == Behaviour.SEARCH_FOR_FOOD:
+    if behaviour == _SEARCH_FOR_FOOD:
         return _search(raw, decisions)
-    if behaviour == Behaviour.MOVE_SLOWLY:
+    if behaviour == _MOVE_SLOWLY:
         return _approach(raw, decisions.slow_speed, detour(raw), decisions)
-    if behaviour == Behaviour.ORIENT_WITH_FOOD:
+    if behaviour == _ORIENT_WITH_FOOD:
         return _orient(raw, decisions)
-    if behaviour == Behaviour.EXPLORE_FOOD:
+    if behaviour == _EXPLORE_FOOD:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
-    if behaviour == Behaviour.PICK_UP_FOOD:
+    if behaviour == _PICK_UP_FOOD:
         return _pick_up(raw, decisions)
-    if behaviour == Behaviour.PUSH_FOOD:
+    if behaviour == _PUSH_FOOD:
         return _push(raw, decisions)
-    if behaviour == Behaviour.AVOID_FOOD:
+    if behaviour == _AVOID_FOOD:
         return Motors(-decisions.slow_speed, -decisions.slow_speed, ARM_DOWN, JAW_OPEN)
-    if behaviour == Behaviour.GO_HOME:
+    if behaviour == _GO_HOME:
         return _go_home(raw, decisions)
-    if behaviour == Behaviour.AVOID_HOME:
+    if behaviour == _AVOID_HOME:
         return _avoid_home(raw, decisions)
-    if behaviour == Behaviour.RELEASE_FOOD:
+    if behaviour == _RELEASE_FOOD:
         return _release(raw, decisions)
     return wait(raw)
 

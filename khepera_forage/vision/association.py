@@ -87,7 +87,10 @@ def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
         shown = track.detection
         if shown >= 0:
             detection = detections[shown]
-            track.x, track.y, track.holes, track.found = detection.x, detection.y, detection.holes, True
+            track.x = detection.x
+            track.y = detection.y
+            track.holes = detection.holes
+            track.found = True
             new -= 1
         else:
             track.found = False
