@@ -113,7 +113,8 @@ def update_food(
         _follow_gripper(tracker, foods, x + _GRIPPER * cosine, y + _GRIPPER * sine, explored)
     else:
         tracker.held = -1
-    _follow_tracks(tracker, foods, links, tracks, arena, x, y)
+    _follow_tracks(tracker, foods, links, tracks, arena)
+    _find_nearest(tracker, foods, links, tracks, arena, x, y)
     _count(tracker, foods)
 
 
@@ -150,30 +151,15 @@ def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool
         held.known = held.type
 
 
-def _follow_tracks(
-    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
-) -> None:
-    """Link new tracks to food objects, see which of these lie at home, and find the nearest candidate.
-
-    A candidate is a region without holes that shows neither delivered nor known poisonous food.
-    """
-    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
-    best = math.inf
+def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> None:
+    """Link new tracks to food objects, and see where these are."""
     for track in tracks:
-        if track.label < 0 or track.holes != 0 or not is_within(track.x, track.y, arena):
-            continue
-        number = _linked_food(track.label, links)
-        if track.found:
+        if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
+            number = _linked_food(track.label, links)
             if number < 0:
                 number = _link(track, foods, links, tracks, arena)
             if number >= 0 and number != tracker.held:
                 _see(foods[number], track, arena)
-        if number < 0 or is_candidate(foods[number], number == tracker.held):
-            dx, dy = track.x - x, track.y - y
-            squared = dx * dx + dy * dy
-            if squared < best:
-                best = squared
-                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
 
 
 def _see(food: Any, track: Any, arena: ArenaMap) -> None:
@@ -222,6 +208,24 @@ def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
         if track.label == label:
             return is_within(track.x, track.y, arena)
     return False
+
+
+def _find_nearest(
+    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
+) -> None:
+    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food."""
+    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    best = math.inf
+    for track in tracks:
+        if track.holes != 0 or track.label < 0:
+            continue
+        dx, dy = track.x - x, track.y - y
+        squared = dx * dx + dy * dy
+        if squared < best and is_within(track.x, track.y, arena):
+            number = _linked_food(track.label, links)
+            if number < 0 or is_candidate(foods[number], number == tracker.held):
+                best = squared
+                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
 
 
 def _count(tracker: Any, foods: Any) -> None:

@@ -25,7 +25,7 @@ def make() -> Any:
 
 
 def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
-    out = dagger(make, env, 230, 5, queries_a_round=100)
+    out = dagger(make, env, 230, 7, queries_a_round=100)
     assert [r.queries for r in out.rounds] == [100, 100, 30]
     assert out.vectors.shape == (230, 5)
     for row, behaviour in zip(out.vectors, out.behaviours, strict=True):
