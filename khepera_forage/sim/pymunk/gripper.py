@@ -70,16 +70,28 @@ class PymunkGripper:
         """Whether the fingers reach down to food on the floor."""
         return self.arm >= ARM_ON_FLOOR
 
-    def interrupted(self, foods: Sequence[PymunkFood]) -> bool:
-        """Whether something crossed the optical barrier between the fingers at the end of the last round."""
+    def interrupted(
+        self, x: float, y: float, cosine: float, sine: float, foods: Sequence[PymunkFood]
+    ) -> bool:
+        """Whether something crossed the optical barrier between the fingers at the end of the last round.
+
+        Args:
+            x: Of the robot then, mm.
+            y: Of the robot then, mm.
+            cosine: Of its heading then.
+            sine: Of its heading then.
+            foods: All food.
+        """
         held = self.held
         if held is None and not self.on_floor:
             return False
         gap = half_gap(self.jaw)
         for food in foods if held is None else (held,):
-            x, y = self._body.world_to_local(food.place)
-            aside = max(abs(y) - gap, 0.0)
-            crosses = (x - BARRIER) ** 2 + aside**2 < FOOD_RADIUS**2
+            food_x, food_y = food.place
+            dx, dy = food_x - x, food_y - y
+            ahead = dx * cosine + dy * sine - BARRIER
+            aside = max(abs(dy * cosine - dx * sine) - gap, 0.0)
+            crosses = ahead * ahead + aside * aside < FOOD_RADIUS * FOOD_RADIUS
             if crosses and (food is held or not food.lifted):
                 return True
         return False

@@ -234,10 +234,9 @@ class PymunkKhepera:
         blocked = gripper.arm >= ARM_ON_FLOOR
         discs = discs_near(x, y, self.foods, self.others)
         walls = self._walls.near
+        cosine, sine = math.cos(angle), math.sin(angle)
         if walls or discs:
-            clean = clean_readings(
-                x, y, math.cos(angle), math.sin(angle), walls, discs, first=6 if blocked else 0
-            )
+            clean = clean_readings(x, y, cosine, sine, walls, discs, first=6 if blocked else 0)
             if self._infra_red_gain != 1.0:
                 clean = [self._infra_red_gain * reading for reading in clean]
         else:
@@ -250,5 +249,5 @@ class PymunkKhepera:
             int(self._right_pulses),
             int(ARM_DOWN - self._arm_reading_scale * (ARM_DOWN - gripper.arm) + 0.5),
             int(gripper.jaw + 0.5),
-            PRESENT if gripper.interrupted(self.foods) else 0,
+            PRESENT if gripper.interrupted(x, y, cosine, sine, self.foods) else 0,
         )
