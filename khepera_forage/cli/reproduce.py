@@ -1,7 +1,6 @@
 """`khepera-forage reproduce`: the thesis's experiments, repeated, and a report on them."""
 
 import argparse
-from importlib.util import find_spec
 
 from khepera_forage.cli.arguments import (
     add_decision_argument,
@@ -10,7 +9,7 @@ from khepera_forage.cli.arguments import (
     decisions_of,
     require_at_least_one,
 )
-from khepera_forage.thesis.jobs import BACKENDS, COMPILED, PYMUNK
+from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK, check_backend
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
 
 
@@ -19,8 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--backend",
         choices=BACKENDS,
-        help=f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time "
-        f"({COMPILED} if numba is installed)",
+        default=COMPILED,
+        help=f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})",
     )
     parser.add_argument(
         "--replications",
@@ -44,9 +43,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: Fewer than one replication, a decision that is not allowed, or a folder with rows of others.
-        ImportError: `--backend compiled` without numba.
+        ImportError: The backend `compiled` without numba.
     """
-    backend = arguments.backend or (COMPILED if find_spec("numba") is not None else PYMUNK)
+    backend = check_backend(arguments.backend)
     replications = arguments.replications
     if replications is None:
         replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]

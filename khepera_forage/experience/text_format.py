@@ -10,7 +10,7 @@
     0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD
     # complete: 1 vectors
 
-The closing line distinguishes a complete recording from a killed one. A line `# decisions: next_to_food=17` before the
+The closing line distinguishes a complete recording from a killed one. A line `# decisions: next_to_food=22` before the
 units lists the decisions that differ from the defaults, or says that they are `mixed`. A file without it, such as one
 that an older version wrote, is of the default decisions.
 """

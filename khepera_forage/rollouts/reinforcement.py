@@ -16,6 +16,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 - registers the environments
+from khepera_forage.envs.backends import COMPILED, check_backend
 from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
 from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
@@ -74,6 +75,7 @@ def reinforce(
     envs: int | None = None,
     watch: Callable[[int], object] | None = None,
     arena: str = "corridor",
+    backend: str = COMPILED,
 ) -> list[Trained]:
     """Train once, and keep what the learner is after each amount of steps.
 
@@ -85,11 +87,11 @@ def reinforce(
         amounts: Steps over all environments after which to keep the policy, each above 0; reached to within what the
             algorithm takes at a time.
         seed: Of the algorithm and of the environments.
-        make_env: Makes the environments, all in one. By default those of `arena`: compiled where numba is installed,
-            on pymunk otherwise; the log says which, at level INFO.
+        make_env: Makes the environments, all in one. By default those of `arena` on `backend`.
         envs: How many; by default as many as the learner's settings say if compiled, 8 otherwise.
         watch: Called with the steps so far.
         arena: `corridor` or `rectangle`.
+        backend: `compiled`, or `pymunk`, which needs no numba and takes longer.
 
     Returns:
         One for each amount, in increasing order.
@@ -105,7 +107,7 @@ def reinforce(
     from stable_baselines3.common.callbacks import BaseCallback
     from stable_baselines3.common.logger import Logger
 
-    env = vec_env(learner, make_env, envs, arena)
+    env = vec_env(learner, make_env, envs, arena, backend)
     # A deep copy, because stable-baselines3 writes into the `policy_kwargs` that it is given.
     settings = copy.deepcopy(dict(learner.settings))
     if "n_steps" in settings:
@@ -150,26 +152,31 @@ def reinforce(
 
 
 def vec_env(
-    learner: FromSteps, make_env: MakeEnv | None = None, envs: int | None = None, arena: str = "corridor"
+    learner: FromSteps,
+    make_env: MakeEnv | None = None,
+    envs: int | None = None,
+    arena: str = "corridor",
+    backend: str = COMPILED,
 ) -> Any:
     """The environments that a learner trains in, for stable-baselines3.
 
     Args:
         learner: Its actions, how long they hold, and in how many environments it trains.
-        make_env: As for `reinforce`; so are the next two.
+        make_env: As for `reinforce`; so are the others.
         envs: How many.
         arena: `corridor` or `rectangle`.
+        backend: `compiled` or `pymunk`.
 
     Raises:
-        ValueError: Another arena.
+        ValueError: Another arena or backend.
+        ImportError: The backend `compiled` without numba.
     """
     from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
 
-    compiled = make_env is None and find_spec("numba") is not None
+    compiled = make_env is None and check_backend(backend) == COMPILED
     count = envs if envs is not None else learner.worlds if compiled else PYMUNK_ENVS
     if make_env is None:
         make_env = recall_envs(arena, learner.wheels, COMPILED_MODE if compiled else "sync")
-        backend = "compiled" if compiled else "pymunk"
         _log.info("%s trains in %d environments on the backend %s", learner.title, count, backend)
     features = wheels_features if learner.wheels else behaviour_features
     return VecEnvAdapter(make_env(count), features, learner.hold)

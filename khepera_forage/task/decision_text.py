@@ -1,4 +1,4 @@
-"""Decisions as text: `next_to_food=17;round_duration=0.2`, in the headers of files and in the columns of rows."""
+"""Decisions as text: `next_to_food=22;round_duration=0.2`, in the headers of files and in the columns of rows."""
 
 from typing import Any
 

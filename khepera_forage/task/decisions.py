@@ -225,7 +225,7 @@ class Decisions:
         for assignment in assignments:
             name, sign, text = assignment.partition("=")
             if not sign:
-                raise ValueError(f"decision {assignment!r}; allowed: NAME=VALUE, such as next_to_food=17")
+                raise ValueError(f"decision {assignment!r}; allowed: NAME=VALUE, such as next_to_food=22")
             if name in changes:
                 raise ValueError(f"decision {name} is set twice; allowed: once")
             changes[name] = parse(by_name[name], text) if name in by_name else text

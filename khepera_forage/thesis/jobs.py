@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
+from khepera_forage.envs.backends import PYMUNK
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.decisions import Decisions
@@ -17,8 +18,6 @@ from khepera_forage.thesis.design import (
 from khepera_forage.thesis.replication import Baseline, Outcome, Replication
 from khepera_forage.thesis.statistics import MIN_REPLICATIONS
 
-PYMUNK, COMPILED = "pymunk", "compiled"
-BACKENDS = (COMPILED, PYMUNK)
 NOISE_CELLS: tuple[Cell, ...] = tuple(cell for cell in THESIS if cell.episodes == 10)
 """Cells that are repeated under each noise condition: ten training episodes, recalls in both arenas."""
 

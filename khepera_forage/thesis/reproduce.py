@@ -9,20 +9,13 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from khepera_forage.envs.arguments import checked_decisions
+from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import refuse_other_decisions
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import LABORATORY
-from khepera_forage.thesis.jobs import (
-    BACKENDS,
-    COMPILED,
-    PYMUNK,
-    Job,
-    compiled_jobs,
-    job_counts,
-    pymunk_jobs,
-)
+from khepera_forage.thesis.jobs import Job, compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow
 from khepera_forage.thesis.replication import Outcome
 from khepera_forage.thesis.report import PAGE, write_report

@@ -167,11 +167,10 @@ def test_settings_stay_unchanged(name: str) -> None:
     assert dict(FROM_STEPS[name].settings) == before
 
 
-def test_log_names_the_backend(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "khepera_forage")
     short("dqn", (50,))
-    monkeypatch.setattr("khepera_forage.rollouts.reinforcement.find_spec", lambda name: None)
-    short("dqn", (50,))
+    reinforce(FROM_STEPS["dqn"], (50,), 0, envs=2, backend="pymunk")
     assert [record.message for record in caplog.records] == [
         "DQN on behaviours trains in 2 environments on the backend compiled",
         "DQN on behaviours trains in 2 environments on the backend pymunk",

@@ -65,7 +65,7 @@ def test_help_explains_the_option(command: str, capsys: pytest.CaptureFixture[st
             ["equal_distance=either"],
             "decision equal_distance is 'either'; allowed: 'nearer state', 'farther state'",
         ),
-        (["next_to_food"], "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=17"),
+        (["next_to_food"], "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=22"),
         (["patience=5", "patience=6"], "decision patience is set twice; allowed: once"),
         (
             ["next_to_food=25", "close_to_food=24"],

@@ -216,7 +216,7 @@ def test_parse_reads_assignments() -> None:
 @pytest.mark.parametrize(
     ("assignment", "message"),
     [
-        ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=17"),
+        ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=22"),
         ("", "decision ''; allowed: NAME=VALUE"),
         ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: aimed, "),
         ("=17", "decision '' is unknown"),

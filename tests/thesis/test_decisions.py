@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from khepera_forage.envs.backends import COMPILED, PYMUNK
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.design import Cell, Subset, training_distance
-from khepera_forage.thesis.jobs import COMPILED, PYMUNK, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.jobs import compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.replication import Baseline, Outcome, Replication
 from khepera_forage.thesis.report import PAGE, write_report

@@ -1,9 +1,10 @@
 """Replications, baselines and the jobs of a reproduction, on pymunk."""
 
+from khepera_forage.envs.backends import PYMUNK
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
-from khepera_forage.thesis.jobs import PYMUNK, job_counts, pymunk_jobs
+from khepera_forage.thesis.jobs import job_counts, pymunk_jobs
 from khepera_forage.thesis.replication import Baseline, Replication
 
 SMALL = (Cell("corridor", 2, (Subset((1, 2)),), 2, foods=1, limit=500),)
