@@ -53,7 +53,7 @@ def test_blocks_of_decisions_page_run(capsys: pytest.CaptureFixture[str]) -> Non
     assert names["env"].unwrapped.decisions == names["training"].unwrapped.decisions == names["decisions"]
     changed, parsed = capsys.readouterr().out.splitlines()
     assert f"print(decisions.changed())  # {changed}\n" in PAGES["decisions.md"]
-    assert "next_to_food=17.0" in parsed
+    assert "next_to_food=22.0" in parsed
 
 
 def test_blocks_of_compiled_page_run() -> None:

@@ -36,7 +36,7 @@ def test_pettingzoo_example_makes_an_imitator() -> None:
 
 def test_decisions_example_changes_environment_and_teacher(capsys: pytest.CaptureFixture[str]) -> None:
     names = run(BLOCKS[2])
-    changed = {"next_to_food": 17.0, "search_speed": 10.0}
+    changed = {"next_to_food": 22.0, "search_speed": 10.0}
     assert names["env"].unwrapped.decisions.changed() == changed == names["teacher"].decisions.changed()
     assert capsys.readouterr().out == f"{changed}\n"
 
