@@ -1,42 +1,95 @@
-"""Whether recalls on the two backends agree: two-sample tests, and their power to detect a difference.
+"""Whether recalls on the two backends agree, and whether the thesis's experiments give the results of version 0.1.
 
     python benchmarks/agreement.py --help
 
-Teacher and imitator in corridor and rectangle: scores, steps and food delivered of thousands of recalls on each
-backend, and the same with wheels 2 % slow on the compiled one, which the tests must detect. Needs numba (the extra
-`fast`).
+Teacher and imitator in a family of random arenas: recalls with the same seeds on both backends. Teacher and imitator
+in corridor and rectangle: scores, steps and food delivered of thousands of recalls on each backend, and the same with
+wheels 2 % slow on the compiled one, which the tests must detect. The cells of `khepera-forage reproduce` beside those
+of version 0.1. Needs numba (the extra `fast`).
 """
 
 import sys
+from collections.abc import Sequence
 
 import numpy as np
-from backend_agreement import page, samples, two_sample_tests
+from backend_agreement import (
+    before_after,
+    page,
+    paired,
+    paired_pictures,
+    paired_tables,
+    samples,
+    two_sample_tests,
+)
+from backend_agreement.arenas import RandomArena, random_arena
+from backend_agreement.paired import PairedRecall
 from backend_agreement.samples import PymunkRecall
-from harness.arguments import Count, parse
+from harness.arguments import Arguments, Count, parse
 from harness.page import Page, Picture, finish
-from harness.processes import collect
+from harness.processes import Unit, collect
+from harness.rows import Rows
 from harness.tables import pick
 
 from khepera_forage.thesis.tables import Table
 
-EPISODES = Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True)
+COUNTS = (
+    Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True),
+    Count("arenas", 120, 20, "random arenas", adds_units=True),
+    Count("recalls", 12, 1, "recalls of each policy in each random arena", adds_units=True),
+    Count("replications", 1_000, 5, "replications of the thesis's design", adds_units=True),
+)
 REPEATS, QUICK_REPEATS = 200, 20
 """Repeated samples for the power of the tests."""
+TABLES = {PymunkRecall: "pymunk_recalls", PairedRecall: "paired_recalls"}
+Parts = list[str | Table | Picture]
 
 
 def main() -> int:
     """Run the benchmark."""
-    given = parse("agreement", __doc__, EPISODES)
-    seed, episodes = given.seed, given.episodes
-    many, repeats = samples.COMPILED_FACTOR * episodes, QUICK_REPEATS if given.quick else REPEATS
+    given = parse("agreement", __doc__, *COUNTS)
+    seed = given.seed
     imitators = samples.experience(seed, given.jobs)
-    work = samples.blocks(seed, episodes, imitators)
-    rows = collect(given, work, {PymunkRecall: "pymunk_recalls"}).of(PymunkRecall)
+    arenas = [random_arena(seed, number, given.counts["recalls"]) for number in range(given.counts["arenas"])]
+    work: list[Unit] = [*samples.blocks(seed, given.counts["episodes"], imitators)]
+    work += paired.units(arenas, paired.trained_imitator(seed))
+    rows = collect(given, work, TABLES)
+    parts = [
+        page.SUMMARY,
+        *_in_random_arenas(given, rows, arenas),
+        *_in_thesis_arenas(given, rows, imitators),
+    ]
+    replications = given.counts["replications"]
+    now = before_after.reproduced(seed, replications, given.out / "thesis", given.quick)
+    parts.append(
+        before_after.before_after_table(before_after.cells_of(before_after.BEFORE), now, replications)
+    )
+    return finish(given, Page("Do the two backends agree?", parts))
+
+
+def _in_random_arenas(given: Arguments, rows: Rows, arenas: Sequence[RandomArena]) -> Parts:
+    """The same seeds on both backends."""
+    pairs, rng = rows.of(PairedRecall), np.random.default_rng((given.seed, 6))
+    return [
+        page.random_arenas_text(len(arenas), given.counts["recalls"]),
+        Picture("agreement_arenas", "some of the random arenas", paired_pictures.arenas_picture(arenas)),
+        paired_tables.completion_table(pairs),
+        paired_tables.differences_table(pairs, rng),
+        Picture(
+            "agreement_delivered", "food delivered in each arena", paired_pictures.delivered_picture(pairs)
+        ),
+        page.REASONS,
+    ]
+
+
+def _in_thesis_arenas(given: Arguments, rows: Rows, imitators: tuple[samples.Vectors, ...]) -> Parts:
+    """Independent seeds in corridor and rectangle, and the power of the tests."""
+    seed, episodes = given.seed, given.counts["episodes"]
+    many, repeats = samples.COMPILED_FACTOR * episodes, QUICK_REPEATS if given.quick else REPEATS
     found: dict[tuple[samples.Condition, str], samples.Sample] = {}
     agreement, slow_wheels, power = [], [], []
     rng = np.random.default_rng((seed, 3))
     for condition in samples.CONDITIONS:
-        single = samples.sample_of(pick(rows, **condition._asdict()))
+        single = samples.sample_of(pick(rows.of(PymunkRecall), **condition._asdict()))
         equal, slow = (
             samples.compiled(seed, condition, many, imitators, speed) for speed in (1.0, samples.SLOW)
         )
@@ -44,13 +97,12 @@ def main() -> int:
         agreement += two_sample_tests.compare(condition, single, equal)
         slow_wheels += two_sample_tests.compare(condition, single, slow)
         power.append(two_sample_tests.power(condition, equal, slow, episodes, repeats, rng))
-    parts: list[Table | Picture] = [
+    return [
         page.agreement_table(agreement, episodes, many),
         page.slow_wheels_table(slow_wheels),
         page.power_table(power, repeats),
         Picture("agreement", "distributions of steps and scores", page.picture(found)),
     ]
-    return finish(given, Page("Do the two backends agree?", parts))
 
 
 if __name__ == "__main__":

@@ -56,7 +56,10 @@ class Script:
 
 SCRIPTS = {
     "agreement": Script(
-        ("--episodes", "--jobs", "--fresh"), ("pymunk_recalls",), run=("--episodes", "10"), needs=("numba",)
+        ("--episodes", "--arenas", "--recalls", "--replications", "--jobs", "--fresh"),
+        ("pymunk_recalls", "paired_recalls"),
+        run=("--episodes", "10", "--arenas", "8"),
+        needs=("numba",),
     ),
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
     "further_work": Script(
