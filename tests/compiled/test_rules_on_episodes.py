@@ -9,7 +9,6 @@ from khepera_forage.compilation.decorators import entrance
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.parameters import (
     arena_map,
-    decision_values,
 )
 from khepera_forage.envs.compiled.records import (
     episode_dtype,
@@ -47,7 +46,7 @@ from tests.task.raw_data import OPEN_FLOOR, placed
 def _pair(
     pair: Any, learner: Any, task: Any, teacher: Any, teacher_task: Any, motors: Any, behaviour: int, led: Any
 ) -> None:
-    decisions = decision_values(task)
+    decisions = task.decisions[0]
     update_pairing(
         pair[0],
         learner[0],
@@ -135,7 +134,7 @@ def test_account_of_an_episode_is_the_same_on_records() -> None:
 
 @entrance
 def _judge(counts: Any, tracker: Any, foods: Any, vector: Any, behaviour: int, task: Any) -> tuple[bool, int]:
-    arena, decisions = arena_map(task), decision_values(task)
+    arena, decisions = arena_map(task), task.decisions[0]
     perceived = StateVector(vector[0], vector[1], vector[2], vector[3], vector[4])
     state = classify(perceived, arena.home_radius, decisions).value
     count_decision(counts[0], state, behaviour, perceived.robot_food_distance, decisions)
@@ -186,7 +185,7 @@ def test_states_and_their_account_are_the_same_on_records(decisions: Decisions) 
 
 @entrance
 def _command(raw: RawData, behaviour: int, task: Any, motors: Any) -> None:
-    given = command(behaviour, raw, decision_values(task))
+    given = command(behaviour, raw, task.decisions[0])
     motors[0], motors[1], motors[2], motors[3] = given.left, given.right, given.arm, given.jaw
 
 

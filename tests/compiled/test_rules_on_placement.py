@@ -11,7 +11,6 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import food_odds
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.parameters import (
-    decision_values,
     floor,
     task_parameters,
 )
@@ -59,7 +58,7 @@ PILLAR = Arena(
 @entrance
 def _draw(start: Any, places: Any, foods: Any, key: Any, task: Any) -> bool:
     draw_food_types(foods, key, task.arena[0].odds)
-    return draw_layout(start[0], places, key, floor(task), decision_values(task))
+    return draw_layout(start[0], places, key, floor(task), task.decisions[0])
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR, BOX], ids=lambda arena: arena.name)

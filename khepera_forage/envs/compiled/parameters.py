@@ -21,7 +21,7 @@ from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.task.arena_map import ArenaMap, Floor
-from khepera_forage.task.decisions import Decisions, DecisionValues
+from khepera_forage.task.decisions import Decisions
 
 MOST_FOODS = 16
 """Food objects that a compiled world can have."""
@@ -136,15 +136,3 @@ def floor(task: TaskParameters) -> Floor:
         arena.floor_home_radius,
         task.floor_walls,
     )
-
-
-# One attribute a field of `Decisions`: written out here, since a compiled function cannot loop over names.
-_namespace: dict[str, Any] = {"DecisionValues": DecisionValues, "__name__": __name__}
-exec(
-    "def decision_values(task):\n    record = task.decisions[0]\n    return DecisionValues("
-    + ", ".join(f"record.{name}" for name in decisions_dtype.names or ())
-    + ")",
-    _namespace,
-)
-decision_values = inline(_namespace["decision_values"])
-"""The decisions as the rules take them; called with `TaskParameters`, in compiled code."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, decision_values
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
@@ -60,7 +60,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
 @kernel
 def perceive_block(robot: Any, task: Any, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
-    arena, decisions = arena_map(parameters), decision_values(parameters)
+    arena, decisions = arena_map(parameters), parameters.decisions[0]
     lanes = robot.x.shape[0]
     for i in range(lanes):
         task.wall_squared[i] = np.inf

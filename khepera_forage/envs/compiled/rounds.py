@@ -5,7 +5,7 @@ from typing import Any
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
-from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values, floor
+from khepera_forage.envs.compiled.parameters import TaskParameters, floor
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
@@ -59,7 +59,7 @@ def begin_world(
     if has_places:
         for k in range(places.shape[0]):
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
-    drawn_key, values = layout_key(key, episode.number), decision_values(task)
+    drawn_key, values = layout_key(key, episode.number), task.decisions[0]
     free = draw_layout(start, places, drawn_key, floor(task), values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)

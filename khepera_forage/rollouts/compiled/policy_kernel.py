@@ -6,7 +6,7 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import kernel
 from khepera_forage.counter_rng import random_bits
-from khepera_forage.envs.compiled.parameters import TaskParameters, decision_values
+from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
 from khepera_forage.rollouts.compiled.nearest_neighbour import clear, draw_label, nearest_votes
@@ -30,7 +30,7 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
         memories: Of all imitators.
         decisions: `decision_dtype`, one a lane; changed in place.
     """
-    robot, known, values = worlds.bodies.robots, worlds.tasks, decision_values(task)
+    robot, known, values = worlds.bodies.robots, worlds.tasks, task.decisions[0]
     diagonal = int(task.arena[0].map_diagonal)
     for i in range(robot.x.shape[0]):
         # States and behaviours correspond one to one (4.4.1).

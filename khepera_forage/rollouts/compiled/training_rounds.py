@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.envs.compiled.commands import drive, raw_data_in
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, decision_values
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.compiled.records import HEARD
@@ -86,7 +86,7 @@ def record_vectors(task: Any, pairs: Any, diagonal: int, vectors: Any) -> None:
 def drive_learners(worlds: Worlds, pairs: Any, task: TaskParameters) -> None:
     """Command what the behaviour heard commands, bent towards the teacher (4.5.2)."""
     robot, known = worlds.bodies.robots, worlds.tasks
-    arena, decisions = arena_map(task), decision_values(task)
+    arena, decisions = arena_map(task), task.decisions[0]
     for i in range(robot.x.shape[0]):
         behaviour = int(known.behaviour[i])
         own = command(behaviour, raw_data_in(robot, known, i, arena), decisions)
@@ -122,7 +122,7 @@ def end_round(teachers: Side, learners: Side, pairs: Any, terms: Terms) -> bool:
     teacher_arena, arena, decisions = (
         arena_map(teachers.task),
         arena_map(learners.task),
-        decision_values(teachers.task),
+        teachers.task.decisions[0],
     )
     any_over = False
     for i in range(pairs.shape[0]):
