@@ -8,8 +8,8 @@ for the main job. With `--compiled`: 15 million steps a second in the kernel, 5 
 `gym.make_vec`, and 150,000 of one world; there is then a second picture, of the cost of a step against worlds and food.
 
 `--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as b91f85b
-(version 0.1), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`. About 20 minutes
-on two cores; with --quick five, most of them compilation.
+(version 0.1), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`. About 25 minutes
+on two cores; with --quick ten minutes, nearly all of them compilation.
 """
 
 import argparse
