@@ -5,7 +5,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.compilation.threads import BLOCKS_A_THREAD, share_out, threads_for
+from khepera_forage.compilation.threads import BLOCKS_A_THREAD, threads_for
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, MAX_SPEED
@@ -13,7 +13,8 @@ from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.compiled.bodies import empty_bodies
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.stepping import advance_blocks, stand_in_blocks
+from khepera_forage.sim.compiled.start import stand_in_blocks
+from khepera_forage.sim.compiled.stepping import advance_all
 from kheperax_comparison.theirs import Timed
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, Work
 
@@ -60,7 +61,7 @@ class CompiledBodies:
         robots = self._bodies.robots
         robots["left"], robots["right"] = wheels[self._lanes].T.reshape(2, -1, LANES)
         robots["arm_target"], robots["jaw_target"] = ARM_RAISED, JAW_OPEN
-        share_out(advance_blocks, self._threads, self._bodies, np.zeros(1, np.int64), self._parameters)
+        advance_all(self._bodies, self._parameters, self._threads)
 
     def proximity(self) -> NDArray[np.int64]:
         """The eight infra-red readings of each robot, as a fresh array."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from khepera_forage import counter_rng
 from khepera_forage.compilation import counter_rng as compiled_rng
+from khepera_forage.compilation.addresses import call_at
 from khepera_forage.envs.compiled import commands, parameters, perception, rules, worlds
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.geometry import angles
@@ -23,8 +24,9 @@ from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES
 from khepera_forage.rollouts.compiled import rollout_kernel
 from khepera_forage.rollouts.compiled.policy_kernel import TEACHER
 from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dtype
-from khepera_forage.sim.compiled import broad_phase, camera, contact, drive, sensing, tracking
+from khepera_forage.sim.compiled import broad_phase, camera, contact, drive, sensing, stepping, tracking
 from khepera_forage.sim.compiled.bodies import Bodies
+from khepera_forage.sim.compiled.parameters import Parameters
 from operation_counts.counters import ACCOUNT, CountingMath, CountingNumpy, Records
 
 PARTS: dict[str, tuple[Callable[..., Any], ...]] = {
@@ -41,6 +43,13 @@ PARTS: dict[str, tuple[Callable[..., Any], ...]] = {
     "behaviour to motors": (commands.drive_behaviours,),
 }
 """The kernels of each part of a round."""
+
+
+def _advance(address: int, bodies: Bodies, parameters: Parameters) -> None:
+    """The function at the only address that kernels call."""
+    stepping.advance_block(bodies, parameters)
+
+
 STAND_INS: dict[Callable[..., Any], Callable[..., Any]] = {
     angles.bearing_of: rules.bearing_of,
     angles.turn_to: rules.turn_to,
@@ -50,8 +59,9 @@ STAND_INS: dict[Callable[..., Any], Callable[..., Any]] = {
     angles.cosine_sine: rules.cosine_and_sine,
     counter_rng.random_bits: compiled_rng.random_bits,
     counter_rng.unit: compiled_rng.unit,
+    call_at: _advance,
 }
-"""Functions that have a compiled version of their own."""
+"""Functions that have a compiled version of their own, or only that."""
 
 
 def in_part(part: str, kernel: Callable[..., Any]) -> Callable[..., Any]:
@@ -135,6 +145,7 @@ def count(episodes: int, seed: int) -> Counts:
             plan,
             decisions,
             outcomes,
+            advance=0,
         )
     return Counts(int(recalls["steps"].sum()), dict(ACCOUNT.counts))
 

@@ -1,4 +1,4 @@
-"""Arrays by their address, for kernels that are given many arrays at the price of one."""
+"""Arrays and functions by their address, for kernels that are given many arrays at the price of one."""
 
 from typing import Any
 
@@ -36,3 +36,20 @@ def _array_at(typing_context: Any, address: Any, shape: Any, dtype: Any) -> Any:
 
 array_at: Any = _array_at
 """Compiled: the C-contiguous array at an address, `array_at(address, shape, dtype)`. The caller keeps it alive."""
+
+
+@intrinsic
+def _call_at(typing_context: Any, address: Any, first: Any, second: Any) -> Any:
+    arguments = (first, second)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        function = context.call_conv.get_function_type(types.none, arguments)
+        pointer = builder.inttoptr(values[0], function.as_pointer())
+        context.call_conv.call_function(builder, pointer, types.none, arguments, values[1:])
+        return context.get_dummy_value()
+
+    return types.none(types.int64, *arguments), generate
+
+
+call_at: Any = _call_at
+"""Compiled: call the function of two arguments at an address, `call_at(address, first, second)`. It returns nothing."""

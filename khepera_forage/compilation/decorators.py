@@ -14,6 +14,7 @@ from numba.extending import overload, register_jitable
 from khepera_forage.compilation.cache_key import cache_key
 from khepera_forage.compilation.late_optimization import LateOptimization
 from khepera_forage.compilation.one_at_a_time import compile_one_at_a_time
+from khepera_forage.compilation.private_functions import PrivateFunctions
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _PACKAGE = __name__.partition(".")[0]
@@ -80,9 +81,10 @@ def stand_in(function: Callable[..., Any]) -> Callable[[_F], _F]:
 
 
 class _Compilation(event.Listener):
-    """Shortens the compilation of this package's functions.
+    """What is special about the compilation of this package's functions.
 
-    Functions within an entrance are optimised late (see `late_optimization`). And Python looks for unreachable objects
+    Functions within an entrance are optimised late (see `late_optimization`) and have no name in its machine code (see
+    `private_functions`). And Python looks for unreachable objects
     less often: a compiler makes millions of objects and keeps most of them, and searching them takes an eighth of its
     time.
     """
@@ -94,6 +96,7 @@ class _Compilation(event.Listener):
         """Of each function under compilation, outermost first: whether only compiled code calls it."""
         self._usual = gc.get_threshold()
         self._late_optimization = LateOptimization()
+        self._private_functions = PrivateFunctions()
 
     def on_start(self, event: Any) -> None:
         own = event.data["dispatcher"].py_func.__module__.startswith(_PACKAGE)
@@ -102,6 +105,7 @@ class _Compilation(event.Listener):
                 return
             self._usual = gc.get_threshold()
             gc.set_threshold(*self._THRESHOLDS)
+            self._private_functions.switch(True)
         self._inner.append(own and bool(self._inner))
         self._late_optimization.switch(self._inner[-1])
 
@@ -111,6 +115,7 @@ class _Compilation(event.Listener):
         self._inner.pop()
         self._late_optimization.switch(bool(self._inner) and self._inner[-1])
         if not self._inner:
+            self._private_functions.switch(False)
             gc.set_threshold(*self._usual)
 
 

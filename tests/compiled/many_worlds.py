@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.compilation.threads import share_out, threads_for
+from khepera_forage.compilation.threads import threads_for
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, Motors
@@ -12,7 +12,8 @@ from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.bodies import empty_bodies
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.stepping import advance_blocks, stand_in_blocks
+from khepera_forage.sim.compiled.start import stand_in_blocks
+from khepera_forage.sim.compiled.stepping import advance_all
 
 
 class ManyWorlds:
@@ -55,7 +56,7 @@ class ManyWorlds:
         for n, name in enumerate(("left", "right", "arm_target", "jaw_target")):
             self.bodies.robots[name] = given[:, n].reshape(self._shape)
         threads = threads_for(self._shape[0])
-        share_out(advance_blocks, threads, self.bodies, np.zeros(1, np.int64), self._parameters)
+        advance_all(self.bodies, self._parameters, threads)
 
     def robot(self, name: str) -> Any:
         """A field of the robots, one row a world."""

@@ -105,6 +105,16 @@ def test_inner_functions_have_no_machine_code_of_their_own(monkeypatch: pytest.M
     assert codegen.CPUCodeLibrary._finalize_final_module is usual
 
 
+def test_only_the_entrance_has_a_name_in_its_machine_code() -> None:
+    """Names of other functions depend on what else a process has compiled."""
+    function = compiled(_distance)
+    function(3.0, 4.0)
+    (result,) = function.overloads.values()
+    functions = [one for one in result.library._final_module.functions if not one.is_declaration]
+    named = {one.name for one in functions if one.linkage.name != "internal"}
+    assert named == {result.fndesc.llvm_func_name, result.fndesc.llvm_cpython_wrapper_name}
+
+
 def test_without_its_internals_numba_compiles_as_usual(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(late_optimization, "_is_available", lambda: False)
     result, names = finalized(monkeypatch, lambda: compiled(_distance)(6, 8))

@@ -17,6 +17,7 @@ from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
 _SMALL = 1 << 63
@@ -170,7 +171,7 @@ class CompiledBatch:
         taken, free = np.zeros(1, np.int64), np.ones(1, np.bool_)
         threads = threads_for(len(worlds.tasks) // BLOCKS_A_THREAD)
         common = (worlds, taken, free, self._parameters, self._task, actions, waiting, start, places)
-        share_out(step_all, threads, *common)
+        share_out(step_all, threads, *common, advance_address(LANES, step_all, 0, *common, 0))
         return bool(free[0])
 
 

@@ -4,6 +4,7 @@ A call of a kernel takes a tenth of a microsecond for every array among its argu
 less than one microsecond. So all arrays are handed over as one: their addresses and lengths.
 """
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds, worlds_of
 from khepera_forage.sim.compiled import records as bodies
 from khepera_forage.sim.compiled.bodies import Bodies
 from khepera_forage.sim.compiled.parameters import Parameters
+from khepera_forage.sim.compiled.stepping import advance_address
 
 _ROBOT, _FOOD, _SCRATCH, _TASK = (
     bodies.robot_dtype(1),
@@ -39,8 +41,8 @@ _ROBOT, _FOOD, _SCRATCH, _TASK = (
 _TRACK, _DETECTION = bodies.track_dtype, bodies.detection_dtype
 _WALL, _CORNER, _CONSTANTS = bodies.wall_dtype, bodies.corner_dtype, bodies.constants_dtype
 _FLOAT, _FLAG = np.dtype(np.float64), np.dtype(np.bool_)
-FOODS, WALLS, CORNERS, NUMBERS, HEAD = range(5)
-"""What the table begins with: counts, and how many numbers an action has."""
+FOODS, WALLS, CORNERS, NUMBERS, ADVANCE, HEAD = range(6)
+"""What the table begins with: counts, how many numbers an action has, and the address of `advance_block`."""
 
 
 class OneWorld:
@@ -67,14 +69,16 @@ class OneWorld:
         self.action = np.zeros((1, numbers))
         self.begins, self.has_room = np.zeros(1, np.bool_), np.ones(1, np.bool_)
         self.start, self.places = np.full(1, np.nan, start_dtype), np.full(foods, np.nan, place_dtype)
-        self._tabulate()
 
-    def _tabulate(self) -> None:
+    @cached_property
+    def table(self) -> NDArray[np.int64]:
+        """All that `_step_one` needs; valid in this process."""
         counts = (
             self.parameters.foods,
             len(self.parameters.walls),
             len(self.parameters.corners),
             self.action.shape[1],
+            0,
         )
         arrays = (
             *self.worlds.bodies,
@@ -87,7 +91,9 @@ class OneWorld:
             self.places,
             self.has_room,
         )
-        self.table = np.array((*counts, *(array.ctypes.data for array in arrays)), np.int64)
+        table = np.array((*counts, *(array.ctypes.data for array in arrays)), np.int64)
+        table[ADVANCE] = advance_address(1, _step_one, table)
+        return table
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "table"}
@@ -96,7 +102,6 @@ class OneWorld:
         # Copies: a pickle may be loaded in this process too, and must not share arrays with what it was made of.
         for name, value in state.items():
             setattr(self, name, value)
-        self._tabulate()
 
     def step(self) -> None:
         """One round, or the start of an episode, as `action` and `begins` say."""
@@ -141,4 +146,5 @@ def _step_one(table: NDArray[np.int64]) -> None:
     start = array_at(a[21], (1,), start_dtype)
     places = array_at(a[22], (foods,), place_dtype)
     has_room = array_at(a[23], (1,), _FLAG)
-    has_room[0] = step_block(worlds_of(worlds, 0, 0), parameters, task, action, begins, start, places)
+    block, advance = worlds_of(worlds, 0, 0), table[ADVANCE]
+    has_room[0] = step_block(block, parameters, task, action, begins, start, places, advance)

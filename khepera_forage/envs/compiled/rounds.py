@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
@@ -9,7 +10,7 @@ from khepera_forage.envs.compiled.parameters import TaskParameters, floor
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
-from khepera_forage.sim.compiled.stepping import advance_block, stand
+from khepera_forage.sim.compiled.start import stand
 from khepera_forage.task.episode import begin_episode, begin_step, end_step
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -68,13 +69,16 @@ def begin_world(
 
 
 @sequence
-def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters) -> None:
-    """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth."""
+def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters, advance: int) -> None:
+    """One round of bodies and task in every world of a block, once the motors are commanded; and what it is worth.
+
+    `advance` is the address of `advance_block`.
+    """
     robot = worlds.bodies.robots
     remember_senses(robot, worlds.tasks)
     for i in range(robot.x.shape[0]):
         worlds.tasks.begins[i] = robot.first_frame[i]
-    advance_block(worlds.bodies, parameters)
+    call_at(advance, worlds.bodies, parameters)
     track_food(worlds, task)
     perceive_block(robot, worlds.tasks, task)
     end_steps(worlds, task)
@@ -109,6 +113,7 @@ def step_block(
     waiting: Any,
     given: Any,
     given_places: Any,
+    advance: int,
 ) -> bool:
     """One round in a block by given actions; worlds that wait begin an episode instead.
 
@@ -120,6 +125,7 @@ def step_block(
         waiting: Whether each world begins a new episode.
         given: As for `begin_world`.
         given_places: As for `begin_world`.
+        advance: Address of `advance_block`.
 
     Returns:
         Whether all new episodes had room.
@@ -136,7 +142,7 @@ def step_block(
     else:
         drive_actions(robot, worlds.tasks, actions, task)
     begin_steps(worlds)
-    carry_out(worlds, parameters, task)
+    carry_out(worlds, parameters, task, advance)
     return free
 
 
@@ -152,6 +158,7 @@ def step_all(
     waiting: Any,
     given: Any,
     given_places: Any,
+    advance: int,
 ) -> None:
     """One round in every block that no other thread has taken; see `step_block`.
 
@@ -161,6 +168,6 @@ def step_all(
     block = take(taken)
     while block < worlds.tasks.shape[0]:
         some, part = worlds_of(worlds, block, thread), slice(block * lanes, (block + 1) * lanes)
-        if not step_block(some, parameters, task, actions[part], waiting[part], given, given_places):
+        if not step_block(some, parameters, task, actions[part], waiting[part], given, given_places, advance):
             free[0] = False
         block = take(taken)

@@ -22,6 +22,7 @@ from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dty
 from khepera_forage.rollouts.compiled.rollout_kernel import Outcomes, Plan, run_all
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
 __all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
@@ -114,7 +115,8 @@ def run_recalls(
     threads = threads_for(-(-count // LANES))
     plan = Plan(_keys(seed, count), policies, np.zeros(1, np.int64), *as_records(None, None, foods))
     worlds, state = empty_worlds(threads, foods), np.zeros((threads, LANES), decision_dtype)
-    share_out(run_all, threads, worlds, parameters, task, memories, plan, state, outcomes)
+    common = (worlds, parameters, task, memories, plan, state, outcomes)
+    share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0))
     if not outcomes.free[0]:
         raise no_room(arena, foods)
 

@@ -60,6 +60,7 @@ def _run(
     plan: Plan,
     decisions: Any,
     outcomes: Outcomes,
+    advance: int,
 ) -> None:
     """Run recalls in one block, until no thread finds another."""
     lanes = worlds.bodies.robots.x.shape[0]
@@ -70,7 +71,7 @@ def _run(
         decide(worlds, task, memories, decisions)
         begin_steps(worlds)
         drive_behaviours(worlds.bodies.robots, worlds.tasks, task)
-        carry_out(worlds, parameters, task)
+        carry_out(worlds, parameters, task, advance)
         for i in range(lanes):
             if worlds.episodes[i].terminated or worlds.episodes[i].truncated:
                 if decisions[i].recall >= 0:
@@ -141,6 +142,8 @@ def run_all(
     plan: Plan,
     decisions: Any,
     outcomes: Outcomes,
+    advance: int,
 ) -> None:
     """Run recalls in the block of one thread, until all are taken."""
-    _run(worlds_of(worlds, thread, thread), parameters, task, memories, plan, decisions[thread], outcomes)
+    mine = worlds_of(worlds, thread, thread)
+    _run(mine, parameters, task, memories, plan, decisions[thread], outcomes, advance)

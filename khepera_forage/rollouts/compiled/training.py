@@ -34,6 +34,7 @@ from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
@@ -110,7 +111,8 @@ def train_learners(
         threads, taken = threads_for(-(-some.size // LANES)), np.zeros(1, np.int64)
         sides = [_side(arenas, k, threads, noise, odds, terms, decisions) for k in (0, 1)]
         pairs = np.zeros((threads, LANES), pair_dtype)
-        share_out(train_all, threads, *sides, pairs, terms, some, taken, records)
+        common = (*sides, pairs, terms, some, taken, records)
+        share_out(train_all, threads, *common, advance_address(LANES, train_all, 0, *common, 0))
         if not records.free[: some.size].all():
             raise no_room_on_marks(arenas[0], noise)
         made = records.tried[: some.size].copy()

@@ -117,7 +117,14 @@ def _next_attempts(
 
 @sequence
 def _train(
-    teachers: Side, learners: Side, pairs: Any, terms: Terms, keys: Any, taken: Any, records: Records
+    teachers: Side,
+    learners: Side,
+    pairs: Any,
+    terms: Terms,
+    keys: Any,
+    taken: Any,
+    records: Records,
+    advance: int,
 ) -> None:
     """Train episodes in one block of pairs, until no thread finds another."""
     for i in range(pairs.shape[0]):
@@ -133,10 +140,10 @@ def _train(
         say(shown, learning, pairs)
         record_vectors(learning.tasks, pairs, diagonal, records.vectors)
         drive_behaviours(shown.bodies.robots, shown.tasks, teachers.task)
-        carry_out(shown, teachers.parameters, teachers.task)
+        carry_out(shown, teachers.parameters, teachers.task, advance)
         share_food_types(shown, learning)
         drive_learners(learning, pairs, learners.task)
-        carry_out(learning, learners.parameters, learners.task)
+        carry_out(learning, learners.parameters, learners.task, advance)
         share_food_types(learning, shown)
         over = end_round(teachers, learners, pairs, terms)
 
@@ -151,6 +158,7 @@ def train_all(
     keys: Any,
     taken: Any,
     records: Records,
+    advance: int,
 ) -> None:
     """Train episodes in the block of one thread, until all are taken.
 
@@ -163,7 +171,8 @@ def train_all(
         keys: Of each training episode.
         taken: A single number: how many episodes all threads have begun.
         records: What is recorded.
+        advance: Address of `advance_block`.
     """
     shown = _side_of(teachers, thread)
     learning = _side_of(learners, thread)
-    _train(shown, learning, pairs[thread], terms, keys, taken, records)
+    _train(shown, learning, pairs[thread], terms, keys, taken, records, advance)

@@ -1,28 +1,29 @@
-"""One round of every world of a block, and the start of an episode."""
+"""One round of the bodies: `advance_block`, compiled once for all entrances that call it."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
-from khepera_forage.compilation.trigonometry import cosine_sine
+from khepera_forage.compilation.addresses import call_at
+from khepera_forage.compilation.decorators import entrance
+from khepera_forage.compilation.separate import address_of, compile_for, is_on_disk, meanwhile
+from khepera_forage.compilation.threads import share_out
 from khepera_forage.compilation.work_queue import take
-from khepera_forage.counter_rng import random_bits
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
-from khepera_forage.sim.compiled.bodies import Bodies, bodies_of
+from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
 from khepera_forage.sim.compiled.broad_phase import find_food_contacts, find_near, find_wall_contacts
 from khepera_forage.sim.compiled.camera import expose
 from khepera_forage.sim.compiled.contact import move_in_contact
 from khepera_forage.sim.compiled.drive import begin_round, move_freely, predict
-from khepera_forage.sim.compiled.numbers import DRAW_BIAS, DRAWS, normal
-from khepera_forage.sim.compiled.parameters import Parameters
+from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.compiled.sensing import cast, end_round, measure
 from khepera_forage.sim.compiled.tracking import track
 
-_ONE, _32, _DRAWS = np.uint64(1), np.uint64(32), np.uint64(DRAWS)
-_BIAS_DITHER, _BIAS_RIGHT, _BIAS_LEFT = (np.uint64(DRAW_BIAS + n) for n in range(3))
+_ONE = np.uint64(1)
 
 
-@sequence
+@entrance
 def advance_block(bodies: Bodies, parameters: Parameters) -> None:
     """One round in every world of a block; motor commands and the food's places are given.
 
@@ -48,67 +49,65 @@ def advance_block(bodies: Bodies, parameters: Parameters) -> None:
     track(robot, foods, bodies.tracks, bodies.detections, constants)
 
 
-@kernel
-def _advance(bodies: Bodies, parameters: Parameters) -> None:
-    advance_block(bodies, parameters)
-
-
 @entrance
-def advance_blocks(thread: int, bodies: Bodies, counter: NDArray[np.int64], parameters: Parameters) -> None:
-    """One round in every block that no other thread has taken from the counter (see `work_queue`)."""
+def _advance_blocks(
+    thread: int, bodies: Bodies, counter: NDArray[np.int64], parameters: Parameters, advance: int
+) -> None:
+    """One round in every block that no other thread has taken from the counter (see `work_queue`).
+
+    `advance` is the address of `advance_block`.
+    """
     block = take(counter)
     while block < bodies.robots.shape[0]:
-        _advance(bodies_of(bodies, block, thread), parameters)
+        call_at(advance, bodies_of(bodies, block, thread), parameters)
         block = take(counter)
 
 
-@inline
-def stand(bodies: Bodies, i: int, x: float, y: float, heading: float, parameters: Parameters) -> None:
-    """Put a robot down at the start of an episode, at rest, with its gripper raised and open, and forget its tracks.
-
-    The food's places are set separately.
+def advance_all(bodies: Bodies, parameters: Parameters, threads: int = 1) -> None:
+    """One round in all blocks.
 
     Args:
-        bodies: The records of one block.
-        i: The lane.
-        x: Place of the robot in mm.
-        y: Place of the robot in mm.
-        heading: Radians.
+        bodies: The records of all blocks.
         parameters: What is the same in all worlds.
+        threads: How many work on them.
     """
-    robot, constants = bodies.robots, parameters.constants
-    key, first = robot.key[i], robot.round[i] * _DRAWS
-    dither = random_bits(key, first + _BIAS_DITHER)
-    mean, bias = constants[0].wheel_speed - 1.0, constants[0].wheel_bias
-    robot.bias_left[i] = mean + bias * normal(random_bits(key, first + _BIAS_LEFT), dither)
-    robot.bias_right[i] = mean + bias * normal(random_bits(key, first + _BIAS_RIGHT), dither >> _32)
-    robot.x[i], robot.y[i], robot.heading[i] = x, y, heading
-    robot.cos[i], robot.sin[i] = cosine_sine(heading)
-    robot.arm[i] = robot.arm_target[i] = ARM_RAISED
-    robot.jaw[i] = robot.jaw_target[i] = JAW_OPEN
-    robot.held[i] = -1.0
-    robot.left[i] = robot.right[i] = robot.last_forward[i] = robot.last_turn[i] = 0.0
-    robot.pulses_left[i] = robot.pulses_right[i] = 0.0
-    robot.object_presence[i] = robot.arm_reading[i] = robot.jaw_reading[i] = 0.0
-    robot.marker_x[i] = robot.marker_y[i] = robot.marker_heading[i] = 0.0
-    robot.marker_found[i] = robot.marker_lost[i] = 0.0
-    robot.first_frame[i] = 1.0
-    robot.next_label[i] = 0
-    for k in range(bodies.foods.shape[0]):
-        food = bodies.foods[k]
-        food.lost[i] = food.seen[i] = food.seen_x[i] = food.seen_y[i] = 0.0
-    for k in range(bodies.tracks.shape[1]):
-        track = bodies.tracks[i, k]
-        track.label = track.detection = -1
-        track.x = track.y = 0.0
-        track.holes = 0
-        track.found = False
+    common = (bodies, np.zeros(1, np.int64), parameters)
+    address = advance_address(bodies.tracks.shape[1], _advance_blocks, 0, *common, 0)
+    share_out(_advance_blocks, threads, *common, address)
 
 
-@entrance
-def stand_in_blocks(bodies: Bodies, parameters: Parameters, poses: NDArray[np.float64]) -> None:
-    """Put down the robots of all blocks, one row of x, y and heading a lane; see `stand`."""
-    lanes = bodies.tracks.shape[1]
-    for n in range(poses.shape[0]):
-        one = bodies_of(bodies, n // lanes, 0)
-        stand(one, n % lanes, poses[n, 0], poses[n, 1], poses[n, 2], parameters)
+_addresses: dict[int, int] = {}
+"""Of `advance_block` in this process, by number of lanes."""
+
+
+def advance_address(lanes: int, caller: Any, *arguments: Any) -> int:
+    """Address of `advance_block`, which every entrance that advances worlds takes as an argument.
+
+    If it must be compiled first, another process does that while this one compiles the caller.
+
+    Args:
+        lanes: Worlds in a block.
+        caller: The entrance.
+        *arguments: All its arguments, with any number for the address.
+    """
+    if lanes not in _addresses:
+        example = _example(lanes)
+        if not is_on_disk(advance_block, example):
+            with meanwhile(f"from {__name__} import compile_advance; compile_advance({lanes})"):
+                compile_for(caller, arguments)
+        _addresses[lanes] = address_of(advance_block, example)
+    return _addresses[lanes]
+
+
+def compile_advance(lanes: int) -> None:
+    """Compile `advance_block` for blocks of some lanes, and keep it on disk."""
+    compile_for(advance_block, _example(lanes))
+
+
+def _example(lanes: int) -> tuple[Bodies, Parameters]:
+    """The records of one block, and parameters."""
+    bodies = empty_bodies(1, 1, lanes)
+    block = Bodies(
+        bodies.robots[0], bodies.foods[0], bodies.tracks[0], bodies.scratch[0], bodies.detections[0]
+    )
+    return block, parameters_of(CORRIDOR, 1)

@@ -18,7 +18,8 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.bodies import empty_bodies
 from khepera_forage.sim.compiled.numbers import MOST_FOODS
 from khepera_forage.sim.compiled.parameters import parameters_of
-from khepera_forage.sim.compiled.stepping import advance_blocks, stand_in_blocks
+from khepera_forage.sim.compiled.start import stand_in_blocks
+from khepera_forage.sim.compiled.stepping import advance_all
 from khepera_forage.sim.layout_checks import (
     arena_of,
     check_apart,
@@ -151,7 +152,6 @@ class CompiledWorld:
         self.robots: tuple[CompiledKhepera, ...] = ()
         self.camera = CompiledCamera(holes)
         self._bodies = empty_bodies(1, 0, lanes=1)
-        self._counter = np.zeros(1, np.int64)
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Put everything in its place.
@@ -189,8 +189,7 @@ class CompiledWorld:
         """
         if not self.robots:
             raise RuntimeError("advance() before reset()")
-        self._counter[0] = 0
-        advance_blocks(0, self._bodies, self._counter, self._parameters)
+        advance_all(self._bodies, self._parameters)
 
     def poses(self) -> tuple[Pose, ...]:
         """The true pose of the robot."""
