@@ -34,7 +34,7 @@ ARENAS = ("corridor", "rectangle")
 BLOCK = 25
 """Forages of one unit of work."""
 _NOTE = (
-    "Noise of the laboratory; the thesis' limits of 500 and 700 steps; the same random starts for every line of an "
+    "Noise of the laboratory; the thesis's limits of 500 and 700 steps; the same random starts for every line of an "
     "arena. Shares are percentages with Wilson's 95 % interval. Shares of food treat two objects in one arena as "
     "independent; shares of forages need no such assumption. Settled: delivered, or known to be poisonous and left "
     "where it was. A forage is finished when all its food is settled or poison was brought home. Steps: median and, in "

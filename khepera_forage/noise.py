@@ -1,6 +1,6 @@
 """Every source of noise, its size, and where the figure comes from.
 
-No figure here was fitted to the thesis' result tables. "Assumption" marks a figure that no source gives.
+No figure here was fitted to the thesis's result tables. "Assumption" marks a figure that no source gives.
 """
 
 import math
@@ -40,7 +40,7 @@ class Noise:
     tracker on rendered frames (docs/tracker.md)."""
     reversal_rate: float = 0.005
     """Chance that a marker's orientation is reported the wrong way round ("sometimes", 4.2.2). Assumption: the
-    thesis' markers did it; ours, whose holes tell front from back, did not in 60,000 frames (docs/tracker.md)."""
+    thesis's markers did it; ours, whose holes tell front from back, did not in 60,000 frames (docs/tracker.md)."""
     loss_rate_one_hole: float = 0.001
     """Chance that the tracker loses a one-hole marker. "Once in a while" (5.3.1). Assumption: what caused it (people,
     shadows, the grabber) is not in rendered frames, in which none is lost but under a cable."""
@@ -75,7 +75,7 @@ class Noise:
 
     @classmethod
     def laboratory(cls) -> "Noise":
-        """All the troubles of the thesis' laboratory: the default of every environment."""
+        """All the troubles of the thesis's laboratory: the default of every environment."""
         return cls()
 
     @classmethod

@@ -198,10 +198,10 @@ EXPERIMENT = Experiment(
     "4.8, 6.2",
     "Can the behaviours be learned by imitation as well, and can a learner forage with both learned: the complete "
     "imitation learning system?",
-    "The thesis' learner has every behaviour that it hears. This learner has none. In training the teacher transmits "
+    "The thesis's learner has every behaviour that it hears. This learner has none. In training the teacher transmits "
     "its motor commands beside the behaviour: two wheels, arm and jaw. The learner drives these commands; following "
     "(4.5.2) is given as in the thesis and bends its path towards the teacher. It records its own raw data, the "
-    "behaviour, and its own motor commands, following included. From these it learns its program as the thesis' "
+    "behaviour, and its own motor commands, following included. From these it learns its program as the thesis's "
     "learner does, and for each behaviour a regression from raw data to motors: ten extremely randomised trees of "
     "scikit-learn with default settings, the mean for the wheels, the majority for arm and jaw. Places in the raw data "
     "become distances and bearings from the robot, as 4.3 turns them into distances. A behaviour that was never heard "

@@ -103,7 +103,7 @@ def _claims(found: Analysis, arena: str, last: int) -> list[Claim]:
         return f"scores {found.percent(own, SCORE)} and delivers {found.percent(own)}"
 
     def compared(name: str, statement: str, section: str, better: bool) -> Claim:
-        """That an alternative is better than the thesis' choice, or worse."""
+        """That an alternative is better than the thesis's choice, or worse."""
         pair = (rows(name), rows(THESIS)) if better else (rows(THESIS), rows(name))
         return claim(
             f"{arena}: {statement}",

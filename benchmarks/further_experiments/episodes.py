@@ -94,7 +94,7 @@ def thesis_files(
 
 
 def imitator(files: Files, diagonal: int, threshold: float = 0.0) -> NearestNeighbourImitator:
-    """The thesis' learner with the experience of these files."""
+    """The thesis's learner with the experience of these files."""
     return NearestNeighbourImitator(diagonal=diagonal, threshold=threshold).fit(*arrays(list(files)))
 
 
@@ -150,7 +150,7 @@ def recall_all(
 
 
 def recall_imitators(env: BehavioursEnv, trial: Trial, files: Files) -> list[RecallEpisode]:
-    """Recalls of the thesis' learner after every number of training episodes for which there are files."""
+    """Recalls of the thesis's learner after every number of training episodes for which there are files."""
     return [
         row
         for amount in trial.size.amounts

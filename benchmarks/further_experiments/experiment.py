@@ -33,7 +33,7 @@ class Size(NamedTuple):
 
     @property
     def amounts(self) -> tuple[int, ...]:
-        """Numbers of training episodes after which a learner is tested: the thesis' numbers, up to `files`."""
+        """Numbers of training episodes after which a learner is tested: the thesis's numbers, up to `files`."""
         return tuple(n for n in (1, 3, 5, 10) if n <= self.files)
 
 
@@ -82,7 +82,7 @@ class Report(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """One item of the thesis' further work.
+    """One item of the thesis's further work.
 
     Attributes:
         name: For `--only` and file names.

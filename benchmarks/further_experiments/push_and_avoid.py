@@ -53,7 +53,7 @@ def run(trial: Trial) -> list[Row]:
 
 
 def report(found: Analysis) -> Report:
-    """Whether the thesis' conclusions hold for every kind of food."""
+    """Whether the thesis's conclusions hold for every kind of food."""
     recalls = found.recalls
     claims = [made for food in FOOD for made in _claims(found, food, pick(recalls, condition=food))]
     note = (
@@ -156,7 +156,7 @@ EXPERIMENT = Experiment(
     "push_and_avoid",
     "Pushing and avoiding",
     "5.5, 6.2",
-    "Do the thesis' conclusions about picking up hold for pushing and avoiding, too?",
+    "Do the thesis's conclusions about picking up hold for pushing and avoiding, too?",
     "Training in the corridor and recall in both arenas: once with each type of food alone, and once with the type of "
     "every object drawn at equal odds (each training file then has the type that was drawn). The conclusions are those "
     "of chapter 5: more episodes improve the learner, with a gain that shrinks, and what was learned in the corridor "

@@ -51,7 +51,7 @@ def redesigned(raw: RawData) -> StateVector:
 
 @dataclass(frozen=True, slots=True)
 class RedesignedImitator:
-    """The thesis' learner with the redesigned state vector.
+    """The thesis's learner with the redesigned state vector.
 
     Attributes:
         imitator: Trained with redesigned vectors.
@@ -73,7 +73,7 @@ class RedesignedImitator:
         """A behaviour, drawn with its confidence level.
 
         Args:
-            observation: The thesis' state vector; not used.
+            observation: The thesis's state vector; not used.
             rng: Must be given.
         """
         return self.imitator.act(redesigned(self.raw()), rng)

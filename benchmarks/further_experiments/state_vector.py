@@ -1,4 +1,4 @@
-"""A redesigned state vector instead of the thesis' own (5.4.1.2, 5.5)."""
+"""A redesigned state vector instead of the thesis's own (5.4.1.2, 5.5)."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -35,7 +35,7 @@ from khepera_forage.thesis.claims.claim import Above, Claim, Within, points
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OLD, NEW = "the thesis' state vector", "redesigned state vector"
+OLD, NEW = "the thesis's state vector", "redesigned state vector"
 SAME = 10.0
 """Points of score within which two arenas count as comparable. Our decision."""
 
@@ -95,15 +95,15 @@ def _summary(found: Analysis, last: int) -> str:
     worst = sorted(shares, key=lambda name: shares[name], reverse=True)[:3]
     named = ", ".join(f"{name} ({PERCENT(shares[name])} wrong)" for name in worst)
     return (
-        f"After {last} episodes the redesigned vector scores {both(SCORE, NEW)} in corridor and rectangle, the thesis' "
-        f"own {both(SCORE, OLD)}; it delivers {both(DELIVERED, NEW)} of the food, the thesis' own "
+        f"After {last} episodes the redesigned vector scores {both(SCORE, NEW)} in corridor and rectangle, the thesis's "
+        f"own {both(SCORE, OLD)}; it delivers {both(DELIVERED, NEW)} of the food, the thesis's own "
         f"{both(DELIVERED, OLD)}. The states with the largest share of wrong steps left, in both arenas together: "
         f"{named}."
     )
 
 
 def _figure(found: Analysis, last: int) -> "Figure":
-    figure, axes = panels(6, "The thesis' state vector, and a redesigned one")
+    figure, axes = panels(6, "The thesis's state vector, and a redesigned one")
     for i, arena in enumerate(ARENAS):
         own = pick(found.recalls, arena=arena)
         curves(axes[i], found, own, SCORE, "training episodes", arena)
@@ -147,7 +147,7 @@ def _claims(found: Analysis, last: int) -> Iterator[Claim]:
             Above(0.0),
             points,
             f"After {last} episodes {found.percent(new, SCORE)} with it and {found.percent(old, SCORE)} with the "
-            "thesis' own.",
+            "thesis's own.",
         )
         yield delivers(f"{arena}: the redesigned vector delivers more", new, old, "5.5")
     far_new, far_old = (at(rows(condition, "corridor"), FURTHER) for condition in (NEW, OLD))
@@ -169,8 +169,8 @@ EXPERIMENT = Experiment(
     "state_vector",
     "Another state vector",
     "5.4.1.2, 5.5",
-    "Does a state vector that is redesigned to avoid the failures of the thesis' own remove them?",
-    "The redesign starts from three failures of the thesis' learner. *Next to food*, it misses ORIENT: the distance "
+    "Does a state vector that is redesigned to avoid the failures of the thesis's own remove them?",
+    "The redesign starts from three failures of the thesis's learner. *Next to food*, it misses ORIENT: the distance "
     "from home tells where the food lay in training, but later it only matters whether the robot is at home. *With "
     "food in the gripper*, the distance from the food is meaningless: the robot's own marker hides the food and its "
     "last place stays behind; then the distance is that of the next food, or the diagonal if there is none. There was "

@@ -39,7 +39,7 @@ may still deliver all food, and with motor commands in place of behaviours hardl
 compared by the food that they deliver."""
 TUNING = """The settings of a learner stand in one place, `khepera_forage/policies/learners.py`. `python
 benchmarks/learners.py --tune` compares them with four others each, for all learners from vectors or queries except
-the thesis' imitator, which is fixed: with seeds that no table here uses, in the corridor, after the largest amount of
+the thesis's imitator, which is fixed: with seeds that no table here uses, in the corridor, after the largest amount of
 learning. Reinforcement learners are left out, because a grid of full trainings would take days. The comments beside
 their settings say how they were found."""
 AFTERWARDS = """A run that was killed is continued by the same command. `--backend ray` and `--backend dask` do the same

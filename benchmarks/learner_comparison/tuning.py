@@ -34,7 +34,7 @@ CANDIDATES: dict[str, tuple[Mapping[str, Any], ...]] = {
     "dagger": ({"queries_a_round": 25}, {"queries_a_round": 50}, {"queries_a_round": 200}),
     "dagger_tree": ({"queries_a_round": 25}, {"queries_a_round": 50}, {"queries_a_round": 200}),
 }
-"""Changes to the settings of each learner. The thesis' imitator has none."""
+"""Changes to the settings of each learner. The thesis's imitator has none."""
 
 
 def candidates() -> dict[str, Compared]:

@@ -1,4 +1,4 @@
-"""The compiled backend: many worlds at once, one world, imitators, training, and the thesis' design. Needs numba."""
+"""The compiled backend: many worlds at once, one world, imitators, training, and the thesis's design. Needs numba."""
 
 from time import perf_counter
 from typing import Any
@@ -149,7 +149,7 @@ def training_job(episodes: int, seed: int) -> Job:
 
 
 def design_job(replications: int, seed: int) -> Job:
-    """The thesis' whole design, with training, recalls and their rows, but without the report."""
+    """The thesis's whole design, with training, recalls and their rows, but without the report."""
     from khepera_forage.thesis.compiled_replications import GROUP_SIZE, CompiledReplications
 
     def replicate(count: int) -> None:
@@ -162,7 +162,7 @@ def design_job(replications: int, seed: int) -> Job:
         replicate(replications)
         measure = Measure(
             SECTION,
-            f"{replications:,} replications of the thesis' design",
+            f"{replications:,} replications of the thesis's design",
             "s",
             "ten training episodes and 106 recalls each, as rows; without compilation and report",
             60.0,

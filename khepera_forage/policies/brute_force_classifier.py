@@ -14,7 +14,7 @@ from khepera_forage.policies.nearest_neighbour.distance import attribute_distanc
 class BruteForceClassifier(ConfidenceClassifier):
     """A classifier that compares a query with every distinct vector of its experience.
 
-    Subclasses turn the distances into shares, in `_shares`. It suits a few thousand distinct vectors; the thesis'
+    Subclasses turn the distances into shares, in `_shares`. It suits a few thousand distinct vectors; the thesis's
     imitator has an index instead.
     """
 

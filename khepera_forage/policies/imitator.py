@@ -40,7 +40,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
     diagonal. All experience vectors at exactly the minimum distance vote; the share of a behaviour in the votes is its
     confidence level (4.6.2). `predict_proba` gives the confidence levels, `predict` the behaviour with the highest (of
     equals the first in `classes_`), and `act` draws a behaviour with its confidence level as probability, as the
-    thesis' learner did.
+    thesis's learner did.
 
     Distances between state vectors (whole numbers from 0; distances up to 8191 pixels) are compared as whole numbers,
     so that ties are exact. Anything else is compared in floats, vector by vector, which is slower. Rows of other than
@@ -55,7 +55,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             in the rectangle. It can be changed after `fit`, with `set_params`.
         threshold: At least 0. Above 0 it is the variant that section 4.6.1 tried "with poor results": every
             vector within the minimum distance plus `threshold` votes. It is taken for the decimal number it
-            is written as: 0.1 is one tenth. The thesis' wording allows another reading, in which vectors are
+            is written as: 0.1 is one tenth. The thesis's wording allows another reading, in which vectors are
             appended to the list while the best is still being sought; its outcome depends on the order of the
             file, this one's does not.
 

@@ -146,7 +146,7 @@ _CLONING = FromVectors(
 )
 
 LEARNERS: dict[str, Learner] = {
-    "imitator": FromVectors("the thesis' imitator", NearestNeighbourImitator, diagonal=True),
+    "imitator": FromVectors("the thesis's imitator", NearestNeighbourImitator, diagonal=True),
     "k_nearest": FromVectors("5 nearest", KNearestImitator, {"k": 5}, diagonal=True),
     "distance_weighted": FromVectors(
         "5 nearest, by distance", KNearestImitator, {"k": 5, "weighting": "distance"}, diagonal=True

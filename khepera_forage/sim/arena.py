@@ -159,7 +159,7 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
     x1, y1, x2, y2 = arena.bounds
     width, height = x2 - x1, y2 - y1
     dx, dy = width + gap, height + gap
-    # As many rows or columns as 2.4 m of the thesis' laboratory floor hold.
+    # As many rows or columns as 2.4 m of the thesis's laboratory floor hold.
     abreast = max(1, int((2400.0 + gap) / min(dx, dy)))
     places = (divmod(i, abreast) for i in range(count))
     return tuple(

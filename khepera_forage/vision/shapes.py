@@ -23,7 +23,7 @@ MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
 """Centres of a marker's holes in mm, x forward and y left of its middle, by number of holes.
 
 Decision (figure 3.9 did not survive as a picture): the holes lie ahead of the middle, so that they tell front from
-back, which the thesis' own markers evidently did not (4.2.2). At least 4 pixels of white separate a hole from the next
+back, which the thesis's own markers evidently did not (4.2.2). At least 4 pixels of white separate a hole from the next
 black shape, so that blur and a low threshold do not join them. docs/tracker.md compares several positions.
 """
 MARKER_FRAME = 8.0

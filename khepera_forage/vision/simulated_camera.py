@@ -45,7 +45,7 @@ class Truth(NamedTuple):
 
 
 class OverheadCamera:
-    """A camera that sees what a world says is there, as badly as the thesis' camera saw it.
+    """A camera that sees what a world says is there, as badly as the thesis's camera saw it.
 
     The picture is 640 x 480 pixels of 5 mm, its lower left corner at (0, 0) mm. It is taken once a round.
 

@@ -174,7 +174,7 @@ def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
         raise CameraLost(name, "cannot be opened", None)
     if (
         capture.get(cv2.CAP_PROP_FRAME_COUNT) <= 0
-    ):  # a device: request the thesis' format, which it may refuse
+    ):  # a device: request the thesis's format, which it may refuse
         rows, columns = FRAME_SHAPE
         capture.set(cv2.CAP_PROP_FRAME_WIDTH, columns)
         capture.set(cv2.CAP_PROP_FRAME_HEIGHT, rows)

@@ -182,7 +182,7 @@ def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(ou
     """The same files, recalls and learner under three names."""
     names = {
         "attribute_weights": "equal",
-        "state_vector": "the thesis' state vector",
+        "state_vector": "the thesis's state vector",
         "alternatives": "as in the thesis",
     }
     rows = {

@@ -104,7 +104,7 @@ def test_tables_are_those_of_the_rows(out: Path) -> None:
 def test_page_has_settings_and_command(out: Path) -> None:
     page = (out / "learners.md").read_text(encoding="utf-8")
     assert (
-        "| `imitator` | the thesis' imitator | `NearestNeighbourImitator(); diagonal of the arena` |" in page
+        "| `imitator` | the thesis's imitator | `NearestNeighbourImitator(); diagonal of the arena` |" in page
     )
     assert "| `dagger_tree` | DAgger, tree | `tree(); queries_a_round=100` |" in page
     assert "--seeds 2 --recalls 1 --steps 1000 --seed 1 --quick" in page

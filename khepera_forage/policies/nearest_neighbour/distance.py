@@ -12,7 +12,7 @@ from khepera_forage.task.states import StateVector
 
 STATE_WIDTH = len(StateVector._fields)
 ARM_SPAN = 55
-"""Xmax of equation 4.2: the thesis' maximum difference of ArmsHeight, larger than the 40 really used."""
+"""Xmax of equation 4.2: the thesis's maximum difference of ArmsHeight, larger than the 40 really used."""
 
 
 def scaled_distance(differing: Any, arm: Any, pixels: Any, diagonal: Any) -> Any:

@@ -10,7 +10,7 @@ _GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
 class CameraAppearance:
     """Appearance of the laboratory in the overhead camera's frames. Greys are levels 0..255 under full light.
 
-    The thesis' only picture from the camera (figure 3.7) did not survive, so most figures are assumptions. None was
+    The thesis's only picture from the camera (figure 3.7) did not survive, so most figures are assumptions. None was
     fitted to the tracker's results on rendered frames.
 
     Raises:
