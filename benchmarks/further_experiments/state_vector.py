@@ -95,8 +95,8 @@ def _summary(found: Analysis, last: int) -> str:
     worst = sorted(shares, key=lambda name: shares[name], reverse=True)[:3]
     named = ", ".join(f"{name} ({PERCENT(shares[name])} wrong)" for name in worst)
     return (
-        f"After {last} episodes the redesigned vector scores {both(SCORE, NEW)} in corridor and rectangle, the thesis's "
-        f"own {both(SCORE, OLD)}; it delivers {both(DELIVERED, NEW)} of the food, the thesis's own "
+        f"After {last} episodes the redesigned vector scores {both(SCORE, NEW)} in corridor and rectangle, the "
+        f"thesis's own {both(SCORE, OLD)}; it delivers {both(DELIVERED, NEW)} of the food, the thesis's own "
         f"{both(DELIVERED, OLD)}. The states with the largest share of wrong steps left, in both arenas together: "
         f"{named}."
     )

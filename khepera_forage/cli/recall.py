@@ -67,7 +67,8 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
         allow_other_decisions=arguments.allow_other_decisions,
     )
     vectors, behaviours = experience.arrays()
-    return NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours), IMITATOR, len(behaviours)
+    imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
+    return imitator.fit(vectors, behaviours), IMITATOR, len(behaviours)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -105,8 +105,7 @@ def checked_arena(arena: Arena | str, decisions: Decisions) -> Arena:
 
 def set_up_of(decisions: Decisions) -> SetUp:
     """Where start, food and home are in a named arena (figure 5.1)."""
-    d = decisions
-    return SetUp(d.start_to_wall, d.food_to_home, d.home_to_wall, d.home_radius)
+    return SetUp(*(getattr(decisions, name) for name in SetUp._fields))
 
 
 def timing_of(decisions: Decisions) -> Timing:

@@ -10,7 +10,7 @@ from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker, update_food
 from khepera_forage.task.identification import explored
-from khepera_forage.task.perception import RawData, own_region, perceive, state_vector
+from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
@@ -117,7 +117,9 @@ class Forager:
             own.orientation,
             present,
             present and explored(before, self.senses, self.applied),
+            self.senses.arm,
+            self.decisions,
         )
         self.raw = perceive(self.senses, own, tracker, self.arena)
-        self.vector = state_vector(self.raw, self.arena.diagonal)
+        self.vector = state_vector(self.raw, without_food(tracker, self.arena, self.decisions))
         self.state = classify(self.vector, self.arena.home_radius, self.decisions)

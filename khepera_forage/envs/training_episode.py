@@ -12,7 +12,14 @@ from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step, has_done_its_part
 from khepera_forage.task.food_tracking import share_identified
-from khepera_forage.task.pairing import Pairing, attempt_ends, lead, update_pairing
+from khepera_forage.task.pairing import (
+    Pairing,
+    attempt_ends,
+    is_complete,
+    lead,
+    rounds_since_done,
+    update_pairing,
+)
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import Scene
 
@@ -43,6 +50,7 @@ class TrainingEpisode:
         self.pairings = [Pairing() for _ in self.foragers]
         self.actions = [int(Behaviour.WAIT)] * len(self.foragers)
         self.steps = 0
+        self._since_done = 0
         self._episodes = [Episode() for _ in self.foragers]
         self._perceive(world.camera.look())
         for episode, forager in zip(self._episodes, self.foragers, strict=True):
@@ -55,11 +63,8 @@ class TrainingEpisode:
 
     @property
     def complete(self) -> bool:
-        """Whether every robot has done its part (5.3)."""
-        return all(
-            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, self._decisions)
-            for f in self.foragers
-        )
+        """Whether every robot has done its part, and the operator has ended the episode (5.3)."""
+        return is_complete(self._since_done, self._decisions)
 
     def over(self, complete: bool) -> bool:
         """Whether the attempt has ended, complete or not."""
@@ -90,6 +95,11 @@ class TrainingEpisode:
         self._perceive(self._world.camera.look())
         for episode, forager in zip(self._episodes, self.foragers, strict=True):
             end_step(episode, forager.tracker, self._limit)
+        done = all(
+            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, self._decisions)
+            for f in self.foragers
+        )
+        self._since_done = rounds_since_done(self._since_done, done)
         return [episode.reward for episode in self._episodes]
 
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:

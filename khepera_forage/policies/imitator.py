@@ -16,6 +16,9 @@ from khepera_forage.policies.nearest_neighbour.distance import checked_diagonal
 from khepera_forage.policies.nearest_neighbour.index import NearestNeighbourIndex
 from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
+from khepera_forage.task.decision_fields import Field
+from khepera_forage.task.decision_readings import EXACT
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
 CACHE_SIZE = 32768
@@ -27,7 +30,8 @@ class _Cache(NamedTuple):
 
     diagonal: int
     threshold: float
-    exact_threshold: Fraction
+    arithmetic: str
+    parameters: tuple[int, Fraction, float]
     behaviours: list[Behaviour]
     found: dict[StateVector, Neighbours]
 
@@ -58,6 +62,8 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             is written as: 0.1 is one tenth. The thesis's wording allows another reading, in which vectors are
             appended to the list while the best is still being sought; its outcome depends on the order of the
             file, this one's does not.
+        arithmetic: Of the distance between state vectors: "exact", "32-bit floats" or "64-bit floats", see the decision
+            `distance_arithmetic`. A threshold needs "exact".
 
     Attributes:
         classes_: The labels seen, sorted.
@@ -67,9 +73,10 @@ class NearestNeighbourImitator(ConfidenceClassifier):
     _index: NearestNeighbourIndex
     _cache: _Cache | None = None
 
-    def __init__(self, diagonal: int = 138, threshold: float = 0.0) -> None:
+    def __init__(self, diagonal: int = 138, threshold: float = 0.0, arithmetic: str = "exact") -> None:
         self.diagonal = diagonal
         self.threshold = threshold
+        self.arithmetic = arithmetic
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
         """Learn from experience vectors, forgetting earlier ones.
@@ -140,12 +147,16 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             ValueError: As for `act`.
         """
         cache = self._cache
-        if cache is None or cache.diagonal != self.diagonal or cache.threshold != self.threshold:
+        if cache is None or (cache.diagonal, cache.threshold, cache.arithmetic) != (
+            self.diagonal,
+            self.threshold,
+            self.arithmetic,
+        ):
             cache = self._cache = self._empty_cache()
         vector = state_vector_of(observation)
         found = cache.found.get(vector)
         if found is None:
-            distance, total, votes = self._index.votes(vector, cache.diagonal, cache.exact_threshold)
+            distance, total, votes = self._index.votes(vector, *cache.parameters)
             behaviours, counts = tuple(compress(cache.behaviours, votes)), tuple(filter(None, votes))
             found = Neighbours(behaviours, counts, total, distance)
             if len(cache.found) >= CACHE_SIZE:
@@ -163,8 +174,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             raise ValueError(
                 f"labels learned are {self.classes_.tolist()}; allowed: behaviours, 0 to {max(Behaviour):d}"
             ) from None
-        diagonal, exact_threshold = self._parameters()
-        return _Cache(diagonal, self.threshold, exact_threshold, behaviours, {})
+        return _Cache(self.diagonal, self.threshold, self.arithmetic, self._parameters(), behaviours, {})
 
     def _learn(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
         self._parameters()
@@ -180,12 +190,20 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         self._index.add(rows, np.searchsorted(self.classes_, labels))
         return self
 
-    def _parameters(self) -> tuple[int, Fraction]:
-        """The diagonal and the exact threshold, once they are found to be in range."""
+    def _parameters(self) -> tuple[int, Fraction, float]:
+        """The diagonal, the exact threshold and the arithmetic as a number, once they are found to be in range."""
         diagonal, threshold = checked_diagonal(self.diagonal), self.threshold
         if not isinstance(threshold, Real) or not 0 <= threshold < math.inf:
             raise ValueError(f"threshold is {threshold!r}; allowed: a finite number, at least 0")
-        return diagonal, Fraction(str(threshold))
+        decision = Field.of(Decisions.__dataclass_fields__["distance_arithmetic"])
+        if self.arithmetic not in decision.choices:
+            raise ValueError(f"arithmetic is {self.arithmetic!r}; allowed: {decision.allowed}")
+        arithmetic = decision.as_number(self.arithmetic)
+        if threshold and arithmetic != EXACT:
+            raise ValueError(
+                f"threshold is {threshold!r} with {self.arithmetic}; allowed: 0, or exact arithmetic"
+            )
+        return diagonal, Fraction(str(threshold)), arithmetic
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_cache": None}

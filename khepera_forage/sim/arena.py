@@ -168,19 +168,25 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
 
 
 class SetUp(NamedTuple):
-    """The set-up of figure 5.1 along an arena, in mm: start, food and home.
+    """The set-up of figure 5.1 in an arena, in mm: start, food and home.
 
     Attributes:
         start_to_wall: From the robot's start to the wall behind it.
         food_to_home: From the food to the centre of the home, along the arena.
         home_to_wall: From the home's centre to the wall behind it.
         home_radius: Of the home.
+        start_aside: From the arena's middle line to the start, towards the left of a robot that faces the home.
+        food_aside: From the middle line to the food, likewise; added to each object's own place.
+        home_aside: From the middle line to the centre of the home, likewise.
     """
 
     start_to_wall: float = 90.0
     food_to_home: float = 180.0
     home_to_wall: float = 100.0
     home_radius: float = 100.0
+    start_aside: float = 0.0
+    food_aside: float = 0.0
+    home_aside: float = 0.0
 
 
 class _Shape(NamedTuple):
@@ -217,10 +223,12 @@ def named_arena(name: str, set_up: SetUp | None = None) -> Arena:
     return Arena(
         name=name,
         walls=(Point(0, 0), Point(length, 0), Point(length, width), Point(0, width)),
-        home=Point(home, middle),
+        home=Point(home, middle + set_up.home_aside),
         home_radius=set_up.home_radius,
-        start=Pose(set_up.start_to_wall, middle, 0.0),
-        foods=tuple(Point(home - set_up.food_to_home, middle + aside) for aside in foods_aside),
+        start=Pose(set_up.start_to_wall, middle + set_up.start_aside, 0.0),
+        foods=tuple(
+            Point(home - set_up.food_to_home, middle + set_up.food_aside + aside) for aside in foods_aside
+        ),
     )
 
 

@@ -16,7 +16,8 @@ What each commands, in speed units of 8 mm/s (every figure our decision, made wi
 | RELEASE FOOD | 8 on into the home, then 0; back 5 once the jaw is open | 255 | opens once the arm is down |
 | WAIT | 0 | as it is | as it is |
 
-SEARCH and MOVE SLOWLY back off food that is nearer than orienting starts from, and while the arm is still down.
+The table shows the default readings; `Decisions` has others. SEARCH and MOVE SLOWLY then back off food that is nearer
+than orienting starts from, and while the arm is still down.
 A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
 keeps it off the walls (3.4).
 """
@@ -33,16 +34,20 @@ from khepera_forage.robots.khepera import (
     JAW_CLOSED,
     JAW_ON_FOOD,
     JAW_OPEN,
+    RADIUS,
     Motors,
 )
+from khepera_forage.task.decision_readings import AS_IT_IS, BACK_OFF, DRIVE_ON, LOWERED_OVER_FOOD, WANDER
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from khepera_forage.task.steering import clip, detour, steer
+from khepera_forage.task.steering import clip, detour, steer, wander
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
 """Pixels from which the fingers can come down, and swing, without touching the food."""
+_IN_RANGE = (RADIUS + 32.0 + FOOD_RADIUS) / MM_PER_PIXEL
+"""Pixels from which the infra-reds turn a robot away from food."""
 _BEHIND = 9.0
 """Pixels to a wall behind from which a robot does not back off further."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
@@ -76,8 +81,10 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     if behaviour == _SEARCH_FOR_FOOD:
         return _search(raw, decisions)
     if behaviour == _MOVE_SLOWLY:
-        return _approach(raw, decisions.slow_speed, detour(raw), decisions)
+        return _approach(raw, decisions.slow_speed, _is_left_down(raw, decisions), decisions)
     if behaviour == _ORIENT_WITH_FOOD:
+        if decisions.orienting == LOWERED_OVER_FOOD:
+            return _orient_over_food(raw, decisions)
         return _orient(raw, decisions)
     if behaviour == _EXPLORE_FOOD:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
@@ -103,6 +110,9 @@ def wait(raw: RawData) -> Motors:
 
 def _search(raw: RawData, decisions: DecisionValues) -> Motors:
     if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
+        if decisions.search_without_food == WANDER:
+            left, right = wander(raw, decisions.search_speed, decisions)
+            return Motors(left, right, ARM_RAISED, JAW_OPEN)
         # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
         # is just at home out of there (on the spot they would turn for ever).
         return Motors(
@@ -111,17 +121,24 @@ def _search(raw: RawData, decisions: DecisionValues) -> Motors:
             ARM_RAISED,
             JAW_OPEN,
         )
-    return _approach(raw, decisions.search_speed, detour(raw), decisions)
+    return _approach(raw, decisions.search_speed, False, decisions)
 
 
-def _approach(raw: RawData, speed: float, aside: float, decisions: DecisionValues) -> Motors:
-    """Drive towards the food, or `aside` degrees past it, with the arm up; never up against it."""
+def _is_left_down(raw: RawData, decisions: DecisionValues) -> bool:
+    """Whether MOVE SLOWLY leaves the arm down."""
+    return bool(decisions.arm_after_orienting == AS_IT_IS) and raw.arm >= ARM_ON_FLOOR
+
+
+def _approach(raw: RawData, speed: float, arm_down: bool, decisions: DecisionValues) -> Motors:
+    """Drive towards the food, past the home, with the arm up unless it is to stay down."""
     near = raw.food_seen and raw.food_distance < decisions.back_off_distance
-    if near or raw.arm >= ARM_ON_FLOOR:
+    if (near and decisions.beside_food == BACK_OFF) or (raw.arm >= ARM_ON_FLOOR and not arm_down):
         # First clear of what may lie between the fingers, such as poison.
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_RAISED, JAW_OPEN)
-    left, right = steer(raw, raw.food_bearing + aside, speed, decisions)
-    return Motors(left, right, ARM_RAISED, JAW_OPEN)
+    # Otherwise the infra-reds, which show food like any obstacle, would turn the robot away from it.
+    shove = raw.food_seen and raw.food_distance < _IN_RANGE and decisions.beside_food == DRIVE_ON
+    left, right = steer(raw, raw.food_bearing + detour(raw), speed, decisions, not shove)
+    return Motors(left, right, ARM_DOWN if arm_down else ARM_RAISED, JAW_OPEN)
 
 
 def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
@@ -153,6 +170,26 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
         return Motors(-turn, turn, ARM_DOWN, JAW_OPEN)
     turn = clip(error / 5.0, 1.0)
     return Motors(decisions.orient_speed - turn, decisions.orient_speed + turn, ARM_DOWN, JAW_OPEN)
+
+
+def _orient_over_food(raw: RawData, decisions: DecisionValues) -> Motors:
+    """ORIENT that turns to the food, lowers the open fingers around it, and drives on until it is in the barrier."""
+    if raw.object_presence:
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
+    if not raw.food_seen:
+        return Motors(-decisions.orient_speed, decisions.orient_speed, ARM_DOWN, JAW_OPEN)
+    error = raw.food_bearing
+    if raw.food_distance < decisions.missed_distance:
+        return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_RAISED, JAW_OPEN)
+    if abs(error) > (decisions.aimed if raw.arm < ARM_ON_FLOOR else decisions.astray):
+        size = decisions.turn_speed if abs(error) > decisions.astray else 1.0
+        turn = math.copysign(size, error) if raw.arm < ARM_ON_FLOOR else 0.0
+        return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
+    if raw.arm < _ARM_SETTLED:
+        return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
+    forward = decisions.orient_speed if abs(error) <= decisions.aimed else 0.0
+    turn = clip(error / 5.0, 1.0)
+    return Motors(forward - turn, forward + turn, ARM_DOWN, JAW_OPEN)
 
 
 def _pick_up(raw: RawData, decisions: DecisionValues) -> Motors:

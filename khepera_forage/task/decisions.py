@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from khepera_forage.task.decision_fields import Field, checked, choice, count, number, parse
 
-_NEARER, _FARTHER = "nearer state", "farther state"
-
 
 @dataclass(frozen=True, slots=True)
 class Decisions:
@@ -35,7 +33,7 @@ class Decisions:
         0.6, 0.1, 2.0, "s", "4.2.2", "Time the jaw takes between open (200) and closed (0)."
     )
 
-    # The set-up of figure 5.1, whose picture did not survive: start, food and home in one line.
+    # The set-up of figure 5.1, whose picture did not survive.
     start_to_wall: float = number(
         90.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
     )
@@ -46,18 +44,30 @@ class Decisions:
     home_radius: float = number(
         100.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".'
     )
+    start_aside: float = number(
+        0.0, -60.0, 60.0, "mm", "5.2", "From the arena's middle line to the start, towards the left wall."
+    )
+    food_aside: float = number(0.0, -60.0, 60.0, "mm", "5.2", "From the middle line to the food, likewise.")
+    home_aside: float = number(0.0, -60.0, 60.0, "mm", "5.2", "From the middle line to the home, likewise.")
 
     # What the camera shows.
     food_beside_robot: str = choice(
-        ("seen at its last place",),
+        ("seen at its last place", "unseen", "unseen until the arm is down"),
         "4.2.2",
-        "Where food is that the robot's marker hides: at its last place, until that is visible and empty.",
+        "Food that the tracker has lost, such as food under the robot's marker.",
+    )
+    redetection_time: float = number(
+        0.0, 0.0, 10.0, "s", "4.2.2", "From losing food until it is unseen, if lost food becomes unseen."
     )
     no_food_distance: str = choice(
-        ("diagonal of the arena",), "4.3", "RobotFoodDistance while there is no candidate food."
+        ("diagonal of the arena", "last one known"),
+        "4.3",
+        "RobotFoodDistance while there is no candidate food.",
     )
     held_food: str = choice(
-        ("candidate at its last place",), "4.3", "How food in the gripper counts for RobotFoodDistance."
+        ("candidate at its last place", "no candidate", "candidate in the gripper", "hides all food"),
+        "4.3",
+        "How food in the gripper counts for RobotFoodDistance.",
     )
 
     # States (tables 4.1, 4.2; figure 4.2).
@@ -71,7 +81,7 @@ class Decisions:
     )
     close_to_food: float = number(30.0, 20.0, 60.0, "pixels", "4.2.1", "RobotCloseToFoodThreshold.")
     equal_distance: str = choice(
-        (_NEARER, _FARTHER),
+        ("nearer state", "farther state"),
         "4.2.1",
         "State at a distance that equals a threshold, which matches no row of table 4.2.",
     )
@@ -107,8 +117,15 @@ class Decisions:
 
     # How the behaviours orient and carry (3.4, 3.7, 4.2).
     searching_arm: str = choice(("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it.")
+    search_without_food: str = choice(
+        ("small circle", "wander"),
+        "4.2",
+        "SEARCH with no food in sight; wandering is straight on, off walls.",
+    )
     beside_food: str = choice(
-        ("back off",), "4.2", "SEARCH and MOVE SLOWLY with food nearer than `back_off_distance`."
+        ("back off", "turn away", "drive on"),
+        "4.2",
+        "SEARCH and MOVE SLOWLY beside food: from `back_off_distance`, by the infra-reds, or not at all.",
     )
     back_off_distance: float = number(
         13.0,
@@ -117,6 +134,14 @@ class Decisions:
         "pixels",
         "4.2",
         "Distance to food from which SEARCH and MOVE SLOWLY do not shove it.",
+    )
+    orienting: str = choice(
+        ("lowered before food", "lowered over food"),
+        "3.7",
+        "ORIENT lowers the arm clear of the food, backing off if need be, or the open fingers around it.",
+    )
+    arm_after_orienting: str = choice(
+        ("raised", "as it is"), "4.2", "The arm in MOVE SLOWLY while it is still down after ORIENT."
     )
     aimed: float = number(
         5.0, 1.0, 15.0, "degrees", "3.7", "Off the food, within which a robot counts as oriented."
@@ -158,8 +183,18 @@ class Decisions:
     most_attempts: int = count(
         200, 1, 100_000, "attempts", "5.2", "At a training episode, after which it is hopeless."
     )
+    rounds_after_training: int = count(
+        0, 0, 200, "rounds", "5.3", "From the delivery until the operator ends a training episode."
+    )
     poison_in_training: str = choice(
         ("left with the arm raised",), "5.3", "When an episode with poisonous food is complete."
+    )
+
+    # The learner (4.6.1).
+    distance_arithmetic: str = choice(
+        ("exact", "32-bit floats", "64-bit floats"),
+        "4.6.1",
+        "Of the distance between state vectors: sums of floats can differ where exact ones are equal.",
     )
 
     # Placement (5.4.1.1: "random in every recall episode").
@@ -240,6 +275,3 @@ else:
 
 DEFAULT_DECISIONS = Decisions()
 DEFAULT_VALUES = DEFAULT_DECISIONS.values()
-
-FARTHER_STATE: Any = 1.0
-"""`equal_distance` as a number."""

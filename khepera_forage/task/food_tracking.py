@@ -11,9 +11,17 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from khepera_forage.geometry.angles import cosine_sine
-from khepera_forage.robots.khepera import BARRIER
+from khepera_forage.geometry.angles import cosine_sine, length
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.decision_readings import (
+    HIDES_ALL_FOOD,
+    IN_GRIPPER,
+    NO_CANDIDATE,
+    SEEN_AT_LAST_PLACE,
+    UNSEEN_UNTIL_ARM_DOWN,
+)
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import at_home
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -47,10 +55,17 @@ class FoodObject:
 
 @dataclass(slots=True)
 class Link:
-    """Which food object a track shows; a free slot has label -1."""
+    """Which food object a track shows.
+
+    Attributes:
+        label: Of the track; -1 in a free slot.
+        food: Number of the food object.
+        lost_rounds: For how many rounds the track has been lost; counted if lost food becomes unseen.
+    """
 
     label: int = -1
     food: int = -1
+    lost_rounds: int = 0
 
 
 @dataclass(slots=True)
@@ -66,6 +81,7 @@ class FoodTracker:
         food_seen: Whether there is a candidate food.
         food_x: Nearest candidate food in pixels; 0 without one.
         food_y: Nearest candidate food in pixels; 0 without one.
+        last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before.
         foods: The food objects.
         links: Twice as many slots as food objects.
     """
@@ -78,6 +94,7 @@ class FoodTracker:
     food_seen: bool = False
     food_x: float = 0.0
     food_y: float = 0.0
+    last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
 
@@ -93,6 +110,8 @@ def update_food(
     orientation: float,
     object_present: bool,
     explored: bool,
+    arm: int,
+    decisions: DecisionValues,
 ) -> None:
     """Account for one round: gripped, identified and delivered food, and the nearest candidate.
 
@@ -107,6 +126,8 @@ def update_food(
         orientation: Of the robot, degrees.
         object_present: Whether the optical barrier is interrupted.
         explored: Whether food has been explored in this round (`identification.explored`).
+        arm: Position of its arm.
+        decisions: `DecisionValues`.
     """
     if object_present:
         cosine, sine = cosine_sine(orientation * _DEGREE)
@@ -114,7 +135,11 @@ def update_food(
     else:
         tracker.held = -1
     _follow_tracks(tracker, foods, links, tracks, arena)
-    _find_nearest(tracker, foods, links, tracks, arena, x, y)
+    if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
+        _count_lost_rounds(links, tracks)
+    _find_nearest(tracker, foods, links, tracks, arena, x, y, arm, decisions)
+    if tracker.food_seen:
+        tracker.last_distance = length(tracker.food_x - x, tracker.food_y - y)
     _count(tracker, foods)
 
 
@@ -155,9 +180,8 @@ def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: Are
     """Link new tracks to food objects, and see where these are."""
     for track in tracks:
         if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
-            number = _linked_food(track.label, links)
-            if number < 0:
-                number = _link(track, foods, links, tracks, arena)
+            k = _link_of(track.label, links)
+            number = links[k].food if k >= 0 else _link(track, foods, links, tracks, arena)
             if number >= 0 and number != tracker.held:
                 _see(foods[number], track, arena)
 
@@ -170,11 +194,11 @@ def _see(food: Any, track: Any, arena: ArenaMap) -> None:
         food.known = food.type
 
 
-def _linked_food(label: int, links: Any) -> int:
-    """Number of the food object that a track shows; -1 if it is not linked to one."""
-    for link in links:
-        if link.label == label:
-            return int(link.food)
+def _link_of(label: int, links: Any) -> int:
+    """Number of the link of a track; -1 if it is not linked."""
+    for k in range(len(links)):
+        if links[k].label == label:
+            return k
     return -1
 
 
@@ -197,7 +221,7 @@ def _link(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> i
     if nearest >= 0:
         for link in links:
             if link.label < 0:
-                link.label, link.food = track.label, nearest
+                link.label, link.food, link.lost_rounds = track.label, nearest, 0
                 break
     return nearest
 
@@ -210,11 +234,42 @@ def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
     return False
 
 
+def _count_lost_rounds(links: Any, tracks: Any) -> None:
+    """Count for how many rounds each linked track has been lost."""
+    for track in tracks:
+        k = _link_of(track.label, links) if track.label >= 0 else -1
+        if k >= 0:
+            links[k].lost_rounds = 0 if track.found else links[k].lost_rounds + 1
+
+
+def _is_seen(track: Any, lost_rounds: int, arm: int, decisions: DecisionValues) -> bool:
+    """Whether food is seen, be it at its last place (4.2.2)."""
+    if track.found or decisions.food_beside_robot == SEEN_AT_LAST_PLACE:
+        return True
+    if decisions.food_beside_robot == UNSEEN_UNTIL_ARM_DOWN and arm >= ARM_ON_FLOOR:
+        return True
+    return lost_rounds * decisions.round_duration <= decisions.redetection_time
+
+
 def _find_nearest(
-    tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap, x: float, y: float
+    tracker: Any,
+    foods: Any,
+    links: Any,
+    tracks: Any,
+    arena: ArenaMap,
+    x: float,
+    y: float,
+    arm: int,
+    decisions: DecisionValues,
 ) -> None:
     """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food."""
     tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    held, held_food = tracker.held, decisions.held_food
+    if held >= 0 and held_food == HIDES_ALL_FOOD:
+        return
+    if held >= 0 and held_food == IN_GRIPPER:
+        tracker.food_seen, tracker.food_x, tracker.food_y = True, foods[held].x, foods[held].y
+        return
     best = math.inf
     for track in tracks:
         if track.holes != 0 or track.label < 0:
@@ -222,8 +277,13 @@ def _find_nearest(
         dx, dy = track.x - x, track.y - y
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
-            number = _linked_food(track.label, links)
-            if number < 0 or is_candidate(foods[number], number == tracker.held):
+            k = _link_of(track.label, links)
+            number, lost_rounds = (links[k].food, links[k].lost_rounds) if k >= 0 else (-1, 0)
+            if number >= 0 and number == held and held_food == NO_CANDIDATE:
+                continue
+            if (number < 0 or is_candidate(foods[number], number == held)) and _is_seen(
+                track, lost_rounds, arm, decisions
+            ):
                 best = squared
                 tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
 

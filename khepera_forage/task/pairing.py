@@ -108,6 +108,26 @@ def lead(
     )
 
 
+def rounds_since_done(before: int, all_done: bool) -> int:
+    """For how many rounds the robots have done their part (`episode.has_done_its_part`): counted from the first one.
+
+    Args:
+        before: This number a round ago.
+        all_done: Whether all robots have done their part now.
+    """
+    return before + 1 if all_done or before > 0 else 0
+
+
+def is_complete(since_done: int, decisions: DecisionValues) -> bool:
+    """Whether a training episode is complete: an operator ends it some rounds after the robots have done their part.
+
+    Args:
+        since_done: From `rounds_since_done`.
+        decisions: `DecisionValues`.
+    """
+    return since_done > decisions.rounds_after_training
+
+
 def attempt_ends(complete: bool, rounds: int, limit: int, separated_rounds: int, patience: int) -> bool:
     """Whether an attempt at a training episode has ended: complete, out of time, or separated for too long (5.3.1)."""
     return complete or rounds >= limit or separated_rounds >= patience

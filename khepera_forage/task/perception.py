@@ -6,6 +6,8 @@ from typing import NamedTuple
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.decision_readings import LAST_DISTANCE
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.vision.scene import Region, Scene
@@ -168,14 +170,14 @@ def raw_data(
     )
 
 
-def state_vector(raw: RawData, diagonal: int) -> StateVector:
+def state_vector(raw: RawData, distance_without_food: float) -> StateVector:
     """The five attributes of section 4.3, distances rounded to whole pixels.
 
     Args:
         raw: What is perceived now.
-        diagonal: Of the arena in pixels: the food distance where there is no candidate.
+        distance_without_food: Pixels: the food distance where there is no candidate, see `without_food`.
     """
-    food = raw.food_distance if raw.food_seen else diagonal
+    food = raw.food_distance if raw.food_seen else distance_without_food
     return StateVector(
         1 if raw.object_presence else 0,
         int(raw.home_distance + 0.5),
@@ -183,3 +185,15 @@ def state_vector(raw: RawData, diagonal: int) -> StateVector:
         raw.arm,
         int(food + 0.5),
     )
+
+
+def without_food(tracker: FoodTracker, arena: ArenaMap, decisions: DecisionValues) -> float:
+    """RobotFoodDistance where there is no candidate food, in pixels (4.3).
+
+    Args:
+        tracker: The `FoodTracker` record.
+        arena: The arena.
+        decisions: `DecisionValues`.
+    """
+    known = decisions.no_food_distance == LAST_DISTANCE and tracker.last_distance >= 0.0
+    return tracker.last_distance if known else arena.diagonal

@@ -4,7 +4,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from khepera_forage.robots.khepera import ARM_RAISED
-from khepera_forage.task.decisions import FARTHER_STATE, DecisionValues
+from khepera_forage.task.decision_readings import FARTHER_STATE
+from khepera_forage.task.decisions import DecisionValues
 
 
 class FoodType(IntEnum):

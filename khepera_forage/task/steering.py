@@ -46,12 +46,22 @@ def detour(raw: RawData) -> float:
     return math.copysign(berth, side) - aside
 
 
-def steer(raw: RawData, error: float, speed: float, decisions: DecisionValues) -> tuple[float, float]:
-    """Wheels that turn by `error` degrees while driving, off walls and obstacles."""
+def steer(
+    raw: RawData, error: float, speed: float, decisions: DecisionValues, by_infra_reds: bool = True
+) -> tuple[float, float]:
+    """Wheels that turn by `error` degrees while driving, off walls and obstacles.
+
+    Args:
+        raw: What is perceived now.
+        error: Degrees to turn by, left positive.
+        speed: Speed units.
+        decisions: `DecisionValues`.
+        by_infra_reds: Whether to turn away from what the infra-reds show; a lowered arm hides it.
+    """
     if abs(error) > _ON_THE_SPOT:
         return _turn_on_the_spot(raw, error, decisions)
     turn = error * (0.3 if abs(error) > 10.0 else 0.2)
-    if raw.arm < ARM_ON_FLOOR:
+    if by_infra_reds and raw.arm < ARM_ON_FLOOR:
         a, b, c, d, e, f = raw.proximity
         if c > _BLOCKED and d > _BLOCKED:
             return -_CAREFUL, -_CAREFUL
@@ -73,6 +83,18 @@ def _turn_on_the_spot(raw: RawData, error: float, decisions: DecisionValues) -> 
         if wall * error > 0.0 and abs(wall) < abs(error) + 30.0:
             turn = -turn
     return -turn, turn
+
+
+def wander(raw: RawData, speed: float, decisions: DecisionValues) -> tuple[float, float]:
+    """Wheels that drive straight on, and turn left wherever something is ahead: a corner then holds no robot."""
+    bearing = abs(raw.wall_bearing)
+    if raw.wall_distance < _SWING and bearing < 30.0:
+        return -_CAREFUL, -_CAREFUL
+    _, left, ahead_left, ahead_right, right, _ = raw.proximity
+    wall_ahead = raw.wall_distance < _SWING + 2.0 and bearing < 60.0
+    if wall_ahead or max(left, ahead_left, ahead_right, right) > _OBSTACLE:
+        return -decisions.turn_speed, decisions.turn_speed
+    return speed, speed
 
 
 def clip(value: float, limit: float) -> float:

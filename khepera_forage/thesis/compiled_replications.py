@@ -5,6 +5,7 @@ The design, files, subsets and rows are those of `replication`; only the backend
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,7 +143,9 @@ class CompiledReplications:
                 imitators = [(i, subset) for i in range(self.count) for subset in cell.subsets]
                 memories = memories_of([_experience(trained, i, subset) for i, subset in imitators])
                 diagonal = arena_map_of(CORRIDOR).diagonal
-                all_levels = confidence_levels(memories, arrival_vectors(self.decisions), diagonal)
+                vectors: Any = arrival_vectors(self.decisions)
+                arithmetic: Any = self.decisions.values().distance_arithmetic
+                all_levels = confidence_levels(memories, vectors, diagonal, arithmetic)
                 for (i, subset), levels in zip(imitators, all_levels, strict=True):
                     yield from orient_rows(levels, self.first + i, cell.episodes, subset.name, self.decisions)
 

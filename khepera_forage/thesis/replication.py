@@ -132,12 +132,12 @@ class Replication:
                     levels = imitator_levels(imitator, arrival_vectors(self.decisions))
                     yield from orient_rows(levels, self.number, cell.episodes, subset.name, self.decisions)
 
-    @staticmethod
     def _imitator(
-        subset: Subset, files: Sequence[Experience], diagonal: int
+        self, subset: Subset, files: Sequence[Experience], diagonal: int
     ) -> tuple[NearestNeighbourImitator, int]:
         vectors, behaviours = arrays([files[f - 1] for f in subset.files])
-        return NearestNeighbourImitator(diagonal=diagonal).fit(vectors, behaviours), len(behaviours)
+        imitator = NearestNeighbourImitator(diagonal, arithmetic=self.decisions.distance_arithmetic)
+        return imitator.fit(vectors, behaviours), len(behaviours)
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,7 +56,7 @@ def test_help_explains_the_option(command: str, capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (["next_to_foot=17"], "decision 'next_to_foot' is unknown; allowed: aimed, arm_travel_time, "),
+        (["next_to_foot=17"], "decision 'next_to_foot' is unknown; allowed: aimed, arm_after_orienting, "),
         (["next_to_food=5"], "decision next_to_food is 5.0; allowed: a number from 10 to 30 pixels"),
         (["next_to_food=near"], "decision next_to_food is 'near'; allowed: a number from 10 to 30 pixels"),
         (["next_to_food=nan"], "decision next_to_food is nan; allowed: a number from 10 to 30 pixels"),

@@ -66,7 +66,9 @@ RULES = {
 }
 READ_BY_PYTHON = {"home_radius", "round_duration", "recall_marker", "patience", "most_attempts"}
 """Decisions that become part of an arena, of timing or of an operator's terms before a kernel runs."""
-DECISIONS = {field.name for field in fields(Decisions)} - READ_BY_PYTHON
+HANDED_ON = {"distance_arithmetic"}
+"""A parameter of the imitator."""
+DECISIONS = {field.name for field in fields(Decisions)} - READ_BY_PYTHON - HANDED_ON
 
 
 def _module_name(path: Path) -> str:

@@ -19,6 +19,7 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
     FoodTracker,
@@ -28,22 +29,43 @@ from khepera_forage.task.food_tracking import (
     update_food,
 )
 from khepera_forage.vision.association import Detection, Track, match, may_vanish, start_tracks
-from tests.compiled.rule_records import check_same, records, task_of
+from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
 
 
 @entrance
 def _update_food(
-    tracker: Any, foods: Any, links: Any, tracks: Any, task: Any, pose: Any, present: bool, explored: bool
+    tracker: Any,
+    foods: Any,
+    links: Any,
+    tracks: Any,
+    task: Any,
+    pose: Any,
+    present: bool,
+    explored: bool,
+    arm: int,
 ) -> None:
+    arena, decisions = arena_map(task), task.decisions[0]
     update_food(
-        tracker[0], foods, links, tracks, arena_map(task), pose[0], pose[1], pose[2], present, explored
+        tracker[0],
+        foods,
+        links,
+        tracks,
+        arena,
+        pose[0],
+        pose[1],
+        pose[2],
+        present,
+        explored,
+        arm,
+        decisions,
     )
 
 
+@pytest.mark.parametrize("decisions", DECISIONS, ids=IDS)
 @pytest.mark.parametrize("count", [1, 3])
-def test_update_food_is_the_same_on_records(count: int) -> None:
+def test_update_food_is_the_same_on_records(count: int, decisions: Decisions) -> None:
     """Sequences of rounds in which tracks appear, move, vanish and return with other labels."""
-    rng, arena, task = np.random.default_rng(count), arena_map_of(CORRIDOR), task_of(CORRIDOR)
+    rng, arena, task = np.random.default_rng(count), arena_map_of(CORRIDOR), task_of(CORRIDOR, decisions)
     delivered = held = identified = 0
     for _ in range(40):
         foods = [
@@ -71,8 +93,9 @@ def test_update_food_is_the_same_on_records(count: int) -> None:
             present = bool(rng.random() < 0.5)
             explored = present and bool(rng.random() < 0.3)
             pose = (float(x), float(y), float(rng.integers(0, 360)))
-            update_food(tracker, foods, tracker.links, tracks, arena, *pose, present, explored)
-            _update_food(*arrays, records(track_dtype, tracks), task, np.array(pose), present, explored)
+            arm, values = int(rng.choice((215, 255))), decisions.values()
+            update_food(tracker, foods, tracker.links, tracks, arena, *pose, present, explored, arm, values)
+            _update_food(*arrays, records(track_dtype, tracks), task, np.array(pose), present, explored, arm)
             for array, things in zip(arrays, ([tracker], foods, tracker.links), strict=True):
                 check_same(array, things)
             held += tracker.held >= 0

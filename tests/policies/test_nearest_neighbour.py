@@ -152,3 +152,54 @@ def test_no_memories_are_empty() -> None:
 def test_bad_experience_is_refused_with_its_value(experiences: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         memories_of(experiences)
+
+
+def _sum_of_floats(a: StateVector, b: StateVector, diagonal: int, kind: Any) -> Any:
+    """The distance of 4.6.1, term by term."""
+    total = kind(0)
+    total += kind(a.object_presence != b.object_presence)
+    total += kind(a.food_type != b.food_type)
+    total += kind(abs(a.arms_height - b.arms_height)) / kind(55)
+    total += kind(abs(a.robot_food_distance - b.robot_food_distance)) / kind(diagonal)
+    total += kind(abs(a.robot_home_distance - b.robot_home_distance)) / kind(diagonal)
+    return total
+
+
+@pytest.mark.parametrize(
+    ("arithmetic", "kind"), [("32-bit floats", np.float32), ("64-bit floats", np.float64)]
+)
+@settings(max_examples=100, deadline=None)
+@given(
+    experience=_experience,
+    queries=st.lists(_vector, min_size=1, max_size=8),
+    diagonal=st.sampled_from((138, 177, 7)),
+)
+def test_votes_in_floats_are_those_of_the_least_sum(
+    arithmetic: str, kind: Any, experience: Any, queries: Any, diagonal: int
+) -> None:
+    vectors, heard = [StateVector(*v) for v, _ in experience], [b for _, b in experience]
+    imitator = NearestNeighbourImitator(diagonal, arithmetic=arithmetic).fit(vectors, heard)
+    for query in map(StateVector._make, queries):
+        sums = [_sum_of_floats(query, vector, diagonal, kind) for vector in vectors]
+        expected = Counter(label for label, total in zip(heard, sums, strict=True) if total == min(sums))
+        assert dict(imitator.neighbours(query).votes) == dict(expected)
+
+
+def test_floats_split_exact_ties() -> None:
+    """Equal exact distances, from terms in another order of size."""
+    query, vectors = StateVector(0, 60, 0, 215, 60), [(0, 60, 0, 215, 67), (0, 63, 0, 215, 64)]
+    votes = []
+    for arithmetic in ("exact", "32-bit floats", "64-bit floats"):
+        imitator = NearestNeighbourImitator(138, arithmetic=arithmetic).fit(vectors, [0, 1])
+        votes.append(imitator.neighbours(query).tied)
+    assert votes[0] == 2
+    assert min(votes[1:]) == 1
+
+
+def test_wrong_arithmetic_is_an_error() -> None:
+    with pytest.raises(
+        ValueError, match=r"arithmetic is '16-bit'; allowed: 'exact', '32-bit floats', '64-bit"
+    ):
+        NearestNeighbourImitator(arithmetic="16-bit").fit([(0, 1, 0, 215, 2)], [0])
+    with pytest.raises(ValueError, match=r"threshold is 0\.1 with 32-bit floats; allowed: 0, or exact"):
+        NearestNeighbourImitator(threshold=0.1, arithmetic="32-bit floats").fit([(0, 1, 0, 215, 2)], [0])

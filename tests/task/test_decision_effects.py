@@ -146,6 +146,61 @@ def test_circle_speed_is_the_mean_speed_of_search_without_food(speed: float) -> 
     assert motors[:2] == (speed - 5.0, speed + 5.0)
 
 
+# ---------------------------------------------------------------- readings of behaviours
+
+
+def test_search_without_food_may_wander() -> None:
+    unseen, wander = placed(OPEN_FLOOR, food_seen=False), changed_to(search_without_food="wander")
+    assert command(B.SEARCH_FOR_FOOD, unseen, wander) == Motors(12, 12, 215, 200)
+    turn = Motors(-5, 5, 215, 200)
+    for sensor in range(1, 5):
+        proximity = tuple(200 if k == sensor else 0 for k in range(6))
+        assert command(B.SEARCH_FOR_FOOD, unseen._replace(proximity=proximity), wander) == turn  # type: ignore[arg-type]
+    ahead = unseen._replace(wall_distance=20.0, wall_bearing=-50.0)
+    assert command(B.SEARCH_FOR_FOOD, ahead, wander) == turn
+    against = unseen._replace(wall_distance=15.0, wall_bearing=10.0)
+    assert command(B.SEARCH_FOR_FOOD, against, wander) == Motors(-8, -8, 215, 200)
+
+
+@pytest.mark.parametrize("behaviour", [B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY])
+def test_robot_beside_food_backs_off_or_turns_away_or_drives_on(behaviour: Behaviour) -> None:
+    beside = food_at(11, proximity=(0, 0, 300, 200, 0, 0))
+
+    def wheels(reading: str) -> tuple[float, float]:
+        motors = command(behaviour, beside, changed_to(beside_food=reading))
+        return motors.left, motors.right
+
+    assert wheels("back off") == (-5, -5)
+    left, right = wheels("turn away")
+    assert left > right, "the obstacle is further left"
+    left, right = wheels("drive on")
+    assert left == right > 0
+
+
+def test_orienting_may_lower_the_arm_over_the_food() -> None:
+    over = changed_to(orienting="lowered over food")
+
+    def motors(distance: float, degrees: float = 0.0, **changes: Any) -> Motors:
+        return command(B.ORIENT_WITH_FOOD, food_at(distance, degrees, **changes), over)
+
+    assert motors(19) == motors(12) == Motors(0, 0, 255, 200), "down around the food"
+    assert motors(15, 40) == Motors(-5, 5, 215, 200), "turns with the arm raised"
+    assert motors(15, -10) == Motors(1, -1, 215, 200)
+    assert motors(15, arm=255) == Motors(4, 4, 255, 200)
+    assert motors(15, -10, arm=255) == Motors(1, -1, 255, 200)
+    assert motors(15, 40, arm=255) == Motors(0, 0, 215, 200), "up before it turns that far"
+    assert motors(11.5, arm=255, object_presence=255) == Motors(0, 0, 255, 200)
+    assert motors(9) == Motors(-5, -5, 215, 200), "too near"
+
+
+def test_move_slowly_may_leave_the_arm_as_orient_left_it() -> None:
+    raw, as_it_is = food_at(25, arm=255), changed_to(arm_after_orienting="as it is")
+    assert command(B.MOVE_SLOWLY, raw, changed_to()) == Motors(-5, -5, 215, 200)
+    assert command(B.MOVE_SLOWLY, raw, as_it_is) == Motors(8, 8, 255, 200)
+    assert command(B.MOVE_SLOWLY, raw._replace(arm=215), as_it_is).arm == 215
+    assert command(B.SEARCH_FOR_FOOD, raw, as_it_is).arm == 215
+
+
 # ---------------------------------------------------------------- distances and angles of behaviours
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decisions import DEFAULT_VALUES, FARTHER_STATE, Decisions
+from khepera_forage.task.decision_readings import FARTHER_STATE
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 
 FIELDS = {field.name: Field.of(field) for field in dataclasses.fields(Decisions)}
 NUMBERS = [name for name, field in FIELDS.items() if not field.choices]

@@ -1,6 +1,7 @@
 """The food tracker with made-up scenes: events that are rare in simulated runs."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -8,6 +9,7 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import RECTANGLE, Point
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
     is_collected,
@@ -36,7 +38,8 @@ def region(label: int, place: tuple[float, float], found: bool = True, holes: in
 class Story:
     """Rounds as camera and robot would report them; the robot looks along the x axis."""
 
-    def __init__(self, food_type: FoodType = FoodType.PICKABLE) -> None:
+    def __init__(self, food_type: FoodType = FoodType.PICKABLE, **decisions: Any) -> None:
+        self.decisions = Decisions(**decisions).values()
         self.tracker = tracker_of([Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)])
         for food in self.tracker.foods:
             food.type = food_type
@@ -58,6 +61,8 @@ class Story:
             own.orientation,
             senses.object_presence != 0,
             explored(self.senses, senses, motors),
+            senses.arm,
+            self.decisions,
         )
         self.senses = senses
 
@@ -95,6 +100,64 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     story.round((40, 50), EMPTY, region(1, FIRST), region(2, SECOND), region(9, (42.0, 52.0)))
     assert linked_food(story.tracker, 9) is None
     assert nearest_of(story) == (42.0, 52.0)
+
+
+LOST = region(1, FIRST, found=False)
+RAISED = EMPTY._replace(arm=215)
+
+
+def test_lost_food_may_be_unseen_at_once() -> None:
+    story = Story(food_beside_robot="unseen")
+    story.round((40, 50), RAISED, LOST, region(2, SECOND))
+    assert nearest_of(story) == SECOND
+    story.round((40, 50), EMPTY, LOST, region(2, SECOND))
+    assert nearest_of(story) == SECOND, "whatever the arm"
+    story.round((40, 50), RAISED, region(1, FIRST), region(2, SECOND))
+    assert nearest_of(story) == FIRST
+
+
+def test_lost_food_may_be_seen_while_the_arm_is_down() -> None:
+    story = Story(food_beside_robot="unseen until the arm is down")
+    story.round((40, 50), RAISED, LOST, region(2, SECOND))
+    assert nearest_of(story) == SECOND
+    story.round((40, 50), EMPTY, LOST, region(2, SECOND))
+    assert nearest_of(story) == FIRST
+
+
+def test_lost_food_is_seen_until_it_is_redetected() -> None:
+    story = Story(food_beside_robot="unseen", redetection_time=0.25)
+    seen = []
+    for found in (False, False, False, True, False, False, False):
+        story.round((40, 50), RAISED, region(1, FIRST, found=found), region(2, SECOND))
+        seen.append(nearest_of(story) == FIRST)
+    assert seen == [True, True, False, True, True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("held_food", "nearest"),
+    [
+        ("candidate at its last place", FIRST),
+        ("no candidate", SECOND),
+        ("candidate in the gripper", (63 + 58 / 5, 40)),
+        ("hides all food", None),
+    ],
+)
+def test_held_food_counts_as_decided(held_food: str, nearest: tuple[float, float] | None) -> None:
+    story = Story(held_food=held_food)
+    story.explore_first()
+    assert nearest_of(story) == (None if nearest is None else pytest.approx(nearest))
+    story.round((63, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    assert nearest_of(story) == FIRST, "once it is not held"
+
+
+def test_last_distance_is_that_of_the_last_candidate() -> None:
+    story = Story()
+    story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    assert story.tracker.last_distance == pytest.approx(30)
+    for food in story.tracker.foods:
+        food.delivered = True
+    story.round((20, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    assert story.tracker.last_distance == pytest.approx(30)
 
 
 def test_identified_types_are_shared_with_the_corresponding_food() -> None:

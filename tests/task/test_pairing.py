@@ -9,7 +9,15 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.following import follow, recover
-from khepera_forage.task.pairing import Pairing, attempt_ends, lead, teacher_says, update_pairing
+from khepera_forage.task.pairing import (
+    Pairing,
+    attempt_ends,
+    is_complete,
+    lead,
+    rounds_since_done,
+    teacher_says,
+    update_pairing,
+)
 from khepera_forage.task.states import Behaviour
 
 TEACHER_ARENA, ARENA = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
@@ -87,3 +95,13 @@ def test_attempt_ends_when_it_is_complete_out_of_time_or_separated_for_too_long(
     complete: bool, rounds: int, separated_rounds: int, over: bool
 ) -> None:
     assert attempt_ends(complete, rounds, 600, separated_rounds, 100) is over
+
+
+def test_training_is_complete_some_rounds_after_the_robots_have_done_their_part() -> None:
+    for rounds in (0, 3):
+        decisions = Decisions(rounds_after_training=rounds).values()
+        since, complete = 0, []
+        for done in (False, True, False, False, True, True):
+            since = rounds_since_done(since, done)
+            complete.append(is_complete(since, decisions))
+        assert complete == [number > rounds for number in range(6)]

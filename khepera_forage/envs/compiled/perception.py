@@ -12,7 +12,7 @@ from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
-from khepera_forage.task.perception import raw_data, state_vector
+from khepera_forage.task.perception import raw_data, state_vector, without_food
 from khepera_forage.task.states import classify
 
 
@@ -35,6 +35,7 @@ def remember_senses(robot: Any, task: Any) -> None:
 def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
     """Account for what one round has brought, by the rule of `task.food_tracking`."""
     robot, task, arena = worlds.bodies.robots, worlds.tasks, arena_map(parameters)
+    decisions = parameters.decisions[0]
     for i in range(robot.x.shape[0]):
         before = _senses(task.presence_before[i], task.arm_before[i], task.jaw_before[i])
         after = _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i])
@@ -51,6 +52,8 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
             robot.marker_heading[i],
             present,
             present and explored(before, after, Motors(robot.left[i], robot.right[i], 0, 0)),
+            after.arm,
+            decisions,
         )
         task.food_seen[i] = 1.0 if tracker.food_seen else 0.0
         task.food_x[i], task.food_y[i] = tracker.food_x, tracker.food_y
@@ -58,8 +61,9 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
 
 
 @kernel
-def perceive_block(robot: Any, task: Any, parameters: TaskParameters) -> None:
+def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
+    robot, task = worlds.bodies.robots, worlds.tasks
     arena, decisions = arena_map(parameters), parameters.decisions[0]
     lanes = robot.x.shape[0]
     for i in range(lanes):
@@ -93,7 +97,7 @@ def perceive_block(robot: Any, task: Any, parameters: TaskParameters) -> None:
         task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
         task.home_distance[i], task.home_bearing[i] = raw.home_distance, raw.home_bearing
         task.food_distance[i], task.food_bearing[i] = raw.food_distance, raw.food_bearing
-        vector = state_vector(raw, arena.diagonal)
+        vector = state_vector(raw, without_food(worlds.trackers[i], arena, decisions))
         task.object_presence[i] = vector.object_presence
         task.robot_home_distance[i] = vector.robot_home_distance
         task.vector_food_type[i] = vector.food_type

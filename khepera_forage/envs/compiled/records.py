@@ -35,7 +35,7 @@ tracker_dtype = np.dtype(
     [
         *((name, "i8") for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable")),
         ("food_seen", "?"),
-        *((name, "f8") for name in ("food_x", "food_y")),
+        *((name, "f8") for name in ("food_x", "food_y", "last_distance")),
     ],
     align=True,
 )
@@ -47,7 +47,7 @@ food_object_dtype = np.dtype(
 )
 """`task.food_tracking.FoodObject`."""
 
-link_dtype = np.dtype([("label", "i8"), ("food", "i8")])
+link_dtype = np.dtype([(name, "i8") for name in ("label", "food", "lost_rounds")])
 """`task.food_tracking.Link`."""
 
 episode_dtype = np.dtype(

@@ -25,6 +25,7 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
     tracker.held = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
     tracker.deliverable = places.shape[0]
+    tracker.last_distance = -1.0
     for k in range(places.shape[0]):
         body, known = worlds.bodies.foods[k], worlds.foods[i, k]
         body.x[i], body.y[i] = places[k].x, places[k].y
@@ -80,7 +81,7 @@ def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters, adva
         worlds.tasks.begins[i] = robot.first_frame[i]
     call_at(advance, worlds.bodies, parameters)
     track_food(worlds, task)
-    perceive_block(robot, worlds.tasks, task)
+    perceive_block(worlds, task)
     end_steps(worlds, task)
 
 

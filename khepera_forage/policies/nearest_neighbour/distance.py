@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.task.decision_readings import FLOATS_32, FLOATS_64
 from khepera_forage.task.states import StateVector
 
 STATE_WIDTH = len(StateVector._fields)
@@ -27,6 +28,32 @@ def scaled_distance(differing: Any, arm: Any, pixels: Any, diagonal: Any) -> Any
         diagonal: Of the arena foraged in now, in pixels.
     """
     return (ARM_SPAN * differing + arm) * diagonal + ARM_SPAN * pixels
+
+
+def rounded_distance(
+    differing: int, arm: int, home: int, food: int, diagonal: int, arithmetic: float
+) -> float:
+    """The distance of section 4.6.1 as a sum of floats, in the order of that section.
+
+    Sums of floats may differ in the last bit where the exact distances are equal. Where exact distances differ, they
+    differ by more than rounding.
+
+    Args:
+        differing: How many of ObjectPresence and FoodType differ.
+        arm: Difference of ArmsHeight.
+        home: Difference of RobotHomeDistance, pixels.
+        food: Difference of RobotFoodDistance, pixels.
+        diagonal: Of the arena foraged in now, in pixels.
+        arithmetic: `FLOATS_32` or `FLOATS_64` of `task.decision_readings`; the result is 0.0 with `EXACT`.
+    """
+    if arithmetic == FLOATS_32:
+        span, whole = np.float32(ARM_SPAN), np.float32(diagonal)
+        total = np.float32(differing) + np.float32(arm) / span
+        total = total + np.float32(food) / whole
+        return float(total + np.float32(home) / whole)
+    if arithmetic == FLOATS_64:
+        return differing + arm / ARM_SPAN + food / diagonal + home / diagonal
+    return 0.0
 
 
 PIXEL: int = scaled_distance(0, 0, 1, 0)

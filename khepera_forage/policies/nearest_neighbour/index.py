@@ -27,6 +27,7 @@ from khepera_forage.policies.nearest_neighbour.memories import (
     unpacked,
 )
 from khepera_forage.policies.nearest_neighbour.votes import nearest_votes
+from khepera_forage.task.decision_readings import EXACT
 from khepera_forage.task.states import StateVector
 
 FEW = 200
@@ -95,7 +96,7 @@ class NearestNeighbourIndex:
             self._distinct = DistinctVectors(rows, votes)
 
     def votes(
-        self, query: Sequence[float], diagonal: int, threshold: Fraction
+        self, query: Sequence[float], diagonal: int, threshold: Fraction, arithmetic: float = EXACT
     ) -> tuple[float, int, list[int]]:
         """The votes of all vectors within the minimum distance plus a threshold; there must be a vector.
 
@@ -103,6 +104,7 @@ class NearestNeighbourIndex:
             query: A vector.
             diagonal: Of the arena foraged in now, in pixels.
             threshold: At least 0.
+            arithmetic: Of the distance between state vectors, as for `nearest_votes`.
 
         Returns:
             The minimum distance, the number of votes, and the votes of each label.
@@ -111,7 +113,7 @@ class NearestNeighbourIndex:
         if self.memory is None or vector is None or threshold:
             return self._votes_of_all(query, diagonal, threshold, whole=vector is not None)
         votes = [0] * self.classes
-        nearest, total = nearest_votes(self.memory, 0, vector, diagonal, votes)
+        nearest, total = nearest_votes(self.memory, 0, vector, diagonal, votes, arithmetic)
         return nearest / (ARM_SPAN * diagonal), total, votes
 
     def distinct_vectors(self) -> DistinctVectors:

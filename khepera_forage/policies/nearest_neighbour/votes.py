@@ -9,7 +9,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from khepera_forage.policies.nearest_neighbour.distance import PIXEL, scaled_distance
+from khepera_forage.policies.nearest_neighbour.distance import PIXEL, rounded_distance, scaled_distance
 from khepera_forage.policies.nearest_neighbour.memories import (
     ARMS,
     DISTANCES,
@@ -17,12 +17,18 @@ from khepera_forage.policies.nearest_neighbour.memories import (
     FlatMemories,
     plane_key,
 )
+from khepera_forage.task.decision_readings import EXACT
 
 Votes = MutableSequence[int] | NDArray[Any]
 
 
 def nearest_votes(
-    memories: FlatMemories[Any], memory: int, query: Sequence[int], diagonal: int, votes: Votes
+    memories: FlatMemories[Any],
+    memory: int,
+    query: Sequence[int],
+    diagonal: int,
+    votes: Votes,
+    arithmetic: float = EXACT,
 ) -> tuple[int, int]:
     """Count the votes of all vectors of a memory at exactly the minimum distance from a query (4.6.1).
 
@@ -32,51 +38,52 @@ def nearest_votes(
         query: The state vector perceived.
         diagonal: Of the arena foraged in now, in pixels.
         votes: 0 for each label; gets the votes.
+        arithmetic: The decision `distance_arithmetic` as a number. With floats, only vectors vote whose distance is
+            the least as a sum of floats too.
 
     Returns:
-        The minimum distance, scaled as by `scaled_distance`, and the number of votes; equal vectors count one by one.
+        The minimum distance, exact and scaled as by `scaled_distance`, and the number of votes. Equal vectors count one
+        by one.
     """
     presence, home, food_type, arm, food = query
     keys, first, last = memories.keys, memories.planes[memory], memories.planes[memory + 1]
     key = plane_key(presence, food_type, arm)
     category, arm_unit = scaled_distance(1, 0, 0, diagonal), scaled_distance(0, 1, 0, diagonal)
-    nearest, total = 2 * category + ARMS * arm_unit + 2 * DISTANCES * PIXEL, 0  # further than any vector
+    sought = (home, food, diagonal, arithmetic)
+    best = (2 * category + ARMS * arm_unit + 2 * DISTANCES * PIXEL, 0, 0.0)  # further than any vector
     # Planes of the same presence and food type: from the one with the query's arm outward, as far as the arm allows.
     here = bisect_left(keys, key, first, last)
     for plane in range(here, last):
         arm_difference = keys[plane] - key
-        base = arm_difference * arm_unit
-        if base > nearest or arm + arm_difference >= ARMS:
+        if arm_difference * arm_unit > best[0] or arm + arm_difference >= ARMS:
             break
-        nearest, total = search_plane(memories, plane, base, home, food, nearest, total, votes)
+        best = search_plane(memories, plane, 0, arm_difference, sought, best, votes)
     for plane in range(here - 1, first - 1, -1):
         arm_difference = key - keys[plane]
-        base = arm_difference * arm_unit
-        if base > nearest or arm_difference > arm:
+        if arm_difference * arm_unit > best[0] or arm_difference > arm:
             break
-        nearest, total = search_plane(memories, plane, base, home, food, nearest, total, votes)
-    if nearest < category:
-        return nearest, total
+        best = search_plane(memories, plane, 0, arm_difference, sought, best, votes)
+    if best[0] < category:
+        return best[0], best[1]
     # All other planes differ in presence or food type.
     for plane in range(first, last):
         kind, other_arm = keys[plane] // ARMS, keys[plane] % ARMS
         differing = int(kind // FOOD_TYPES != presence) + int(kind % FOOD_TYPES != food_type)
-        base = differing * category + abs(other_arm - arm) * arm_unit
-        if differing > 0 and base <= nearest:
-            nearest, total = search_plane(memories, plane, base, home, food, nearest, total, votes)
-    return nearest, total
+        arm_difference = abs(other_arm - arm)
+        if differing > 0 and differing * category + arm_difference * arm_unit <= best[0]:
+            best = search_plane(memories, plane, differing, arm_difference, sought, best, votes)
+    return best[0], best[1]
 
 
 def search_plane(
     memories: FlatMemories[Any],
     plane: int,
-    base: int,
-    home: int,
-    food: int,
-    nearest: int,
-    total: int,
+    differing: int,
+    arm_difference: int,
+    sought: tuple[int, int, int, float],
+    best: tuple[int, int, float],
     votes: Votes,
-) -> tuple[int, int]:
+) -> tuple[int, int, float]:
     """Let the vectors of a plane vote, too.
 
     Columns are searched outward from the query's own, first to larger home distances, then to smaller ones, until a
@@ -85,18 +92,21 @@ def search_plane(
     Args:
         memories: Of all imitators.
         plane: Number of the plane.
-        base: What the attributes that the plane's vectors share contribute to the distance.
-        home: RobotHomeDistance of the query, in pixels.
-        food: RobotFoodDistance of the query, in pixels.
-        nearest: The minimum distance so far, at least `base`.
-        total: The number of votes so far.
+        differing: How many of ObjectPresence and FoodType differ between the plane and the query.
+        arm_difference: The difference of ArmsHeight between them.
+        sought: RobotHomeDistance and RobotFoodDistance of the query, the diagonal, and the arithmetic.
+        best: The minimum distance so far, exact; the number of votes so far; and the minimum distance as a sum of
+            floats, which means nothing with `EXACT`, or without votes.
         votes: The votes so far.
 
     Returns:
-        The minimum distance and the number of votes now.
+        `best` now.
     """
+    home, food, diagonal, arithmetic = sought
+    nearest, total, rounded = best
     _, _, columns, homes, starts, foods, labels, times = memories
     first, last = columns[plane], columns[plane + 1]
+    base = scaled_distance(differing, arm_difference, 0, diagonal)
     reach = (nearest - base) // PIXEL  # pixels
     middle = bisect_left(homes, home, first, last)
     for step in (1, -1):
@@ -106,34 +116,32 @@ def search_plane(
             if across > reach:
                 break
             begin, end = starts[column], starts[column + 1]
-            above = vector = bisect_left(foods, food, begin, end)
-            while vector < end:
-                pixels = across + foods[vector] - food
-                if pixels > reach:
-                    break
-                if base + PIXEL * pixels < nearest:
-                    if total > 0:
-                        clear(votes)
-                    nearest, reach, total = base + PIXEL * pixels, pixels, 0
-                count = times[vector]
-                votes[labels[vector]] += count
-                total += count
-                vector += 1
-            vector = above - 1
-            while vector >= begin:
-                pixels = across + food - foods[vector]
-                if pixels > reach:
-                    break
-                if base + PIXEL * pixels < nearest:
-                    if total > 0:
-                        clear(votes)
-                    nearest, reach, total = base + PIXEL * pixels, pixels, 0
-                count = times[vector]
-                votes[labels[vector]] += count
-                total += count
-                vector -= 1
+            above = bisect_left(foods, food, begin, end)
+            for side in (1, -1):
+                vector = above if side > 0 else above - 1
+                while begin <= vector < end:
+                    along = (foods[vector] - food) * side
+                    if across + along > reach:
+                        break
+                    distance = base + PIXEL * (across + along)
+                    if distance < nearest:
+                        if total > 0:
+                            clear(votes)
+                        nearest, reach, total = distance, across + along, 0
+                    counts = True
+                    if arithmetic != EXACT:
+                        own = rounded_distance(differing, arm_difference, across, along, diagonal, arithmetic)
+                        counts = total == 0 or own <= rounded
+                        if total > 0 and own < rounded:
+                            clear(votes)
+                            total = 0
+                        rounded = own if counts else rounded
+                    if counts:
+                        votes[labels[vector]] += times[vector]
+                        total += times[vector]
+                    vector += side
             column += step
-    return nearest, total
+    return nearest, total, rounded
 
 
 def clear(votes: Votes) -> None:

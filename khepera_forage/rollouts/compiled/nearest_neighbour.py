@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import inline, stand_in
-from khepera_forage.policies.nearest_neighbour.distance import scaled_distance
+from khepera_forage.policies.nearest_neighbour.distance import rounded_distance, scaled_distance
 from khepera_forage.policies.nearest_neighbour.memories import plane_key
 from khepera_forage.policies.nearest_neighbour.votes import clear, draw_label, nearest_votes, search_plane
 
@@ -15,7 +15,7 @@ __all__ = ["clear", "draw_label", "nearest_votes"]
 _FEW = 16
 """Values among which looking at one after the other is faster than halving."""
 
-for _rule in (scaled_distance, plane_key, clear, search_plane, nearest_votes, draw_label):
+for _rule in (scaled_distance, rounded_distance, plane_key, clear, search_plane, nearest_votes, draw_label):
     inline(_rule)
 
 

@@ -43,14 +43,18 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
             if decision.policy == UNIFORM:
                 known.behaviour[i] = int(chance * BEHAVIOURS)
             else:
-                known.behaviour[i] = _imitate(known, i, diagonal, memories, decision, chance)
+                known.behaviour[i] = _imitate(
+                    known, i, diagonal, memories, decision, chance, values.distance_arithmetic
+                )
         count_decision(
             decision, int(known.state[i]), int(known.behaviour[i]), known.robot_food_distance[i], values
         )
 
 
 @kernel
-def _imitate(known: Any, i: int, diagonal: int, memories: Memories, decision: Any, chance: float) -> int:
+def _imitate(
+    known: Any, i: int, diagonal: int, memories: Memories, decision: Any, chance: float, arithmetic: float
+) -> int:
     """The behaviour of an imitator in one lane. A state vector that stays is not searched for again."""
     vector = (
         int(known.object_presence[i]),
@@ -64,7 +68,7 @@ def _imitate(known: Any, i: int, diagonal: int, memories: Memories, decision: An
     votes = decision.votes
     if decision.query != query:
         clear(votes)
-        _, decision.total = nearest_votes(memories, decision.policy, vector, diagonal, votes)
+        _, decision.total = nearest_votes(memories, decision.policy, vector, diagonal, votes, arithmetic)
         decision.query = query
     behaviour = draw_label(votes, decision.total, chance)
     decision.ties += 1 if decision.total > 1 else 0

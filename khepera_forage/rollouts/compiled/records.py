@@ -40,7 +40,7 @@ pair_dtype = np.dtype(
         *((name, "i8") for name in ("separated_rounds", "separations")),
         *((name, "f8") for name in ("teacher_x", "teacher_y", "teacher_orientation")),
         # The attempt under way.
-        *((name, "i8") for name in ("rounds", "vectors")),
+        *((name, "i8") for name in ("rounds", "vectors", "since_done")),
         ("complete", "?"),
         ("over", "?"),
         ("episode", "i8"),  # number of the training episode, -1 without one

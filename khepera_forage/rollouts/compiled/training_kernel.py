@@ -72,7 +72,7 @@ def _put_on_marks(side: Side, number: int, i: int, key: Any, terms: Terms) -> bo
 def _begin_attempt(teachers: Side, learners: Side, pair: Any, i: int, key: Any, terms: Terms) -> bool:
     """Begin an attempt in one lane; returns whether there was room."""
     pair.separated = pair.complete = pair.over = False
-    pair.separated_rounds = pair.separations = pair.rounds = pair.vectors = 0
+    pair.separated_rounds = pair.separations = pair.rounds = pair.vectors = pair.since_done = 0
     free = _put_on_marks(teachers, TEACHER, i, key, terms)
     return _put_on_marks(learners, LEARNER, i, key, terms) and free
 

@@ -12,7 +12,14 @@ from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.episode import has_done_its_part
 from khepera_forage.task.food_tracking import share_identified
-from khepera_forage.task.pairing import attempt_ends, lead, teacher_says, update_pairing
+from khepera_forage.task.pairing import (
+    attempt_ends,
+    is_complete,
+    lead,
+    rounds_since_done,
+    teacher_says,
+    update_pairing,
+)
 from khepera_forage.task.states import Behaviour, StateVector
 
 _WAIT = float(Behaviour.WAIT)
@@ -142,7 +149,9 @@ def end_round(teachers: Side, learners: Side, pairs: Any, terms: Terms) -> bool:
             continue
         pair.rounds += 1
         radius = arena.home_radius
-        pair.complete = _is_done(shown, i, radius, decisions) and _is_done(learning, i, radius, decisions)
+        done = _is_done(shown, i, radius, decisions) and _is_done(learning, i, radius, decisions)
+        pair.since_done = rounds_since_done(pair.since_done, done)
+        pair.complete = is_complete(pair.since_done, decisions)
         ended = attempt_ends(pair.complete, pair.rounds, terms.limit, pair.separated_rounds, terms.patience)
         pair.over = ended and pair.episode >= 0
         any_over = any_over or pair.over
