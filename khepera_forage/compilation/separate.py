@@ -51,10 +51,12 @@ def meanwhile(code: str) -> Iterator[None]:
     if numba.config.NUMBA_NUM_THREADS < 2 or not sys.executable or getattr(sys, "frozen", False):  # type: ignore[attr-defined]
         yield
         return
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    # The current folder, which `-P` leaves out, may contain another copy of the package.
+    path = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
+    environment = {**os.environ, "PYTHONPATH": path}
     silent = subprocess.DEVNULL
     process = subprocess.Popen(
-        [sys.executable, "-c", code], env=environment, stdin=silent, stdout=silent, stderr=silent
+        [sys.executable, "-P", "-c", code], env=environment, stdin=silent, stdout=silent, stderr=silent
     )
     try:
         yield

@@ -39,7 +39,7 @@ class Decisions:
     )
     food_to_home: float = number(180.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
     home_to_wall: float = number(
-        100.0, 50.0, 110.0, "mm", "5.2", "From the home's centre to the wall behind it."
+        100.0, 50.0, 150.0, "mm", "5.2", "From the home's centre to the wall behind it."
     )
     home_radius: float = number(
         100.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".'

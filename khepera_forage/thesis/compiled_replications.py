@@ -17,7 +17,7 @@ from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.confidence import confidence_levels
 from khepera_forage.rollouts.compiled.recall_rows import recall_rows
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
-from khepera_forage.rollouts.compiled.recalls import UNIFORM, run_recalls
+from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
@@ -106,29 +106,18 @@ class CompiledReplications:
     def _recalls(
         self, cell: Cell, noise: Noise, trained: Trained, seeds: NDArray[np.int64]
     ) -> list[RecallRow]:
-        arena = checked_arena(cell.arena, self.decisions)
-        experience = [_experience(trained, i, s) for i in range(self.count) for s in cell.subsets]
-        imitators = np.repeat(np.arange(len(experience)), cell.recalls)
-        played = run_recalls(
-            arena,
-            memories_of(experience),
-            imitators,
-            seeds,
-            foods=cell.foods,
-            limit=cell.limit,
-            noise=noise,
-            decisions=self.decisions,
-        )
+        played = recalls_of(cell, trained, self.count, seeds, noise, self.decisions)
+        sizes = [len(y) for _, y in _experience_of_cell(cell, trained, self.count)]
         own = {
             "replication": np.repeat(self._numbers, cell.size).tolist(),
             "file_id": [s.name for s in cell.subsets for _ in range(cell.recalls)] * self.count,
-            "recall": list(range(cell.recalls)) * len(experience),
+            "recall": list(range(cell.recalls)) * len(sizes),
             "seed": seeds.tolist(),
-            "experience_size": np.repeat([len(y) for _, y in experience], cell.recalls).tolist(),
+            "experience_size": np.repeat(sizes, cell.recalls).tolist(),
         }
         return recall_rows(
             played,
-            arena,
+            checked_arena(cell.arena, self.decisions),
             own,
             self.decisions,
             episodes=cell.episodes,
@@ -213,3 +202,35 @@ def _experience(
     """State vectors and behaviours of the training files that a learner uses together."""
     rows = np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])
     return rows[:, :5], rows[:, 5]
+
+
+def recalls_of(
+    cell: Cell, trained: Trained, count: int, seeds: NDArray[np.int64], noise: Noise, decisions: Decisions
+) -> Episodes:
+    """The recalls of one cell in some replications: one after the other, in each by set of files and recall.
+
+    Args:
+        cell: Of the design.
+        trained: A learner for each replication, with all files that the cell needs.
+        count: Number of replications.
+        seeds: One a recall.
+        noise: Of the recalls.
+        decisions: Of the recalls.
+    """
+    experience = _experience_of_cell(cell, trained, count)
+    return run_recalls(
+        checked_arena(cell.arena, decisions),
+        memories_of(experience),
+        np.repeat(np.arange(len(experience)), cell.recalls),
+        seeds,
+        foods=cell.foods,
+        limit=cell.limit,
+        noise=noise,
+        decisions=decisions,
+    )
+
+
+def _experience_of_cell(
+    cell: Cell, trained: Trained, count: int
+) -> list[tuple[NDArray[np.int16], NDArray[np.int16]]]:
+    return [_experience(trained, i, subset) for i in range(count) for subset in cell.subsets]

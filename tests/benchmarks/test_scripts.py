@@ -61,6 +61,7 @@ SCRIPTS = {
         run=("--episodes", "10", "--arenas", "8"),
         needs=("numba",),
     ),
+    "decisions": Script(("--sets", "--experiments", "--jobs", "--fresh"), (), needs=("numba",)),
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),

@@ -224,8 +224,8 @@ def test_imitator_of_one_vector_always_executes_its_behaviour() -> None:
 @pytest.mark.parametrize(
     ("which", "message"),
     [
-        ([0, 1], r"memory_of_episode has 1; allowed: -2 \(uniform\), -1 \(teacher\)"),
-        ([-3], "memory_of_episode has -3"),
+        ([0, 1], r"memory_of_episode has 1; allowed: -3 \(teacher without orienting\), -2 \(uniform\)"),
+        ([-4], "memory_of_episode has -4"),
         ([0.5], r"memory_of_episode is \[0.5\]"),
         ([], r"memory_of_episode is \[\]"),
     ],

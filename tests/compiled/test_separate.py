@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import khepera_forage
 from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance
 from khepera_forage.compilation.separate import address_of, compile_for, is_on_disk, meanwhile
@@ -49,6 +50,17 @@ def test_other_process_has_ended_after_the_block(tmp_path: Path) -> None:
     with meanwhile(code):
         assert not file.exists()
     assert file.read_text() == "done"
+
+
+def test_other_process_finds_the_modules_of_this_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not those of a copy of the package in the current folder."""
+    copy, file = tmp_path / "khepera_forage", tmp_path / "result"
+    copy.mkdir()
+    (copy / "__init__.py").write_text("")
+    monkeypatch.chdir(tmp_path)
+    with meanwhile(f"import khepera_forage; open({str(file)!r}, 'w').write(khepera_forage.__file__)"):
+        pass
+    assert file.read_text() == khepera_forage.__file__
 
 
 def test_other_process_ends_with_an_error_in_the_block(tmp_path: Path) -> None:

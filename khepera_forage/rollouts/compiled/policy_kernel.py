@@ -12,11 +12,14 @@ from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memor
 from khepera_forage.rollouts.compiled.nearest_neighbour import clear, draw_label, nearest_votes
 from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.episode import count_decision
+from khepera_forage.task.states import Behaviour, State
 
-TEACHER, UNIFORM = -1, -2
-"""Policies that need no memory: the teacher, and every behaviour equally likely. From 0 on: imitators."""
+TEACHER, UNIFORM, WITHOUT_ORIENTING = -1, -2, -3
+"""Policies that need no memory: the teacher; every behaviour equally likely; and the teacher with SEARCH FOR FOOD in
+the place of ORIENT WITH FOOD. From 0 on: imitators."""
 
 _BEYOND = 1 << 16  # pixels
+_NEXT_TO_FOOD, _SEARCH_FOR_FOOD = State.NEXT_TO_FOOD.value, Behaviour.SEARCH_FOR_FOOD.value
 _DRAWS, _POLICY = np.uint64(DRAWS), np.uint64(DRAW_POLICY)
 
 
@@ -42,6 +45,8 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
             chance = upper(random_bits(robot.key[i], robot.round[i] * _DRAWS + _POLICY))
             if decision.policy == UNIFORM:
                 known.behaviour[i] = int(chance * BEHAVIOURS)
+            elif decision.policy == WITHOUT_ORIENTING:
+                known.behaviour[i] = _SEARCH_FOR_FOOD if known.state[i] == _NEXT_TO_FOOD else known.state[i]
             else:
                 known.behaviour[i] = _imitate(
                     known, i, diagonal, memories, decision, chance, values.distance_arithmetic

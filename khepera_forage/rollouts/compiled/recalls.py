@@ -17,7 +17,7 @@ from khepera_forage.envs.compiled.worlds import empty_worlds
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES, Memories
-from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, UNIFORM
+from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, UNIFORM, WITHOUT_ORIENTING
 from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dtype
 from khepera_forage.rollouts.compiled.rollout_kernel import Outcomes, Plan, run_all
 from khepera_forage.sim.arena import Arena
@@ -25,7 +25,7 @@ from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
-__all__ = ["TEACHER", "UNIFORM", "Episodes", "run_recalls", "run_teacher"]
+__all__ = ["TEACHER", "UNIFORM", "WITHOUT_ORIENTING", "Episodes", "run_recalls", "run_teacher"]
 
 
 class Episodes(NamedTuple):
@@ -184,9 +184,10 @@ def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
             f"memory_of_episode is {given!r}; allowed: one whole number an episode, one episode or more"
         )
     for policy in (int(policies.min()), int(policies.max())):
-        if not UNIFORM <= policy < memories:
+        if not WITHOUT_ORIENTING <= policy < memories:
             raise ValueError(
-                f"memory_of_episode has {policy}; allowed: {UNIFORM} (uniform), {TEACHER} (teacher), and numbers of "
+                f"memory_of_episode has {policy}; allowed: {WITHOUT_ORIENTING} (teacher without orienting), "
+                f"{UNIFORM} (uniform), {TEACHER} (teacher), and numbers of "
                 f"the {memories} memories, from 0"
             )
     return policies.astype(np.int64)

@@ -1,0 +1,236 @@
+"""The prior: which laboratories a builder in 2001 could have had, before the thesis's results are looked at.
+
+Every range and every share has a source. Values that are not here keep the default of `Decisions`, or the laboratory's
+of `Noise`.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+
+from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.decision_fields import Field
+from khepera_forage.task.decisions import Decisions
+
+_TRIES = 10_000
+"""Draws after which no laboratory satisfies the rules that connect decisions."""
+_SPEEDS = "robot drivers of the time: KSIM2 10, WSU 9, FHV at most 15, NIC-IF 20 units"
+
+
+class Range(NamedTuple):
+    """A number, uniform between two ends.
+
+    Attributes:
+        least: Lower end.
+        most: Upper end.
+        source: Why these ends.
+    """
+
+    least: float
+    most: float
+    source: str
+
+
+class Shares(NamedTuple):
+    """A named reading, with a probability each.
+
+    Attributes:
+        of: Probability by reading.
+        source: Why these.
+    """
+
+    of: Mapping[Any, float]
+    source: str
+
+
+def _equal(source: str, *readings: Any) -> Shares:
+    return Shares(dict.fromkeys(readings, 1.0 / len(readings)), source)
+
+
+class Laboratory(NamedTuple):
+    """What a replication of the thesis needs to know: how it is read, and how inaccurate its devices and hands are."""
+
+    decisions: Decisions
+    noise: Noise
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """Independent distributions of decisions and sizes of noise.
+
+    Attributes:
+        decisions: By the name of a field of `Decisions`.
+        noise: By the name of a field of `Noise`; ranges only.
+
+    Raises:
+        ValueError: An unknown field, an empty range, a range beyond what the field allows, or shares that are no
+            probabilities of its readings.
+    """
+
+    decisions: Mapping[str, Range | Shares]
+    noise: Mapping[str, Range]
+
+    def __post_init__(self) -> None:
+        known = {field.name: Field.of(field) for field in fields(Decisions)}
+        sizes = {field.name for field in fields(Noise)}
+        for name in (*self.decisions, *self.noise):
+            if name not in known and name not in sizes:
+                raise ValueError(f"prior of {name!r}; allowed: fields of Decisions or Noise")
+        for name, part in self.decisions.items():
+            if isinstance(part, Shares):
+                _check_shares(known[name], part)
+            else:
+                _check_range(name, part, known[name].least, known[name].most)
+        for name, part in self.noise.items():
+            _check_range(name, part, 0.0, math.inf)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The fields that are drawn, decisions first."""
+        return (*self.decisions, *self.noise)
+
+    def draw(self, rng: Generator) -> Laboratory:
+        """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again.
+
+        Args:
+            rng: To draw from.
+
+        Raises:
+            ValueError: No set satisfies these rules.
+        """
+        problem = ""
+        for _ in range(_TRIES):
+            values = {name: _draw(part, rng) for name, part in self.decisions.items()}
+            sizes = {name: _draw(part, rng) for name, part in self.noise.items()}
+            try:
+                decisions = Decisions.from_changes(_whole_counts(values))
+                _check_together(decisions)
+            except ValueError as error:
+                problem = str(error)
+                continue
+            return Laboratory(decisions, replace(Noise.laboratory(), **sizes))
+        raise ValueError(f"none of {_TRIES} draws of this prior is possible; the last one: {problem}")
+
+
+def _check_together(decisions: Decisions) -> None:
+    """Check what connects decisions beyond the rules of `Decisions`.
+
+    Raises:
+        ValueError: Start, food and home do not fit the arenas, or the robot would move slowly faster than it searches.
+    """
+    for name in ARENAS:
+        checked_arena(name, decisions)
+    if decisions.slow_speed > decisions.search_speed:
+        raise ValueError(f"slow_speed is {decisions.slow_speed}; allowed: at most search_speed")
+
+
+def _check_range(name: str, part: Range, least: float, most: float) -> None:
+    if not least <= part.least <= part.most <= most:
+        raise ValueError(
+            f"prior of {name} is {part.least:g} to {part.most:g}; allowed: from small to large, {least:g} to {most:g}"
+        )
+
+
+def _check_shares(field: Field, part: Shares) -> None:
+    allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
+    if (
+        not set(part.of) <= allowed
+        or not math.isclose(sum(part.of.values()), 1.0)
+        or min(part.of.values()) < 0
+    ):
+        raise ValueError(
+            f"prior of {field.name} is {dict(part.of)}; allowed: probabilities of {field.allowed}, 1 together"
+        )
+
+
+def _draw(part: Range | Shares, rng: Generator) -> Any:
+    if isinstance(part, Range):
+        return float(rng.uniform(part.least, part.most))
+    chosen = rng.choice(len(part.of), p=list(part.of.values()))
+    return list(part.of)[chosen]
+
+
+def _whole_counts(values: dict[str, Any]) -> dict[str, Any]:
+    counts = {field.name for field in fields(Decisions) if Field.of(field).kind is int}
+    return {name: round(value) if name in counts else value for name, value in values.items()}
+
+
+PRIOR = Prior(
+    decisions={
+        "round_duration": Range(
+            0.1,
+            0.4,
+            "a robot's six exchanges are about 120 bytes: 0.14 s at 9600 baud, 0.03 s at 38400, for two robots one "
+            "after the other (4.5); a frame takes 0.02 to 0.04 s",
+        ),
+        "arm_travel_time": Range(0.1, 1.0, "WART 0.1 s, KNET and Webots wait 1 s"),
+        "jaw_travel_time": Range(0.1, 0.6, "WART 0.1 s, KNET waits 0.6 s"),
+        "start_to_wall": Range(60, 150, "a robot with its raised gripper at one end of the corridor"),
+        "food_to_home": Range(120, 300, "outside the home, and before the start, in a corridor of 650 mm"),
+        "home_to_wall": Range(50, 150, "a home at the other end, whole within the corridor"),
+        "home_radius": Range(
+            50, 110, "one food object with the robot in front of it, up to the corridor's width"
+        ),
+        "start_aside": Range(-45, 45, "the picture of figure 5.1 is lost; a gripper's width from the walls"),
+        "food_aside": Range(-45, 45, "as the start"),
+        "home_aside": Range(-45, 45, "as the start"),
+        "food_beside_robot": _equal(
+            "4.2.2: covered food is not detected when the camera redetects; not said when it does",
+            "seen at its last place",
+            "unseen",
+            "unseen until the arm is down",
+        ),
+        "redetection_time": Range(0, 5, "from every frame to a person who starts the redetection"),
+        "no_food_distance": _equal("not said", "diagonal of the arena", "last one known"),
+        "held_food": _equal(
+            "not said",
+            "candidate at its last place",
+            "no candidate",
+            "candidate in the gripper",
+            "hides all food",
+        ),
+        "next_to_food": Range(12, 24, "from where the fingers enclose food, to where they just clear it"),
+        "close_to_food": Range(22, 50, "beyond next, within half a corridor"),
+        "equal_distance": _equal("table 4.2 leaves it out", "nearer state", "farther state"),
+        "search_speed": Range(6, 15, _SPEEDS),
+        "home_speed": Range(6, 15, _SPEEDS),
+        "slow_speed": Range(3, 10, f'"slowly" beside search; {_SPEEDS}'),
+        "orient_speed": Range(2, 6, "a tenth of a finger in a control period"),
+        "retreat_speed": Range(3, 8, "as MOVE SLOWLY, backwards"),
+        "turn_speed": Range(3, 8, "a turn of 5 to 14 degrees in 0.1 s"),
+        "quick_turn_speed": Range(5, 12, "a turn of 9 to 21 degrees in 0.1 s"),
+        "search_without_food": _equal("4.2: SEARCH FOR FOOD, no more", "small circle", "wander"),
+        "beside_food": _equal("not said", "back off", "turn away", "drive on"),
+        "back_off_distance": Range(10, 16, "from food that touches the body, to the reach of the infra-reds"),
+        "orienting": _equal("3.7 names arm, jaw and barrier", "lowered before food", "lowered over food"),
+        "arm_after_orienting": _equal("not said", "raised", "as it is"),
+        "aimed": Range(2, 10, "orientations are whole degrees; open fingers leave 10 mm on either side"),
+        "astray": Range(15, 45, "beyond aimed; from there a finger sweeps food away"),
+        "missed_distance": Range(8, 11, "food that touches the body, to food beyond the barrier"),
+        "release_depth": Range(3, 10, "inside the home, so that jitter does not undo it"),
+        "rounds_after_training": Range(
+            0, 50, "an operator who sees that both are done, and stops two robots"
+        ),
+        "distance_arithmetic": Shares(
+            {"32-bit floats": 0.5, "64-bit floats": 0.25, "exact": 0.25},
+            'a C program\'s "float number" (4.6.1)',
+        ),
+        "food_to_walls": Range(40, 60, "the open gripper, 55 mm wide, with its fingers of 4 mm"),
+        "recall_marker": _equal("3.5 has both robots' markers", 1, 2),
+    },
+    noise={
+        "placement_error": Range(
+            0, 25, '"with a bit of effort a small displacement" (4.5.2): up to a robot\'s radius'
+        ),
+        "placement_heading_error": Range(0, 15, "as the displacement, by eye"),
+        "position_jitter": Range(
+            0.05, 0.5, "from our tracker to a bare threshold on an analog picture (docs/tracker.md)"
+        ),
+    },
+)
+"""What could have been, by our sources."""

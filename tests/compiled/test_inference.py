@@ -1,0 +1,67 @@
+"""Simulated laboratories: which are admissible, and what the thesis's tables would be under them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from khepera_forage import Decisions, Noise
+from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
+from khepera_forage.thesis.inference.admissible import check
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
+from khepera_forage.thesis.inference.simulate import replicate, simulate
+from khepera_forage.thesis.inference.summary import NAMES, SLOPES
+
+
+def laboratory(**decisions: Any) -> Laboratory:
+    return Laboratory(Decisions(**decisions), Noise.laboratory())
+
+
+def test_teacher_without_orienting_searches_beside_food() -> None:
+    policies = np.array([TEACHER] * 20 + [WITHOUT_ORIENTING] * 20)
+    played = run_recalls("corridor", None, policies, np.tile(np.arange(20), 2))
+    assert played.delivered[:20].all()
+    assert not played.delivered[20:].any()
+    wrong = played.wrong_by_state[20:].sum(axis=0)
+    assert wrong[2] == played.rounds_by_state[20:, 2].sum() > 0
+    assert wrong.sum() == wrong[2], "only ORIENT is replaced"
+
+
+def test_default_laboratory_is_admissible() -> None:
+    found = check(laboratory(), 1)
+    assert found.reason == ""
+    assert min(found.delivered) >= 0.98
+    assert found.complete > 0.9
+
+
+@pytest.mark.parametrize(
+    ("decisions", "reason"),
+    [
+        ({"next_to_food": 15}, "the teacher fails in the corridor"),
+        ({"search_speed": 5, "home_speed": 5, "slow_speed": 4}, "too slow in the corridor"),
+    ],
+)
+def test_laboratory_is_not_admissible_for_a_reason(decisions: dict[str, Any], reason: str) -> None:
+    assert check(laboratory(**decisions), 1).reason == reason
+
+
+def test_laboratory_in_which_learners_are_soon_given_up_is_not_admissible() -> None:
+    clumsy = Laboratory(Decisions(separation=5, patience=1), Noise(placement_error=20))
+    assert check(clumsy, 1).reason == "training is seldom complete"
+
+
+def test_replications_give_the_statistics_of_every_table() -> None:
+    statistics = replicate(laboratory(), 5, 3)
+    assert statistics.shape == (3, len(NAMES) + len(SLOPES))
+    by_name = dict(zip((*NAMES, *SLOPES), statistics.T, strict=True))
+    assert by_name["corridor 1 score"].mean() == pytest.approx(40, abs=12)
+    assert by_name["corridor 10 food"].mean() == pytest.approx(0.8, abs=0.2)
+    assert np.nanmean(by_name["corridor 1 right_failed"]) < 15
+    assert np.array_equal(replicate(laboratory(), 5, 3), statistics, equal_nan=True)
+
+
+def test_a_set_depends_on_seed_and_number_alone() -> None:
+    one, again, other = (simulate(PRIOR, 0, number, 1) for number in (3, 3, 4))
+    assert one.laboratory == again.laboratory != other.laboratory
+    assert one.check.reason == again.check.reason
+    assert np.array_equal(one.statistics, again.statistics, equal_nan=True)

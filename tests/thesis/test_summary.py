@@ -1,0 +1,75 @@
+"""Summary statistics of experiments: of our recalls, and of the thesis's lines."""
+
+import numpy as np
+import pytest
+
+from khepera_forage.thesis.design import THESIS, Cell, Subset
+from khepera_forage.thesis.inference.summary import (
+    FITTED,
+    NAMES,
+    SLOPES,
+    of_recalls,
+    of_thesis,
+    thesis_statistics,
+    with_slopes,
+)
+
+CELL = Cell("rectangle", 1, (Subset((1,)), Subset((2,))), 2, foods=2, limit=700)
+
+
+def test_recalls_are_summarised_experiment_by_experiment() -> None:
+    correct = np.array([[[70.0, 140.0], [350.0, 90.0]], [[700.0, 700.0], [700.0, 700.0]]])
+    steps = np.array([[[100.0, 200.0], [700.0, 100.0]], [[700.0] * 2] * 2])
+    delivered = np.array([[[2.0, 2.0], [1.0, 2.0]], [[0.0] * 2] * 2])
+    summary = of_recalls(CELL, correct, steps, delivered)
+    assert summary.score.tolist() == [(70 + 70 + 45 + 90) / 4, 80.0]
+    assert summary.food.tolist() == [7 / 8, 0.0]
+    assert summary.right_failed.tolist() == [50.0, 100.0]
+    assert summary.right_successful[0] == pytest.approx((70 + 70 + 90) / 3)
+    assert summary.steps_successful[0] == 100.0
+    assert summary.spread.tolist() == [pytest.approx(np.std([70, 67.5], ddof=1)), 0.0]
+    assert np.isnan([summary.right_successful[1], summary.steps_successful[1]]).all()
+
+
+def test_scores_cut_fractions_of_a_percent_off_as_the_thesis_does() -> None:
+    one = np.full((1, 1, 1), 1.0)
+    summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), 2 * one, 3 * one, one)
+    assert summary.score.tolist() == [66.0]
+    assert np.isnan(summary.spread).all()
+
+
+def test_food_of_the_thesis_is_that_of_its_tables() -> None:
+    assert [float(of_thesis(cell).food[0]) for cell in THESIS] == pytest.approx(
+        [8 / 20, 11 / 20, 12 / 20, 7 / 10, 7 / 24, 14 / 24, 13 / 24]
+    )
+
+
+def test_lines_that_contradict_themselves_are_left_out() -> None:
+    """The lines of table A.1 that were filled down have a penalty before the limit."""
+    first = of_thesis(THESIS[0])
+    assert first.right_failed[0] == pytest.approx(61, abs=4)
+    assert first.steps_successful[0] < 400
+    assert of_thesis(THESIS[3]).score[0] == pytest.approx(73.8, abs=4)
+
+
+def test_statistics_have_names_and_rectangle_is_never_fitted() -> None:
+    statistics = thesis_statistics()
+    assert len(statistics) == len(NAMES) + len(SLOPES) == 46
+    assert all(name.startswith("corridor") for name in FITTED)
+    assert len(FITTED) == 4 * 6 + 2
+    by_name = dict(zip((*NAMES, *SLOPES), statistics.tolist(), strict=True))
+    assert by_name["corridor slope of food"] == pytest.approx(0.3)
+    assert by_name["rectangle slope of score"] == pytest.approx(
+        by_name["rectangle 10 score"] - by_name["rectangle 1 score"]
+    )
+
+
+def test_summaries_of_all_cells_become_one_row_an_experiment() -> None:
+    cells = []
+    for k, cell in enumerate(THESIS):
+        shape = (3, len(cell.subsets), cell.recalls)
+        steps = np.full(shape, 100.0)
+        cells.append(of_recalls(cell, np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods))))
+    rows = with_slopes(cells)
+    assert rows.shape == (3, 46)
+    assert rows[0, -4:].tolist() == [3.0, 0.0, 2.0, 0.0]
