@@ -12,17 +12,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.geometry.angles import cosine_sine, length
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, BARRIER
+from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
-from khepera_forage.task.decision_readings import (
-    HIDES_ALL_FOOD,
-    IN_GRIPPER,
-    NO_CANDIDATE,
-    SEEN_AT_LAST_PLACE,
-    UNSEEN_UNTIL_ARM_DOWN,
-)
+from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import at_home
+from khepera_forage.task.nearest_food import count_lost_rounds, find_nearest, link_of
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -81,7 +76,8 @@ class FoodTracker:
         food_seen: Whether there is a candidate food.
         food_x: Nearest candidate food in pixels; 0 without one.
         food_y: Nearest candidate food in pixels; 0 without one.
-        last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before.
+        last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
+            RobotFoodDistance is then the last one known.
         foods: The food objects.
         links: Twice as many slots as food objects.
     """
@@ -136,9 +132,9 @@ def update_food(
         tracker.held = -1
     _follow_tracks(tracker, foods, links, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
-        _count_lost_rounds(links, tracks)
-    _find_nearest(tracker, foods, links, tracks, arena, x, y, arm, decisions)
-    if tracker.food_seen:
+        count_lost_rounds(links, tracks)
+    find_nearest(tracker, foods, links, tracks, arena, x, y, arm, decisions)
+    if decisions.no_food_distance == LAST_DISTANCE and tracker.food_seen:
         tracker.last_distance = length(tracker.food_x - x, tracker.food_y - y)
     _count(tracker, foods)
 
@@ -180,7 +176,7 @@ def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: Are
     """Link new tracks to food objects, and see where these are."""
     for track in tracks:
         if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
-            k = _link_of(track.label, links)
+            k = link_of(track.label, links)
             number = links[k].food if k >= 0 else _link(track, foods, links, tracks, arena)
             if number >= 0 and number != tracker.held:
                 _see(foods[number], track, arena)
@@ -192,14 +188,6 @@ def _see(food: Any, track: Any, arena: ArenaMap) -> None:
     if not food.delivered and at_home(food.x, food.y, arena):
         food.delivered = True
         food.known = food.type
-
-
-def _link_of(label: int, links: Any) -> int:
-    """Number of the link of a track; -1 if it is not linked."""
-    for k in range(len(links)):
-        if links[k].label == label:
-            return k
-    return -1
 
 
 def _link(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> int:
@@ -234,60 +222,6 @@ def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
     return False
 
 
-def _count_lost_rounds(links: Any, tracks: Any) -> None:
-    """Count for how many rounds each linked track has been lost."""
-    for track in tracks:
-        k = _link_of(track.label, links) if track.label >= 0 else -1
-        if k >= 0:
-            links[k].lost_rounds = 0 if track.found else links[k].lost_rounds + 1
-
-
-def _is_seen(track: Any, lost_rounds: int, arm: int, decisions: DecisionValues) -> bool:
-    """Whether food is seen, be it at its last place (4.2.2)."""
-    if track.found or decisions.food_beside_robot == SEEN_AT_LAST_PLACE:
-        return True
-    if decisions.food_beside_robot == UNSEEN_UNTIL_ARM_DOWN and arm >= ARM_ON_FLOOR:
-        return True
-    return lost_rounds * decisions.round_duration <= decisions.redetection_time
-
-
-def _find_nearest(
-    tracker: Any,
-    foods: Any,
-    links: Any,
-    tracks: Any,
-    arena: ArenaMap,
-    x: float,
-    y: float,
-    arm: int,
-    decisions: DecisionValues,
-) -> None:
-    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food."""
-    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
-    held, held_food = tracker.held, decisions.held_food
-    if held >= 0 and held_food == HIDES_ALL_FOOD:
-        return
-    if held >= 0 and held_food == IN_GRIPPER:
-        tracker.food_seen, tracker.food_x, tracker.food_y = True, foods[held].x, foods[held].y
-        return
-    best = math.inf
-    for track in tracks:
-        if track.holes != 0 or track.label < 0:
-            continue
-        dx, dy = track.x - x, track.y - y
-        squared = dx * dx + dy * dy
-        if squared < best and is_within(track.x, track.y, arena):
-            k = _link_of(track.label, links)
-            number, lost_rounds = (links[k].food, links[k].lost_rounds) if k >= 0 else (-1, 0)
-            if number >= 0 and number == held and held_food == NO_CANDIDATE:
-                continue
-            if (number < 0 or is_candidate(foods[number], number == held)) and _is_seen(
-                track, lost_rounds, arm, decisions
-            ):
-                best = squared
-                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
-
-
 def _count(tracker: Any, foods: Any) -> None:
     """Count delivered, poisonous and deliverable food."""
     delivered, poison_home, deliverable = 0, 0, 0
@@ -299,8 +233,3 @@ def _count(tracker: Any, foods: Any) -> None:
             delivered += 1 if food.delivered else 0
     tracker.delivered, tracker.poison_home, tracker.deliverable = delivered, poison_home, deliverable
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
-
-
-def is_candidate(food: Any, held: bool) -> bool:
-    """Whether food may be the nearest food: not delivered, and not known to be poisonous unless it is held."""
-    return not food.delivered and (food.known != _POISONOUS or held)

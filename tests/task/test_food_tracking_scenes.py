@@ -151,7 +151,7 @@ def test_held_food_counts_as_decided(held_food: str, nearest: tuple[float, float
 
 
 def test_last_distance_is_that_of_the_last_candidate() -> None:
-    story = Story()
+    story = Story(no_food_distance="last one known")
     story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     assert story.tracker.last_distance == pytest.approx(30)
     for food in story.tracker.foods:

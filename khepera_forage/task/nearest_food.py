@@ -1,0 +1,101 @@
+"""The nearest candidate food: which regions may be it, and whether lost food is seen (4.2.2, 4.3).
+
+The functions take the records of `food_tracking`.
+"""
+
+import math
+from typing import Any
+
+from khepera_forage.robots.khepera import ARM_ON_FLOOR
+from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.decision_readings import (
+    HIDES_ALL_FOOD,
+    IN_GRIPPER,
+    NO_CANDIDATE,
+    SEEN_AT_LAST_PLACE,
+    UNSEEN_UNTIL_ARM_DOWN,
+)
+from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.states import FoodType
+
+_POISONOUS = FoodType.POISONOUS.value
+
+
+def find_nearest(
+    tracker: Any,
+    foods: Any,
+    links: Any,
+    tracks: Any,
+    arena: ArenaMap,
+    x: float,
+    y: float,
+    arm: int,
+    decisions: DecisionValues,
+) -> None:
+    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
+
+    Args:
+        tracker: The `FoodTracker` record; changed in place.
+        foods: Its `FoodObject` records.
+        links: Its `Link` records.
+        tracks: Regions or tracks of the camera.
+        arena: The arena of this robot.
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        arm: Position of its arm.
+        decisions: `DecisionValues`.
+    """
+    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    held, excluded = tracker.held, -1
+    if held >= 0:
+        held_food = decisions.held_food
+        if held_food == HIDES_ALL_FOOD:
+            return
+        if held_food == IN_GRIPPER:
+            tracker.food_seen, tracker.food_x, tracker.food_y = True, foods[held].x, foods[held].y
+            return
+        if held_food == NO_CANDIDATE:
+            excluded = held
+    best, at_last_place = math.inf, decisions.food_beside_robot == SEEN_AT_LAST_PLACE
+    for track in tracks:
+        if track.holes != 0 or track.label < 0:
+            continue
+        dx, dy = track.x - x, track.y - y
+        squared = dx * dx + dy * dy
+        if squared < best and is_within(track.x, track.y, arena):
+            k = link_of(track.label, links)
+            if k >= 0:
+                number = links[k].food
+                if number == excluded or not is_candidate(foods[number], number == held):
+                    continue
+            if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
+                best = squared
+                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
+
+
+def is_candidate(food: Any, held: bool) -> bool:
+    """Whether food may be the nearest food: not delivered, and not known to be poisonous unless it is held."""
+    return not food.delivered and (food.known != _POISONOUS or held)
+
+
+def count_lost_rounds(links: Any, tracks: Any) -> None:
+    """Count for how many rounds each linked track has been lost."""
+    for track in tracks:
+        k = link_of(track.label, links) if track.label >= 0 else -1
+        if k >= 0:
+            links[k].lost_rounds = 0 if track.found else links[k].lost_rounds + 1
+
+
+def _is_still_seen(links: Any, k: int, arm: int, decisions: DecisionValues) -> bool:
+    """Whether lost food that becomes unseen is still seen at its last place (4.2.2); `k` is its link, -1 without."""
+    if decisions.food_beside_robot == UNSEEN_UNTIL_ARM_DOWN and arm >= ARM_ON_FLOOR:
+        return True
+    return k < 0 or links[k].lost_rounds * decisions.round_duration <= decisions.redetection_time
+
+
+def link_of(label: int, links: Any) -> int:
+    """Number of the link of a track; -1 if it is not linked."""
+    for k in range(len(links)):
+        if links[k].label == label:
+            return k
+    return -1
