@@ -5,12 +5,13 @@
 Each set of decisions is drawn from `khepera_forage.thesis.inference.prior.PRIOR`. It is admissible if the teacher can
 do under it what the thesis says of it. Under each admissible set, the thesis's whole design is replicated. The thesis's
 tables are not looked at before the last table, which compares them with what the admissible sets predict.
+
+Needs numba (the extra `fast`). Ten thousand sets take some hours; a run that was killed continues.
 """
 
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from khepera_forage.thesis.inference.prior import PRIOR, Prior, Range
+from khepera_forage.thesis.inference.prior import PRIOR, Range
 from khepera_forage.thesis.inference.simulate import simulate
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 from khepera_forage.thesis.inference.table import (
@@ -46,29 +47,16 @@ CHUNKS_A_PROCESS = 4
 """Chunks that a process simulates before it is asked whether the sets are enough."""
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
-    """Some sets, drawn and simulated together.
-
-    Attributes:
-        prior: To draw from.
-        number: Of the chunk, from 0.
-        contents: Seed, sizes and names.
-    """
-
-    prior: Prior
-    number: int
-    contents: Contents
-
-    def run(self) -> Sets:
-        """Simulate all sets of the chunk."""
-        seed, size, experiments = self.contents.seed, self.contents.chunk, self.contents.experiments
-        first = self.number * size
-        simulated = [simulate(self.prior, seed, first + k, experiments) for k in range(size)]
-        return sets_of(first, simulated, experiments)
+def simulated_chunk(number: int, contents: Contents) -> Sets:
+    """Simulate all sets of a chunk, which are counted from 0 over all chunks."""
+    first = number * contents.chunk
+    simulated = [
+        simulate(PRIOR, contents.seed, first + k, contents.experiments) for k in range(contents.chunk)
+    ]
+    return sets_of(first, simulated, contents.experiments)
 
 
-def chunks(prior: Prior, folder: Path, contents: Contents, jobs: int) -> Iterator[Sets]:
+def chunks(folder: Path, contents: Contents, jobs: int) -> Iterator[Sets]:
     """All chunks in order, from the folder or simulated and written to it; there is no end."""
     number = 0
     while True:
@@ -77,14 +65,12 @@ def chunks(prior: Prior, folder: Path, contents: Contents, jobs: int) -> Iterato
             yield known
             number += 1
             continue
-        coming = [
-            Chunk(prior, number + k, contents) for k in range(effective_n_jobs(jobs) * CHUNKS_A_PROCESS)
-        ]
+        coming = range(number, number + effective_n_jobs(jobs) * CHUNKS_A_PROCESS)
         running = Parallel(n_jobs=jobs, return_as="generator", batch_size=1)(
-            delayed(Chunk.run)(c) for c in coming
+            delayed(simulated_chunk)(k, contents) for k in coming
         )
-        for chunk, sets in zip(coming, running, strict=True):
-            write_chunk(folder, chunk.number, contents, sets)
+        for k, sets in zip(coming, running, strict=True):
+            write_chunk(folder, k, contents, sets)
 
 
 def collect(given: Arguments, wanted: int, experiments: int) -> Sets:
@@ -100,7 +86,7 @@ def collect(given: Arguments, wanted: int, experiments: int) -> Sets:
     found = 0
     try:
         with tqdm(total=wanted, desc="admissible sets", disable=not sys.stderr.isatty()) as bar:
-            for sets in chunks(PRIOR, given.out, contents, given.jobs):
+            for sets in chunks(given.out, contents, given.jobs):
                 parts.append(sets)
                 new = int((sets.reasons == "").sum())
                 bar.update(min(new, wanted - found))

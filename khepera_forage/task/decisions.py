@@ -125,7 +125,7 @@ class Decisions:
     beside_food: str = choice(
         ("back off", "turn away", "drive on"),
         "4.2",
-        "SEARCH and MOVE SLOWLY beside food: from `back_off_distance`, by the infra-reds, or not at all.",
+        "SEARCH and MOVE SLOWLY near food. The infra-reds turn them away, unless they back off or drive on.",
     )
     back_off_distance: float = number(
         13.0,

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.thesis.design import THESIS, Cell, Subset
+from khepera_forage.thesis.inference.admissible import FASTEST
 from khepera_forage.thesis.inference.summary import (
     FITTED,
     NAMES,
@@ -11,9 +12,11 @@ from khepera_forage.thesis.inference.summary import (
     of_recalls,
     of_thesis,
     thesis_statistics,
+    usable_lines,
     with_slopes,
 )
 
+pytest.importorskip("numba")
 CELL = Cell("rectangle", 1, (Subset((1,)), Subset((2,))), 2, foods=2, limit=700)
 
 
@@ -21,7 +24,8 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
     correct = np.array([[[70.0, 140.0], [350.0, 90.0]], [[700.0, 700.0], [700.0, 700.0]]])
     steps = np.array([[[100.0, 200.0], [700.0, 100.0]], [[700.0] * 2] * 2])
     delivered = np.array([[[2.0, 2.0], [1.0, 2.0]], [[0.0] * 2] * 2])
-    summary = of_recalls(CELL, correct, steps, delivered)
+    penalty = np.array([[[0.0, 0.0], [5.0, 0.0]], [[20.0] * 2] * 2])
+    summary = of_recalls(CELL, correct, steps, delivered, penalty)
     assert summary.score.tolist() == [(70 + 70 + 45 + 90) / 4, 80.0]
     assert summary.food.tolist() == [7 / 8, 0.0]
     assert summary.right_failed.tolist() == [50.0, 100.0]
@@ -33,7 +37,7 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
 
 def test_scores_cut_fractions_of_a_percent_off_as_the_thesis_does() -> None:
     one = np.full((1, 1, 1), 1.0)
-    summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), 2 * one, 3 * one, one)
+    summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), 2 * one, 3 * one, one, 0 * one)
     assert summary.score.tolist() == [66.0]
     assert np.isnan(summary.spread).all()
 
@@ -69,7 +73,18 @@ def test_summaries_of_all_cells_become_one_row_an_experiment() -> None:
     for k, cell in enumerate(THESIS):
         shape = (3, len(cell.subsets), cell.recalls)
         steps = np.full(shape, 100.0)
-        cells.append(of_recalls(cell, np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods))))
+        cells.append(
+            of_recalls(
+                cell, np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods)), np.zeros(shape)
+            )
+        )
     rows = with_slopes(cells)
     assert rows.shape == (3, 46)
     assert rows[0, -4:].tolist() == [3.0, 0.0, 2.0, 0.0]
+
+
+def test_fastest_recalls_are_those_of_the_usable_lines() -> None:
+    steps: dict[str, list[int]] = {cell.arena: [] for cell in THESIS}
+    for cell in THESIS:
+        steps[cell.arena] += [row.total for row in usable_lines(cell)]
+    assert {arena: min(totals) for arena, totals in steps.items()} == FASTEST

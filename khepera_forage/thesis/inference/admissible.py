@@ -12,6 +12,7 @@ from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, Episodes, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.thesis.design import THESIS
 from khepera_forage.thesis.inference.prior import Laboratory
 
 FORAGES = 256
@@ -23,12 +24,13 @@ EPISODES = 64
 DELIVERED = 0.98
 """Share of the food that the teacher brings home, at least."""
 FASTEST = {"corridor": 65, "rectangle": 205}
-"""Steps of the fastest recalls in tables A.1 to A.7: a learner is not faster than the teacher can be."""
+"""Steps of the fastest recalls in tables A.1 to A.7, without lines that contradict themselves: a learner is not faster
+than the teacher can be."""
 LUCK = 1.1
 """How much slower than that the fastest of the forages may be, since these need not include the fastest possible."""
 COMPLETE = 0.5
 """"Quite frequent" (5.3.1): share of attempts at a training episode that are complete, at least."""
-ARENAS = {"corridor": (1, 500), "rectangle": (2, 700)}
+ARENAS = {cell.arena: (cell.foods, cell.limit) for cell in THESIS}
 """Food objects and limit by arena (5.4.1.1, 5.4.2.1)."""
 
 

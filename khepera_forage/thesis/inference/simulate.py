@@ -67,6 +67,6 @@ def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np
         numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
         played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
         shape = (experiments, len(cell.subsets), cell.recalls)
-        arrays = (played.correct, played.steps, played.delivered)
+        arrays = (played.correct, played.steps, played.delivered, played.penalty)
         summaries.append(of_recalls(cell, *(array.astype(np.float64).reshape(shape) for array in arrays)))
     return with_slopes(summaries)

@@ -46,7 +46,7 @@ FITTED = tuple(name for name in (*NAMES, *SLOPES) if name.startswith("corridor")
 """Tables A.1 to A.4. The others are the test set."""
 
 
-def of_recalls(cell: Cell, correct: Floats, steps: Floats, delivered: Floats) -> CellSummary:
+def of_recalls(cell: Cell, correct: Floats, steps: Floats, delivered: Floats, penalty: Floats) -> CellSummary:
     """The summary of our recalls of a cell.
 
     Args:
@@ -54,12 +54,11 @@ def of_recalls(cell: Cell, correct: Floats, steps: Floats, delivered: Floats) ->
         correct: Correct steps, shape (experiments, sets of files, recalls); so are the others.
         steps: Steps.
         delivered: Food objects brought home.
+        penalty: For food that was left, percentage points.
     """
-    left = cell.foods - delivered
-    penalty = np.where(left == 0, 0.0, np.where(delivered == 0, 20.0, 5.0))
     right = 100.0 * correct / steps
     scores = np.floor(right) - penalty
-    failed = left > 0
+    failed = penalty > 0
     return CellSummary(
         scores.mean(axis=(1, 2)),
         delivered.mean(axis=(1, 2)) / cell.foods,
@@ -76,25 +75,26 @@ def of_thesis(cell: Cell) -> CellSummary:
     Food is counted in all lines. The other statistics leave out lines that contradict themselves or were filled down
     (`errata`).
     """
-    table = appendix_a.table_of(cell.arena, cell.episodes)
-    rows = [row for row in appendix_a.rows_of(table) if _is_possible(row, table)]
-    rows = _without_series(rows)
+    table, rows = appendix_a.table_of(cell.arena, cell.episodes), usable_lines(cell)
     right = np.array([100.0 * row.correct / row.total for row in rows])
     failed = np.array([row.points > 0 for row in rows])
     steps = np.array([float(row.total) for row in rows])
-    means = [
-        np.mean([math.floor(100 * row.correct / row.total) - row.points for row in group])
-        for _, group in groupby(rows, key=lambda row: row.file_id)
-    ]
-    scores = [math.floor(100 * row.correct / row.total) - row.points for row in rows]
+    sets = [list(group) for _, group in groupby(rows, key=lambda row: row.file_id)]
+    means = [np.mean([_score(row) for row in group]) for group in sets]
     return CellSummary(
-        np.array([np.mean(scores)]),
+        np.array([np.mean([_score(row) for row in rows])]),
         np.array([table.collected / table.available]),
         _mean_where(failed[None], right[None]),
         _mean_where(~failed[None], right[None]),
         _median_where(~failed[None], steps[None]),
         np.array([np.std(means, ddof=1) if len(means) > 1 else np.nan]),
     )
+
+
+def usable_lines(cell: Cell) -> list[PrintedRecall]:
+    """The lines of a table that do not contradict themselves and were not filled down."""
+    table = appendix_a.table_of(cell.arena, cell.episodes)
+    return _without_series([row for row in appendix_a.rows_of(table) if _is_possible(row, table)])
 
 
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
@@ -114,6 +114,11 @@ def thesis_statistics() -> Floats:
     """Those of the thesis itself, in the order of `NAMES` and `SLOPES`."""
     statistics: Floats = with_slopes([of_thesis(cell) for cell in THESIS])[0]
     return statistics
+
+
+def _score(row: PrintedRecall) -> int:
+    """The score of a line, computed again from its steps."""
+    return math.floor(100 * row.correct / row.total) - row.points
 
 
 def _is_possible(row: PrintedRecall, table: PrintedTable) -> bool:
