@@ -9,6 +9,7 @@ from khepera_forage.thesis.inference.summary import (
     FITTED,
     NAMES,
     SLOPES,
+    CellRecalls,
     of_recalls,
     of_thesis,
     thesis_statistics,
@@ -25,7 +26,7 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
     steps = np.array([[[100.0, 200.0], [700.0, 100.0]], [[700.0] * 2] * 2])
     delivered = np.array([[[2.0, 2.0], [1.0, 2.0]], [[0.0] * 2] * 2])
     penalty = np.array([[[0.0, 0.0], [5.0, 0.0]], [[20.0] * 2] * 2])
-    summary = of_recalls(CELL, correct, steps, delivered, penalty)
+    summary = of_recalls(CELL, CellRecalls(correct, steps, delivered, penalty))
     assert summary.score.tolist() == [(70 + 70 + 45 + 90) / 4, 80.0]
     assert summary.food.tolist() == [7 / 8, 0.0]
     assert summary.right_failed.tolist() == [50.0, 100.0]
@@ -37,7 +38,9 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
 
 def test_scores_cut_fractions_of_a_percent_off_as_the_thesis_does() -> None:
     one = np.full((1, 1, 1), 1.0)
-    summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), 2 * one, 3 * one, one, 0 * one)
+    summary = of_recalls(
+        Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), CellRecalls(2 * one, 3 * one, one, 0 * one)
+    )
     assert summary.score.tolist() == [66.0]
     assert np.isnan(summary.spread).all()
 
@@ -75,7 +78,10 @@ def test_summaries_of_all_cells_become_one_row_an_experiment() -> None:
         steps = np.full(shape, 100.0)
         cells.append(
             of_recalls(
-                cell, np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods)), np.zeros(shape)
+                cell,
+                CellRecalls(
+                    np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods)), np.zeros(shape)
+                ),
             )
         )
     rows = with_slopes(cells)

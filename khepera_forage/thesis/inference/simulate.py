@@ -10,7 +10,7 @@ from khepera_forage.thesis.compiled_replications import recalls_of
 from khepera_forage.thesis.design import THESIS, files_needed
 from khepera_forage.thesis.inference.admissible import Check, check
 from khepera_forage.thesis.inference.prior import Laboratory, Prior
-from khepera_forage.thesis.inference.summary import of_recalls, with_slopes
+from khepera_forage.thesis.inference.summary import CellRecalls, of_recalls, with_slopes
 
 
 class Simulated(NamedTuple):
@@ -53,6 +53,18 @@ def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np
         seed: Of the experiments.
         experiments: How many.
     """
+    cells = recalls_under(laboratory, seed, experiments)
+    return with_slopes([of_recalls(cell, recalls) for cell, recalls in zip(THESIS, cells, strict=True)])
+
+
+def recalls_under(laboratory: Laboratory, seed: int, experiments: int) -> list[CellRecalls]:
+    """The recalls of some experiments of the thesis's size, one element a cell of `THESIS`.
+
+    Args:
+        laboratory: Decisions and noise.
+        seed: Of the experiments.
+        experiments: How many.
+    """
     decisions, noise = laboratory
     training, recalling = np.random.SeedSequence(seed).spawn(2)
     trained = train_learners(
@@ -62,11 +74,11 @@ def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np
         episodes=files_needed(THESIS),
         decisions=decisions,
     )
-    summaries = []
+    cells = []
     for cell, seeds in zip(THESIS, recalling.spawn(len(THESIS)), strict=True):
         numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
         played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
         shape = (experiments, len(cell.subsets), cell.recalls)
         arrays = (played.correct, played.steps, played.delivered, played.penalty)
-        summaries.append(of_recalls(cell, *(array.astype(np.float64).reshape(shape) for array in arrays)))
-    return with_slopes(summaries)
+        cells.append(CellRecalls(*(array.astype(np.float64).reshape(shape) for array in arrays)))
+    return cells

@@ -19,7 +19,7 @@ class CellSummary(NamedTuple):
     """One table of appendix A in numbers; of ours, each is an array with one element an experiment.
 
     Attributes:
-        score: Mean score, percent. Scores are those of the thesis: the percentage cut off, less the penalty (5.4).
+        score: Mean score, percent.
         food: Share of the food that was brought home.
         right_failed: Mean share of correct steps in recalls that left food, percent. Not a number without any.
         right_successful: The same for recalls that left none.
@@ -46,25 +46,47 @@ FITTED = tuple(name for name in (*NAMES, *SLOPES) if name.startswith("corridor")
 """Tables A.1 to A.4. The others are the test set."""
 
 
-def of_recalls(cell: Cell, correct: Floats, steps: Floats, delivered: Floats, penalty: Floats) -> CellSummary:
-    """The summary of our recalls of a cell.
+class CellRecalls(NamedTuple):
+    """Recalls of a cell in some experiments; each array has the shape (experiments, sets of files, recalls).
 
-    Args:
-        cell: The cell.
-        correct: Correct steps, shape (experiments, sets of files, recalls); so are the others.
+    Attributes:
+        correct: Correct steps.
         steps: Steps.
         delivered: Food objects brought home.
         penalty: For food that was left, percentage points.
     """
-    right = 100.0 * correct / steps
-    scores = np.floor(right) - penalty
-    failed = penalty > 0
+
+    correct: Floats
+    steps: Floats
+    delivered: Floats
+    penalty: Floats
+
+    @property
+    def right(self) -> Floats:
+        """Share of correct steps, percent."""
+        return 100.0 * self.correct / self.steps
+
+    @property
+    def score(self) -> Floats:
+        """Scores as the thesis computes them: the percentage cut off, less the penalty (5.4)."""
+        return np.asarray(np.floor(self.right) - self.penalty)
+
+
+def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
+    """The summary of our recalls of a cell.
+
+    Args:
+        cell: The cell.
+        recalls: Of one or several experiments.
+    """
+    failed = recalls.penalty > 0
+    scores = recalls.score
     return CellSummary(
         scores.mean(axis=(1, 2)),
-        delivered.mean(axis=(1, 2)) / cell.foods,
-        _mean_where(failed, right),
-        _mean_where(~failed, right),
-        _median_where(~failed, steps),
+        recalls.delivered.mean(axis=(1, 2)) / cell.foods,
+        _mean_where(failed, recalls.right),
+        _mean_where(~failed, recalls.right),
+        _median_where(~failed, recalls.steps),
         scores.mean(axis=2).std(axis=1, ddof=1) if scores.shape[1] > 1 else np.full(len(scores), np.nan),
     )
 

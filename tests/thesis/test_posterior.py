@@ -1,0 +1,173 @@
+"""Posteriors by forests and their calibration, on simulators whose true posterior is known."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from khepera_forage import Decisions, Noise
+from khepera_forage.thesis.inference.calibration import Determined, calibrate
+from khepera_forage.thesis.inference.forest import SetForest
+from khepera_forage.thesis.inference.parameters import Parameter, parameters_of
+from khepera_forage.thesis.inference.posterior import fitted_columns, infer
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
+from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
+from khepera_forage.thesis.inference.weighted import effective_number, quantiles, rank, sample
+
+pytest.importorskip("numba")
+SETS, EXPERIMENTS, SPREAD = 3000, 4, 0.5
+
+
+@pytest.fixture(scope="module")
+def simulator() -> tuple[list[Parameter], Any]:
+    """A number measured with errors of 0.5, a reading that moves another statistic, and one that does nothing."""
+    rng = np.random.default_rng(1)
+    number = rng.normal(size=SETS)
+    reading = rng.integers(3, size=SETS).astype(float)
+    nothing = rng.uniform(size=SETS)
+    errors = rng.normal(size=(SETS, EXPERIMENTS, 3))
+    statistics = errors * [SPREAD, SPREAD, 1.0]
+    statistics[..., 0] += number[:, None]
+    statistics[..., 1] += reading[:, None] == 2
+    statistics[rng.random((SETS, EXPERIMENTS)) < 0.05, 2] = np.nan
+    parameters = [
+        Parameter("number", (), number),
+        Parameter("reading", ("a", "b", "c"), reading),
+        Parameter("nothing", (), nothing),
+    ]
+    return parameters, statistics
+
+
+def forest_of(parameters: list[Parameter], statistics: Any, trees: int = 100) -> SetForest:
+    return SetForest(statistics, np.hstack([parameter.targets for parameter in parameters]), 0, trees)
+
+
+def test_posterior_of_a_measured_number_is_the_known_one(simulator: tuple[list[Parameter], Any]) -> None:
+    """Prior N(0, 1), error 0.5: the posterior after 1.0 is N(0.8, 0.2)."""
+    parameters, statistics = simulator
+    weights = forest_of(parameters, statistics).weights(np.array([[1.0, 0.0, np.nan], [-1.0, 1.5, 0.0]]))
+    assert weights.sum(axis=1) == pytest.approx([1.0, 1.0])
+    number, reading, nothing = (parameter.values for parameter in parameters)
+    assert weights[0] @ number == pytest.approx(0.8, abs=0.15)
+    deviation = np.sqrt(weights[0] @ number**2 - (weights[0] @ number) ** 2)
+    assert np.sqrt(0.2) - 0.05 < deviation < np.sqrt(0.2) + 0.2, "a forest is rather too wide than too narrow"
+    assert weights[0] @ (reading == 2) < 0.15
+    assert weights[1] @ (reading == 2) > 0.7
+    assert weights[0] @ nothing == pytest.approx(0.5, abs=0.1)
+    assert 30 < effective_number(weights[0]) < SETS / 2
+
+
+def test_same_seed_gives_the_same_weights(simulator: tuple[list[Parameter], Any]) -> None:
+    parameters, statistics = simulator
+    one, two = (forest_of(parameters, statistics, 3).weights(statistics[:2, 0]) for _ in range(2))
+    assert np.array_equal(one, two)
+
+
+@pytest.fixture(scope="module")
+def calibrated(simulator: tuple[list[Parameter], Any]) -> tuple[Any, Any, list[Parameter], list[Parameter]]:
+    parameters, statistics = simulator
+    learned, held_out = np.arange(0, SETS - 500), np.arange(SETS - 500, SETS)
+    own = [parameter.of(learned) for parameter in parameters]
+    weights = forest_of(own, statistics[learned]).weights(statistics[held_out, 0])
+    true = [parameter.of(held_out) for parameter in parameters]
+    return (
+        [calibrate(o, weights, t, np.random.default_rng(0)) for o, t in zip(own, true, strict=True)],
+        weights,
+        own,
+        true,
+    )
+
+
+def test_right_posteriors_are_calibrated(calibrated: tuple[Any, ...]) -> None:
+    for found in calibrated[0]:
+        assert stats.kstest(found.ranks, "uniform").pvalue > 0.001, found.name
+        assert found.half.low - 0.05 < 0.5 < found.half.high + 0.05
+        assert found.most.low - 0.03 < 0.9 < found.most.high + 0.03
+    assert [found.determined for found in calibrated[0]] == [Determined.YES, Determined.YES, Determined.NO]
+
+
+def test_wrong_posteriors_are_not(calibrated: tuple[Any, ...]) -> None:
+    """Posteriors that belong to other experiments, shifted ones, and ones that are too sure of themselves."""
+    _, weights, (number, *_), (true, *_) = calibrated
+    rng = np.random.default_rng(0)
+    swapped = calibrate(number, rng.permutation(weights), true, rng)
+    assert swapped.error.value > 1
+    shifted = calibrate(Parameter("number", (), number.values + 0.5), weights, true, rng)
+    assert stats.kstest(shifted.ranks, "uniform").pvalue < 1e-6
+    sure = np.eye(weights.shape[1])[np.argmax(weights, axis=1)]
+    assert calibrate(number, sure, true, rng).most.high < 0.5
+
+
+def test_error_of_a_number_is_the_ranked_probability_score() -> None:
+    """Of a posterior that is surely 2 where 5 is true: 3; of the guess 2 or 4: mean 2, less half of 1."""
+    found = calibrate(
+        Parameter("n", (), np.array([4.0, 2.0])),
+        np.array([[0.0, 1.0]] * 6),
+        Parameter("n", (), np.full(6, 5.0)),
+        np.random.default_rng(0),
+    )
+    assert found.error.value == pytest.approx(3 / (2 - 0.5))
+
+
+def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
+    prior = Prior(
+        {
+            "next_to_food": Range(12, 24, "-"),
+            "orienting": Shares({"lowered over food": 0.5, "lowered before food": 0.5}, "-"),
+        },
+        {"placement_error": Range(0, 5, "-")},
+    )
+    laboratories = [
+        Laboratory(Decisions(next_to_food=17), Noise.none()),
+        Laboratory(Decisions(orienting="lowered over food"), Noise(placement_error=3.0)),
+    ]
+    found = parameters_of(prior, laboratories)
+    assert [(p.name, p.readings, p.values.tolist()) for p in found] == [
+        ("next_to_food", (), [17.0, 20.0]),
+        ("orienting", ("lowered over food", "lowered before food"), [1.0, 0.0]),
+        ("placement_error", (), [0.0, 3.0]),
+    ]
+    assert found[1].indicators.tolist() == [[0.0, 1.0], [1.0, 0.0]]
+    assert found[0].targets.var() == pytest.approx(1.0)
+    assert found[1].targets.var(axis=0).sum() == pytest.approx(1.0)
+    assert Parameter("same", (), np.ones(3)).targets.tolist() == [[1.0]] * 3
+
+
+def test_only_corridor_tables_are_fitted() -> None:
+    names = [(*NAMES, *SLOPES)[k] for k in fitted_columns()]
+    assert set(names) == set(FITTED) - {"corridor 10 spread"}, "a single set of files has no spread"
+
+
+def test_inference_does_not_look_at_the_rectangle() -> None:
+    rng = np.random.default_rng(3)
+    laboratories = [PRIOR.draw(rng) for _ in range(40)]
+    parameters = parameters_of(PRIOR, laboratories)
+    statistics = rng.normal(size=(40, 2, len(NAMES) + len(SLOPES))).astype(np.float32)
+    found = infer(parameters, statistics, 5, trees=20)
+    other = np.where(np.isin((*NAMES, *SLOPES), FITTED), statistics, 0.0).astype(np.float32)
+    assert np.array_equal(infer(parameters, other, 5, trees=20).weights, found.weights)
+    assert found.weights.sum() == pytest.approx(1.0)
+    assert found.held_out == 4
+    assert (found.weights[::10] == 0).all()
+    assert [c.name for c in found.calibrations] == list(PRIOR.names)
+    nearer = statistics.copy()
+    nearer[7] = thesis_statistics()
+    assert infer(parameters, nearer, 5, trees=20).weights.argmax() == 7
+
+
+def test_too_few_sets_are_refused() -> None:
+    with pytest.raises(ValueError, match="2 admissible sets; allowed: at least 3"):
+        infer([], np.zeros((2, 1, 46), np.float32), 0)
+
+
+def test_weighted_quantiles_ranks_and_samples() -> None:
+    values = np.array([3.0, 1.0, 2.0])
+    weights = np.array([[1.0, 1.0, 2.0], [0.0, 1.0, 0.0]])
+    assert quantiles(values, weights, (0.0, 0.25, 0.5, 0.75, 1.0)).tolist() == [[1, 1, 2, 2, 3], [1] * 5]
+    assert rank(values, weights[0], 2.0) == 50.0
+    assert rank(values, weights[0], 9.0) == 100.0
+    assert np.isnan(rank(np.array([np.nan]), np.ones(1), 1.0))
+    drawn = sample(weights[0] / 4, 400, np.random.default_rng(0))
+    assert np.bincount(drawn).tolist() == pytest.approx([100, 100, 200], abs=1)
+    assert effective_number(np.array([1.0, 1.0, 0.0])) == 2.0
