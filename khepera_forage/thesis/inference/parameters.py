@@ -37,7 +37,7 @@ class Parameter:
 
     @property
     def targets(self) -> Floats:
-        """What a forest predicts, shape (sets, columns): the number, or one column a reading; of variance 1 together."""
+        """What a forest predicts, shape (sets, columns): the number, or one column a reading; variance 1 together."""
         columns = self.indicators if self.readings else self.values[:, None]
         variance = columns.var(axis=0).sum()
         return np.asarray(columns / np.sqrt(variance) if variance > 0 else columns)

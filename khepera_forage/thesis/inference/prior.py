@@ -105,28 +105,31 @@ class Prior:
         """
         problem = ""
         for _ in range(_TRIES):
-            values = {name: _draw(part, rng) for name, part in self.decisions.items()}
-            sizes = {name: _draw(part, rng) for name, part in self.noise.items()}
+            values = {name: draw_value(part, rng) for name, part in self.decisions.items()}
+            sizes = {name: draw_value(part, rng) for name, part in self.noise.items()}
             try:
-                decisions = Decisions.from_changes(_whole_counts(values))
-                _check_together(decisions)
+                return Laboratory(possible_decisions(values), replace(Noise.laboratory(), **sizes))
             except ValueError as error:
                 problem = str(error)
-                continue
-            return Laboratory(decisions, replace(Noise.laboratory(), **sizes))
         raise ValueError(f"none of {_TRIES} draws of this prior is possible; the last one: {problem}")
 
 
-def _check_together(decisions: Decisions) -> None:
-    """Check what connects decisions beyond the rules of `Decisions`.
+def possible_decisions(values: Mapping[str, Any]) -> Decisions:
+    """Decisions with these values, rounded if they are counts.
+
+    Args:
+        values: By the name of the field; other fields have their defaults.
 
     Raises:
-        ValueError: Start, food and home do not fit the arenas, or the robot would move slowly faster than it searches.
+        ValueError: A rule between decisions is broken: start, food and home do not fit the arenas, or the robot would
+            move slowly faster than it searches.
     """
+    decisions = Decisions.from_changes(_whole_counts(values))
     for name in ARENAS:
         checked_arena(name, decisions)
     if decisions.slow_speed > decisions.search_speed:
         raise ValueError(f"slow_speed is {decisions.slow_speed}; allowed: at most search_speed")
+    return decisions
 
 
 def _check_range(name: str, part: Range, least: float, most: float) -> None:
@@ -148,14 +151,15 @@ def _check_shares(field: Field, part: Shares) -> None:
         )
 
 
-def _draw(part: Range | Shares, rng: Generator) -> Any:
+def draw_value(part: Range | Shares, rng: Generator) -> Any:
+    """A random value of one field."""
     if isinstance(part, Range):
         return float(rng.uniform(part.least, part.most))
     chosen = rng.choice(len(part.of), p=list(part.of.values()))
     return list(part.of)[chosen]
 
 
-def _whole_counts(values: dict[str, Any]) -> dict[str, Any]:
+def _whole_counts(values: Mapping[str, Any]) -> dict[str, Any]:
     counts = {field.name for field in fields(Decisions) if Field.of(field).kind is int}
     return {name: round(value) if name in counts else value for name, value in values.items()}
 

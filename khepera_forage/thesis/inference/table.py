@@ -2,7 +2,8 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +12,9 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.noise import Noise
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.inference.simulate import Simulated
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 
@@ -95,19 +99,34 @@ def read_chunk(folder: Path, number: int, contents: Contents) -> Sets | None:
     path = folder / _name(number)
     if not path.exists():
         return None
-    try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            found, sets = str(file["contents"]), Sets(*(file[name] for name in Sets._fields))
-    except (ValueError, KeyError, OSError, EOFError, BadZipFile) as error:
-        raise ValueError(
-            f"{path}: {error}; allowed: a chunk of simulated sets; delete the file, or give --out"
-        ) from None
+    with _opened(path) as file:
+        found, sets = str(file["contents"]), Sets(*(file[name] for name in Sets._fields))
     if found != _text(contents):
         raise ValueError(
             f"{path}: made with {_difference(found, contents)}; allowed: the same as in this run, another folder "
             "(--out), or --fresh, which deletes it"
         )
     return sets
+
+
+def contents_of(folder: Path, prior: str) -> Contents:
+    """What the chunks of a folder have in common, from the first of them.
+
+    Args:
+        folder: Where chunks are.
+        prior: The prior as text.
+
+    Raises:
+        ValueError: There is no first chunk, it is damaged, or it was made with another prior.
+    """
+    path = folder / _name(0)
+    if not path.exists():
+        raise ValueError(f"{folder} has no {path.name}; allowed: a folder of simulated sets")
+    with _opened(path) as file:
+        known = json.loads(str(file["contents"]))
+    if known["prior"] != prior:
+        raise ValueError(f"{path}: made with another prior; allowed: the prior of this version")
+    return Contents(known["seed"], known["experiments"], known["chunk"], prior)
 
 
 def delete_chunks(folder: Path) -> None:
@@ -119,6 +138,34 @@ def delete_chunks(folder: Path) -> None:
 def joined(parts: Sequence[Sets]) -> Sets:
     """Some chunks as one."""
     return Sets(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+def first(sets: Sets, count: int) -> Sets:
+    """The first sets of some."""
+    arrays: tuple[Any, ...] = sets
+    return Sets(*(array[:count] for array in arrays))
+
+
+def laboratory_of(text: str) -> Laboratory:
+    """The laboratory that an element of `Sets.laboratories` describes."""
+    known = json.loads(text)
+    return Laboratory(Decisions.from_changes(known["decisions"]), Noise(**known["noise"]))
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The arrays of a chunk.
+
+    Raises:
+        ValueError: The file is damaged.
+    """
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            yield file
+    except (ValueError, KeyError, OSError, EOFError, BadZipFile) as error:
+        raise ValueError(
+            f"{path}: {error}; allowed: a chunk of simulated sets; delete the file, or give --out"
+        ) from None
 
 
 def _name(number: int) -> str:

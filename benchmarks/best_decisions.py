@@ -1,0 +1,273 @@
+"""The single set of decisions under which tables A.1 to A.4 are most probable, with natural values.
+
+    python benchmarks/decisions.py && python benchmarks/best_decisions.py
+
+Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
+within the prior, are checked and judged by the synthetic likelihood of the corridor's tables. Tables A.5 to A.7 are not
+looked at. Noise is the laboratory's. At the end the best sets, with rounded values, are replicated again with other
+seeds, so that luck is not mistaken for a fit. Needs numba; a run that was killed continues.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from decision_inference.sets import kept
+from harness.arguments import Arguments, Count, parse
+from harness.page import Page, finish
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from khepera_forage.noise import Noise
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.thesis.inference.admissible import check
+from khepera_forage.thesis.inference.evolution import child, rounded
+from khepera_forage.thesis.inference.likelihood import Likelihood
+from khepera_forage.thesis.inference.posterior import fitted_columns
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
+from khepera_forage.thesis.inference.simulate import Simulated, replicate
+from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
+from khepera_forage.thesis.inference.table import (
+    Contents,
+    Sets,
+    delete_chunks,
+    laboratory_of,
+    read_chunk,
+    sets_of,
+    write_chunk,
+)
+from khepera_forage.thesis.tables import Column, Table, Value
+
+START = Path("results/decisions")
+Floats = NDArray[np.float64]
+
+
+class Judged(NamedTuple):
+    """A set and how well it fits.
+
+    Attributes:
+        decisions: The set.
+        fit: Logarithm of the synthetic likelihood, but for a constant.
+    """
+
+    decisions: Decisions
+    fit: float
+
+
+class Final(NamedTuple):
+    """A set with natural values, replicated again.
+
+    Attributes:
+        judged: The set, and its fit in the new replications; minus infinity if it is not admissible.
+        outcome: Why it is not admissible, or `admissible`.
+        means: Of its statistics.
+    """
+
+    judged: Judged
+    outcome: str
+    means: Floats
+
+
+def simulated(decisions: Decisions, seed: Sequence[int], experiments: int) -> Simulated:
+    """A set under the laboratory's noise: checked, and replicated if it is admissible."""
+    laboratory = Laboratory(decisions, Noise.laboratory())
+    first = int(np.random.default_rng(seed).integers(2**62))
+    found = check(laboratory, first)
+    statistics = np.zeros((0, 0)) if found.reason else replicate(laboratory, first + 1, experiments)
+    return Simulated(laboratory, found, statistics)
+
+
+def generation(given: Arguments, number: int, candidates: Sequence[Decisions], contents: Contents) -> Sets:
+    """Simulate candidates, or read them if an earlier run has done so."""
+    known = read_chunk(given.out, number, contents)
+    if known is not None:
+        return known
+    done = Parallel(n_jobs=given.jobs, return_as="generator", batch_size=1)(
+        delayed(simulated)(decisions, (given.seed, number, k), contents.experiments)
+        for k, decisions in enumerate(candidates)
+    )
+    silent = not sys.stderr.isatty()
+    sets = sets_of(
+        number * contents.chunk,
+        list(tqdm(done, f"generation {number}", len(candidates), disable=silent)),
+        contents.experiments,
+    )
+    write_chunk(given.out, number, contents, sets)
+    return sets
+
+
+def judged(sets: Sets, likelihood: Likelihood) -> list[Judged]:
+    """The admissible sets among some, with their fit."""
+    return [
+        Judged(laboratory_of(str(text)).decisions, likelihood.log(statistics.astype(np.float64)))
+        for text, reason, statistics in zip(sets.laboratories, sets.reasons, sets.statistics, strict=True)
+        if not reason
+    ]
+
+
+def best(found: Sequence[Judged], count: int) -> list[Judged]:
+    """The sets that fit best, each once, the best first."""
+    return sorted({one.decisions: one for one in found}.values(), key=lambda one: -one.fit)[:count]
+
+
+def evolve(
+    given: Arguments, first: Sequence[Decisions], likelihood: Likelihood
+) -> tuple[list[Judged], Table]:
+    """Let sets evolve.
+
+    Args:
+        given: Counts and folder.
+        first: The first generation.
+        likelihood: Judges.
+
+    Returns:
+        The best sets, the best first, and how the generations went.
+    """
+    contents = Contents(given.seed, given.experiments, given.children, f"children of {PRIOR!r}")
+    candidates = list(first)
+    alive: list[Judged] = []
+    rows = []
+    for number in range(given.generations + 1):
+        sets = generation(given, number, candidates, contents)
+        new = judged(sets, likelihood)
+        alive = best([*alive, *new], given.population)
+        if not alive:
+            sys.exit(
+                "best_decisions.py: no set of the first generation is admissible; give --sets more sets to start from"
+            )
+        fits = [one.fit for one in alive]
+        rows.append((number, 100.0 * len(new) / len(candidates), fits[0], float(np.median(fits)), fits[-1]))
+        rng = np.random.default_rng((given.seed, number))
+        candidates = [child(PRIOR, [one.decisions for one in alive], rng) for _ in range(given.children)]
+    columns = ("generation", "admissible (%)", "best fit", "median fit", "worst fit")
+    note = "Fit is the logarithm of the synthetic likelihood, of the sets that live on after each generation."
+    return alive, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
+
+
+def finals(given: Arguments, alive: Sequence[Judged], likelihood: Likelihood) -> list[Final]:
+    """The best sets with natural values, replicated again with other seeds; the best first."""
+    candidates = list(dict.fromkeys(rounded(one.decisions, PRIOR) for one in alive[: given.finalists]))
+    done = Parallel(n_jobs=given.jobs, batch_size=1)(
+        delayed(simulated)(decisions, (given.seed, given.generations + 1, k), given.replications)
+        for k, decisions in enumerate(candidates)
+    )
+    found = []
+    for one in done:
+        fine = not one.check.reason
+        means = np.nanmean(one.statistics, axis=0) if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
+        fit = likelihood.log(one.statistics) if fine else -np.inf
+        found.append(Final(Judged(one.laboratory.decisions, fit), one.check.reason or "admissible", means))
+    return sorted(found, key=lambda final: -final.judged.fit)
+
+
+def page(found: Sequence[Final], generations: Table) -> Page:
+    """The best set, the others, and how they were found."""
+    chosen = found[0].judged.decisions
+    return Page(
+        "The best single set of decisions",
+        [
+            "Every value lies in the prior's range and is rounded. Only tables A.1 to A.4 were looked at.",
+            "```python\n" + _as_code(chosen) + "\n```",
+            _fields(chosen),
+            _means(found[0]),
+            _others(found),
+            generations,
+        ],
+    )
+
+
+def _as_code(decisions: Decisions) -> str:
+    changes = decisions.differing(Decisions.v0_1())
+    return "\n".join(["Decisions(", *(f"    {name}={new!r}," for name, (new, _) in changes.items()), ")"])
+
+
+def _fields(chosen: Decisions) -> Table:
+    rows = [(name, *map(str, pair)) for name, pair in chosen.differing(Decisions.v0_1()).items()]
+    return Table(
+        "fields",
+        "What differs from version 0.1",
+        "Fields that are not here have the values of version 0.1.",
+        (Column("decision"), Column("best set"), Column("version 0.1")),
+        rows,
+    )
+
+
+def _means(final: Final) -> Table:
+    thesis, fitted = thesis_statistics(), set(fitted_columns().tolist())
+    return Table(
+        "means",
+        "Means of the best set",
+        "Beside the thesis. `test`: not looked at.",
+        (Column("statistic"), Column("use"), Column("thesis", 2), Column("best set", 2)),
+        [
+            (name, "fitted" if k in fitted else "test", float(thesis[k]), float(final.means[k]))
+            for k, name in enumerate((*NAMES, *SLOPES))
+            if np.isfinite(thesis[k])
+        ],
+    )
+
+
+def _others(found: Sequence[Final]) -> Table:
+    thesis, names = thesis_statistics(), (*NAMES, *SLOPES)
+    rows: list[tuple[Value, ...]] = []
+    for place, final in enumerate(found):
+        differences = []
+        for measure in (" score", " food"):
+            columns = [k for k in fitted_columns() if names[k] in NAMES and names[k].endswith(measure)]
+            differences.append(float(np.sqrt(np.mean((final.means[columns] - thesis[columns]) ** 2))))
+        rows.append((place + 1, final.outcome, final.judged.fit, *differences))
+    return Table(
+        "finalists",
+        "The finalists",
+        "The best sets with natural values, replicated with other seeds than those that chose them. Differences are "
+        "root mean squares over the four corridor cells.",
+        (
+            Column("rank"),
+            Column("outcome"),
+            Column("fit"),
+            Column("difference of scores", 1),
+            Column("difference of food", 3),
+        ),
+        rows,
+    )
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of this script alone."""
+    text = f"folder of benchmarks/decisions.py to start from ({START})"
+    parser.add_argument("--start", type=Path, default=START, help=text)
+
+
+def main() -> int:
+    """Run the search."""
+    counts = (
+        Count("generations", 15, 1, "generations after the first", adds_units=True),
+        Count("children", 200, 4, "sets in each"),
+        Count("population", 60, 4, "sets that live on"),
+        Count("experiments", 20, 2, "replications of the thesis's design under each set"),
+        Count("finalists", 12, 2, "sets that are replicated again"),
+        Count("replications", 200, 3, "replications of each finalist"),
+    )
+    given = parse("best_decisions", __doc__, *counts, add=add_arguments)
+    if given.fresh:
+        delete_chunks(given.out)
+    try:
+        drawn = kept(given.start)
+        likelihood = Likelihood(drawn.statistics)
+        start = [
+            Judged(laboratory.decisions, likelihood.log(statistics.astype(np.float64)))
+            for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
+        ]
+        first = [one.decisions for one in best(start, given.children)]
+        alive, generations = evolve(given, first, likelihood)
+    except ValueError as error:
+        sys.exit(f"best_decisions.py: {error}")
+    return finish(given, page(finals(given, alive, likelihood), generations), f"--start {given.start}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

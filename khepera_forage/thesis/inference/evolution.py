@@ -1,0 +1,76 @@
+"""New sets from good ones, for the search of the best single set: within the prior, and under its rules."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from numpy.random import Generator
+
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.thesis.inference.prior import Prior, Range, Shares, draw_value, possible_decisions
+
+OTHER_PARENT = 0.3
+"""Probability that a field comes from the second parent."""
+CHANGED = 0.2
+"""Probability that a field is changed."""
+STEP = 0.15
+"""Standard deviation of a change, as a share of the prior's range."""
+STEPS_OF_A_RANGE = 15
+"""A range has at least this many natural values."""
+_TRIES = 10_000
+
+
+def child(prior: Prior, parents: Sequence[Decisions], rng: Generator) -> Decisions:
+    """A set whose fields come from two random parents, some of them changed.
+
+    Args:
+        prior: Its ranges are kept.
+        parents: The better stand first, and are drawn more often.
+        rng: To draw from.
+
+    Raises:
+        ValueError: No child satisfies the rules between decisions.
+    """
+    problem = ""
+    for _ in range(_TRIES):
+        first, second = (parents[int(len(parents) * rng.random() ** 2)] for _ in range(2))
+        values = {}
+        for name, part in prior.decisions.items():
+            value = getattr(second if rng.random() < OTHER_PARENT else first, name)
+            values[name] = _changed(part, value, rng) if rng.random() < CHANGED else value
+        try:
+            return possible_decisions(values)
+        except ValueError as error:
+            problem = str(error)
+    raise ValueError(f"none of {_TRIES} children is possible; the last one: {problem}")
+
+
+def _changed(part: Range | Shares, value: Any, rng: Generator) -> Any:
+    if isinstance(part, Shares):
+        return draw_value(part, rng)
+    moved = value + STEP * (part.most - part.least) * rng.standard_normal()
+    return float(min(max(moved, part.least), part.most))
+
+
+def rounded(decisions: Decisions, prior: Prior) -> Decisions:
+    """The set with natural values: multiples of 1, 2 or 5 times a power of ten that are fine enough for the prior.
+
+    Args:
+        decisions: A set.
+        prior: Its ranges are kept; fields that it does not draw stay as they are.
+    """
+    changes: dict[str, Any] = {}
+    for name, part in prior.decisions.items():
+        if isinstance(part, Range):
+            step = natural_step(part)
+            value = round(getattr(decisions, name) / step) * step
+            changes[name] = type(getattr(decisions, name))(round(min(max(value, part.least), part.most), 6))
+    return replace(decisions, **changes)
+
+
+def natural_step(part: Range) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that divides a range into enough steps."""
+    finest = (part.most - part.least) / STEPS_OF_A_RANGE
+    power = 10.0 ** math.floor(math.log10(finest))
+    return max(factor * power for factor in (1, 2, 5) if factor * power <= finest * (1 + 1e-9))

@@ -1,0 +1,113 @@
+"""The search for the best single set: likelihood, children within the prior, natural values."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from khepera_forage import Decisions
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.thesis.inference.evolution import child, natural_step, rounded
+from khepera_forage.thesis.inference.individual_recalls import distance, of_thesis, p_value
+from khepera_forage.thesis.inference.likelihood import Likelihood
+from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
+from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
+
+pytest.importorskip("numba")
+NAMED = np.array([name in FITTED for name in (*NAMES, *SLOPES)])
+
+
+@pytest.fixture(scope="module")
+def statistics() -> np.ndarray:
+    rng = np.random.default_rng(0)
+    means = np.nan_to_num(thesis_statistics()) + rng.normal(size=(30, 1, len(NAMED)))
+    return np.asarray(means + rng.normal(size=(30, 20, len(NAMED))), dtype=np.float32)
+
+
+def test_likelihood_is_largest_where_experiments_are_like_the_thesis(statistics: np.ndarray) -> None:
+    likelihood = Likelihood(statistics)
+    thesis = np.nan_to_num(thesis_statistics())
+    off = np.random.default_rng(1).normal(size=(20, len(NAMED)))
+    off -= off.mean(axis=0)
+    near, far, wide = thesis + off, thesis + 3 + off, thesis + 6 * off
+    assert likelihood.log(near) > likelihood.log(far)
+    assert likelihood.log(near) > likelihood.log(wide), "a set that predicts anything predicts nothing"
+
+
+def test_likelihood_does_not_look_at_the_rectangle(statistics: np.ndarray) -> None:
+    own = statistics[3].astype(np.float64)
+    assert Likelihood(statistics).log(np.where(NAMED, own, 99.0)) == Likelihood(statistics).log(own)
+
+
+def test_sets_without_failures_or_successes_are_impossible(statistics: np.ndarray) -> None:
+    own = statistics[3].astype(np.float64)
+    own[:15, NAMES.index("corridor 3 right_failed")] = np.nan
+    assert Likelihood(statistics).log(own) == -np.inf
+
+
+def test_children_stay_in_the_prior_and_mix_their_parents() -> None:
+    rng = np.random.default_rng(5)
+    parents = [PRIOR.draw(rng).decisions for _ in range(3)]
+    children = [child(PRIOR, parents, rng) for _ in range(30)]
+    inherited = 0
+    for one in children:
+        for name, part in PRIOR.decisions.items():
+            value = getattr(one, name)
+            if isinstance(part, Range):
+                assert part.least <= value <= part.most
+            else:
+                assert value in part.of
+            inherited += value in [getattr(parent, name) for parent in parents]
+    assert inherited / (30 * len(PRIOR.decisions)) == pytest.approx(0.85, abs=0.07)
+    assert child(PRIOR, parents, np.random.default_rng(1)) == child(PRIOR, parents, np.random.default_rng(1))
+
+
+def test_rounded_sets_have_natural_values_in_the_prior() -> None:
+    drawn = PRIOR.draw(np.random.default_rng(2)).decisions
+    natural = rounded(drawn, PRIOR)
+    assert natural == rounded(natural, PRIOR)
+    for field in dataclasses.fields(Decisions):
+        value, part = getattr(natural, field.name), PRIOR.decisions.get(field.name)
+        if isinstance(part, Range):
+            assert abs(value - getattr(drawn, field.name)) <= natural_step(part) / 2 + 1e-9
+            assert len(f"{value:g}") <= 5, field.name
+            assert part.least <= value <= part.most
+        else:
+            assert value == getattr(drawn, field.name)
+
+
+@pytest.mark.parametrize(("most", "step"), [(15.0, 1.0), (0.3, 0.02), (90.0, 5.0), (29.0, 1.0), (30.0, 2.0)])
+def test_natural_steps(most: float, step: float) -> None:
+    assert natural_step(Range(0.0, most, "-")) == pytest.approx(step)
+
+
+def test_rules_between_decisions_are_checked() -> None:
+    with pytest.raises(ValueError, match="slow_speed is 9"):
+        possible_decisions({"slow_speed": 9.0, "search_speed": 6.0})
+    with pytest.raises(ValueError, match="home_radius"):
+        possible_decisions({"home_radius": 110.0, "home_to_wall": 60.0})
+    assert possible_decisions({"rounds_after_training": 3.6}).rounds_after_training == 4
+    assert isinstance(PRIOR.decisions["orienting"], Shares)
+
+
+def test_individual_recalls_of_the_thesis() -> None:
+    corridor, rectangle = map(of_thesis, ARENAS)
+    assert corridor.steps.max() == 500
+    assert rectangle.steps.max() == 700
+    assert 55 < corridor.steps.shape[1] <= 70
+    assert corridor.score.max() < 100
+    assert (corridor.right >= corridor.score).all()
+
+
+def test_distance_of_distributions() -> None:
+    assert distance(np.array([1.0, 2.0]), np.array([1.0, 2.0, 1.0, 2.0])) == 0.0
+    assert distance(np.array([1.0, 1.0]), np.array([2.0])) == 1.0
+    assert distance(np.array([1.0, 3.0]), np.array([2.0, 4.0])) == 0.5
+
+
+def test_p_value_compares_whole_experiments() -> None:
+    """Recalls of an experiment are alike here: as independent recalls, its own experiments would be rejected."""
+    rng = np.random.default_rng(4)
+    experiments = rng.normal(size=(200, 1)) + 0.1 * rng.normal(size=(200, 20))
+    assert p_value(experiments[7] + 0.0, experiments) > 0.05
+    assert p_value(np.full(20, 9.0), experiments) < 0.02
