@@ -96,7 +96,8 @@ def measure(
         laboratory occurs once; `chunks.joined` makes one table of all.
 
     Raises:
-        ValueError: The folder has a damaged file, a file of another run, or another laboratory of the same number.
+        ValueError: The folder has a damaged file, a file of another run, or another laboratory of the same number. Or
+            robot or food does not fit on a mark of a laboratory.
     """
     missing = dict(laboratories)
     for path in _paths(folder):
@@ -133,7 +134,7 @@ def shares(measured: MeasuredClaims, weights: ArrayLike | None = None) -> NDArra
         weights: One a laboratory, at least 0; equal by default.
 
     Raises:
-        ValueError: Weights that are none, or no laboratory with weight and claims.
+        ValueError: A missing, negative or infinite weight, or no laboratory that has both a weight and claims.
     """
     count = len(measured.numbers)
     given = np.ones(count) if weights is None else np.asarray(weights, dtype=np.float64)
