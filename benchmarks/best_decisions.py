@@ -26,6 +26,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.evolution import child, rounded
+from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.likelihood import Likelihood
 from khepera_forage.thesis.inference.posterior import fitted_columns
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
@@ -35,7 +36,6 @@ from khepera_forage.thesis.inference.table import (
     Contents,
     Sets,
     delete_chunks,
-    laboratory_of,
     read_chunk,
     sets_of,
     write_chunk,
@@ -103,7 +103,7 @@ def generation(given: Arguments, number: int, candidates: Sequence[Decisions], c
 def judged(sets: Sets, likelihood: Likelihood) -> list[Judged]:
     """The admissible sets among some, with their fit."""
     return [
-        Judged(laboratory_of(str(text)).decisions, likelihood.log(statistics.astype(np.float64)))
+        Judged(laboratory_from_text(str(text)).decisions, likelihood.log(statistics.astype(np.float64)))
         for text, reason, statistics in zip(sets.laboratories, sets.reasons, sets.statistics, strict=True)
         if not reason
     ]

@@ -4,7 +4,10 @@ No figure here was fitted to the thesis's result tables. "Assumption" marks a fi
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from itertools import chain
+from typing import Any
 
 SOURCES: dict[str, tuple[str, ...]] = {
     "wheels": ("wheel_slip", "wheel_bias"),
@@ -81,24 +84,29 @@ class Noise:
     @classmethod
     def none(cls) -> "Noise":
         """Perfect wheels, sensors, camera and operator."""
-        return cls(**{name: _QUIET.get(name, 0) for names in SOURCES.values() for name in names})
+        return cls.only()
 
     @classmethod
-    def only(cls, *sources: str) -> "Noise":
+    def only(cls, *sources: str, laboratory: "Noise | None" = None) -> "Noise":
         """The laboratory's figures for these sources and none for the others.
 
         Args:
             *sources: Keys of `SOURCES`.
+            laboratory: Has these figures; `Noise.laboratory()` by default.
 
         Raises:
             ValueError: A name that is not in `SOURCES`.
         """
-        laboratory, noise = cls.laboratory(), cls.none()
         for source in sources:
             if source not in SOURCES:
                 raise ValueError(f"noise source {source!r} is unknown; allowed: {', '.join(SOURCES)}")
-            noise = replace(noise, **{name: getattr(laboratory, name) for name in SOURCES[source]})
-        return noise
+        others = [_quiet(source) for source in SOURCES if source not in sources]
+        return replace(
+            cls.laboratory() if laboratory is None else laboratory, **dict(chain.from_iterable(others))
+        )
 
 
-_QUIET = {"cable_loss_factor": 1}
+def _quiet(source: str) -> Iterator[tuple[str, Any]]:
+    """The fields of a source with the values that switch it off."""
+    for name in SOURCES[source]:
+        yield name, 1 if name == "cable_loss_factor" else 0

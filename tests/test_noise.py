@@ -45,6 +45,13 @@ def test_only_with_all_sources_is_the_laboratory_and_with_no_source_is_none() ->
     assert Noise.only() == Noise.none()
 
 
+def test_only_has_the_sizes_of_another_laboratory() -> None:
+    other = replace(Noise.laboratory(), placement_error=20.0, position_jitter=0.4, loss_rounds=5.0)
+    noise = Noise.only("placement", laboratory=other)
+    assert noise == replace(Noise.none(), placement_error=20.0, placement_heading_error=2.0, loss_rounds=5.0)
+    assert Noise.only(*SOURCES, laboratory=other) == other
+
+
 def test_unknown_source_is_refused_with_its_name() -> None:
     with pytest.raises(ValueError, match=r"'wind'.*wheels"):
         Noise.only("wheels", "wind")

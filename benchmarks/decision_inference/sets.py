@@ -12,6 +12,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.parameters import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
 from khepera_forage.thesis.inference.simulate import simulate
@@ -22,7 +23,6 @@ from khepera_forage.thesis.inference.table import (
     delete_chunks,
     first,
     joined,
-    laboratory_of,
     read_chunk,
     sets_of,
     write_chunk,
@@ -57,7 +57,7 @@ class Drawn:
     @cached_property
     def laboratories(self) -> list[Laboratory]:
         """The admissible sets."""
-        return [laboratory_of(text) for text in self.sets.laboratories[self.admissible].tolist()]
+        return [laboratory_from_text(text) for text in self.sets.laboratories[self.admissible].tolist()]
 
     @cached_property
     def parameters(self) -> list[Parameter]:

@@ -26,6 +26,7 @@ from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
+    LABORATORY_NOISE,
     THESIS,
     Cell,
     Subset,
@@ -50,6 +51,7 @@ class CompiledReplications:
         noise: Name of the noise condition, in training and recall.
         cells: The tables of appendix A to repeat; without any, only the training files.
         decisions: Of training and recall.
+        laboratory: The laboratory's noise, from which the noise condition is derived.
     """
 
     seed: int
@@ -58,10 +60,11 @@ class CompiledReplications:
     noise: str = LABORATORY
     cells: tuple[Cell, ...] = THESIS
     decisions: Decisions = DEFAULT_DECISIONS
+    laboratory: Noise = LABORATORY_NOISE
 
     def run(self) -> Outcome:
         """Train, recall, and return the rows."""
-        noise = noise_conditions()[self.noise]
+        noise = noise_conditions(self.laboratory)[self.noise]
         seeds = [replication_seeds(self.seed, number, self.noise).spawn(2) for number in self._numbers]
         first_training, _ = seeds[0]
         training_seed = int(first_training.generate_state(1)[0])
@@ -150,6 +153,7 @@ class CompiledBaseline:
         arena: `corridor` or `rectangle`.
         forages: Number of forages in each block.
         decisions: Of the forages.
+        laboratory: The laboratory's noise.
     """
 
     seed: int
@@ -158,6 +162,7 @@ class CompiledBaseline:
     arena: str
     forages: int
     decisions: Decisions = DEFAULT_DECISIONS
+    laboratory: Noise = LABORATORY_NOISE
 
     def run(self) -> Outcome:
         """Forage, and return the rows."""
@@ -172,7 +177,16 @@ class CompiledBaseline:
         policy = TEACHES if self.learner == TEACHER else UNIFORM
         foods = next(cell.foods for cell in THESIS if cell.arena == self.arena)
         policies = np.full(len(seeds), policy)
-        played = run_recalls(arena, None, policies, seeds, foods=foods, limit=limit, decisions=self.decisions)
+        played = run_recalls(
+            arena,
+            None,
+            policies,
+            seeds,
+            foods=foods,
+            limit=limit,
+            noise=self.laboratory,
+            decisions=self.decisions,
+        )
         own = {
             "replication": np.repeat(range(self.blocks), self.forages).tolist(),
             "recall": list(range(self.forages)) * self.blocks,

@@ -100,20 +100,27 @@ NO_LOSSES = "no losses"
 """Name of the laboratory's noise with a tracker that never loses a region (5.3.1)."""
 NO_NOISE = "none"
 """Name of the condition without noise."""
+LABORATORY_NOISE = Noise.laboratory()
+"""The noise of the condition `LABORATORY`, unless another is given."""
 
 
-def noise_conditions() -> dict[str, Noise]:
+def noise_conditions(laboratory: Noise = LABORATORY_NOISE) -> dict[str, Noise]:
     """Noise by name: none, each source alone, the laboratory, and the laboratory without tracking losses.
 
-    Cables only multiply the rate of tracking losses, so they are combined with that source.
+    Cables only multiply the rate of tracking losses, so they are combined with that source. The names and their order
+    do not depend on the laboratory.
+
+    Args:
+        laboratory: All sources of noise together, with their sizes.
     """
-    laboratory = Noise.laboratory()
     conditions = {NO_NOISE: Noise.none()}
     for source in SOURCES:
         if source == "cables":
-            conditions["only tracking losses, with cables"] = Noise.only("tracking losses", "cables")
+            conditions["only tracking losses, with cables"] = Noise.only(
+                "tracking losses", "cables", laboratory=laboratory
+            )
         else:
-            conditions[f"only {source}"] = Noise.only(source)
+            conditions[f"only {source}"] = Noise.only(source, laboratory=laboratory)
     conditions[NO_LOSSES] = replace(
         laboratory, loss_rate_one_hole=0.0, loss_rate_two_holes=0.0, loss_rate_food=0.0
     )

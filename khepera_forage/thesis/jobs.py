@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
 from khepera_forage.envs.backends import PYMUNK
+from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
+    LABORATORY_NOISE,
     NO_LOSSES,
     NO_NOISE,
     THESIS,
@@ -35,10 +37,11 @@ class JobCounts(NamedTuple):
 
     Attributes:
         replications: Of the whole design under the laboratory's noise.
-        noise_replications: Of `NOISE_CELLS` under each other noise condition.
+        noise_replications: Of `noise_cells` under each other noise condition.
         noise_conditions: Names of these conditions.
         baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena.
         block_forages: Forages of the teacher in a block; a random policy has a fifth of them.
+        noise_cells: Cells under each other noise condition; without any, only the training files.
     """
 
     replications: int
@@ -46,6 +49,7 @@ class JobCounts(NamedTuple):
     noise_conditions: tuple[str, ...]
     baseline_blocks: int
     block_forages: int
+    noise_cells: tuple[Cell, ...] = NOISE_CELLS
 
 
 def job_counts(replications: int, backend: str, quick: bool = False) -> JobCounts:
@@ -69,7 +73,8 @@ def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]
     jobs: list[Job] = [Replication(seed, i, decisions=decisions) for i in range(counts.replications)]
     for noise in counts.noise_conditions:
         jobs += [
-            Replication(seed, i, noise, NOISE_CELLS, decisions) for i in range(counts.noise_replications)
+            Replication(seed, i, noise, counts.noise_cells, decisions)
+            for i in range(counts.noise_replications)
         ]
     # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
     if NO_LOSSES in counts.noise_conditions:
@@ -82,8 +87,16 @@ def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]
     return jobs
 
 
-def compiled_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
+def compiled_jobs(
+    seed: int, counts: JobCounts, decisions: Decisions, laboratory: Noise = LABORATORY_NOISE
+) -> list[Job]:
     """All jobs for the compiled backend.
+
+    Args:
+        seed: Of the whole reproduction.
+        counts: How often each part is repeated.
+        decisions: Of all experiments.
+        laboratory: The laboratory's noise, from which the other noise conditions are derived.
 
     Raises:
         ImportError: numba is not installed.
@@ -101,15 +114,17 @@ def compiled_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Jo
 
     def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
         return [
-            CompiledReplications(seed, first, min(GROUP_SIZE, count - first), noise, cells, decisions)
+            CompiledReplications(
+                seed, first, min(GROUP_SIZE, count - first), noise, cells, decisions, laboratory
+            )
             for first in range(0, count, GROUP_SIZE)
         ]
 
     jobs = groups(counts.replications, LABORATORY, THESIS)
     for noise in counts.noise_conditions:
-        jobs += groups(counts.noise_replications, noise, NOISE_CELLS)
+        jobs += groups(counts.noise_replications, noise, counts.noise_cells)
     return jobs + [
-        CompiledBaseline(seed, counts.baseline_blocks, learner, arena, forages, decisions)
+        CompiledBaseline(seed, counts.baseline_blocks, learner, arena, forages, decisions, laboratory)
         for arena, learner, forages in _baselines(counts)
     ]
 

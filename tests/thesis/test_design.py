@@ -1,6 +1,7 @@
 """The design of the experiments equals that of the thesis's tables."""
 
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
@@ -60,6 +61,17 @@ def test_noise_conditions_contain_the_sources_in_their_names() -> None:
     }
     assert differing == set(SOURCES["tracking losses"])
     assert all(getattr(no_losses, name) == 0 for name in differing)
+
+
+def test_noise_conditions_follow_the_laboratory() -> None:
+    other = replace(Noise.laboratory(), placement_error=20.0)
+    conditions = noise_conditions(other)
+    assert list(conditions) == list(noise_conditions()), "seeds depend on the position of a condition"
+    assert conditions[LABORATORY] == other
+    assert conditions[NO_LOSSES].placement_error == 20
+    assert conditions[NO_LOSSES].loss_rate_food == 0
+    assert conditions["only placement"] == Noise.only("placement", laboratory=other)
+    assert conditions["only wheels"] == Noise.only("wheels")
 
 
 def test_noise_conditions_are_distinct() -> None:

@@ -139,6 +139,7 @@ class Claim:
         value: The effect as a number; nan if there are no rows for it.
         low: Lower end of its 95 % interval; nan if there is none.
         high: Upper end of the interval.
+        unit: Of value, low and high.
         thesis: The same effect in the thesis: its figure, or its words.
         rule: The rule of the verdict; a claim whose interval contains the threshold is undecided.
         verdict: Supported, not supported or undecided.
@@ -151,6 +152,7 @@ class Claim:
     value: float
     low: float
     high: float
+    unit: Unit
     thesis: str
     rule: str
     verdict: Verdict
@@ -172,7 +174,9 @@ def judged(
         sentence: The measurement in words, with its figures.
     """
     effect = show.estimate(estimate)
-    return Claim(name, section, effect, *estimate, thesis, rule.text(show), rule.judge(estimate), sentence)
+    return Claim(
+        name, section, effect, *estimate, show, thesis, rule.text(show), rule.judge(estimate), sentence
+    )
 
 
 def _inside(estimate: Estimate, margin: float) -> bool:

@@ -1,24 +1,30 @@
 """The table of simulated sets, on disk: compressed arrays, one file a chunk, so that a killed run can be continued."""
 
-import json
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.noise import Noise
-from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.inference.chunks import SUFFIX, joined, read_arrays, read_header, write_arrays
+from khepera_forage.thesis.inference.laboratory_text import laboratory_text
 from khepera_forage.thesis.inference.simulate import Simulated
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 
-_SUFFIX = ".npz"
+__all__ = [
+    "Contents",
+    "Sets",
+    "contents_of",
+    "delete_chunks",
+    "first",
+    "joined",
+    "read_chunk",
+    "sets_of",
+    "write_chunk",
+]
+_WHAT = "a chunk of simulated sets"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +77,7 @@ def sets_of(first: int, simulated: Sequence[Simulated], experiments: int) -> Set
     checks = [one.check for one in simulated]
     return Sets(
         np.arange(first, first + len(simulated)),
-        np.array([_as_json(one) for one in simulated]),
+        np.array([laboratory_text(one.laboratory) for one in simulated]),
         np.array([check.reason for check in checks]),
         np.array([check.delivered for check in checks]),
         np.array([check.fastest for check in checks]),
@@ -82,12 +88,7 @@ def sets_of(first: int, simulated: Sequence[Simulated], experiments: int) -> Set
 
 def write_chunk(folder: Path, number: int, contents: Contents, sets: Sets) -> None:
     """Write one chunk; a process that is killed meanwhile leaves no file of that name."""
-    folder.mkdir(parents=True, exist_ok=True)
-    part = folder / f"{_name(number)}.part"
-    with part.open("wb") as file:
-        arrays: dict[str, Any] = dict(sets._asdict())
-        np.savez_compressed(file, contents=np.array(_text(contents)), **arrays)
-    os.replace(part, folder / _name(number))
+    write_arrays(folder / _name(number), contents, sets._asdict())
 
 
 def read_chunk(folder: Path, number: int, contents: Contents) -> Sets | None:
@@ -99,14 +100,7 @@ def read_chunk(folder: Path, number: int, contents: Contents) -> Sets | None:
     path = folder / _name(number)
     if not path.exists():
         return None
-    with _opened(path) as file:
-        found, sets = str(file["contents"]), Sets(*(file[name] for name in Sets._fields))
-    if found != _text(contents):
-        raise ValueError(
-            f"{path}: made with {_difference(found, contents)}; allowed: the same as in this run, another folder "
-            "(--out), or --fresh, which deletes it"
-        )
-    return sets
+    return Sets(*read_arrays(path, contents, Sets._fields, _WHAT))
 
 
 def contents_of(folder: Path, prior: str) -> Contents:
@@ -122,22 +116,10 @@ def contents_of(folder: Path, prior: str) -> Contents:
     path = folder / _name(0)
     if not path.exists():
         raise ValueError(f"{folder} has no {path.name}; allowed: a folder of simulated sets")
-    with _opened(path) as file:
-        known = json.loads(str(file["contents"]))
-    if known["prior"] != prior:
+    known = read_header(path, _WHAT)
+    if known.get("prior") != prior:
         raise ValueError(f"{path}: made with another prior; allowed: the prior of this version")
     return Contents(known["seed"], known["experiments"], known["chunk"], prior)
-
-
-def delete_chunks(folder: Path) -> None:
-    """Delete all chunks of a folder."""
-    for path in folder.glob(f"sets_*{_SUFFIX}"):
-        path.unlink()
-
-
-def joined(parts: Sequence[Sets]) -> Sets:
-    """Some chunks as one."""
-    return Sets(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def first(sets: Sets, count: int) -> Sets:
@@ -146,46 +128,11 @@ def first(sets: Sets, count: int) -> Sets:
     return Sets(*(array[:count] for array in arrays))
 
 
-def laboratory_of(text: str) -> Laboratory:
-    """The laboratory that an element of `Sets.laboratories` describes."""
-    known = json.loads(text)
-    return Laboratory(Decisions.from_changes(known["decisions"]), Noise(**known["noise"]))
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """The arrays of a chunk.
-
-    Raises:
-        ValueError: The file is damaged.
-    """
-    try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            yield file
-    except (ValueError, KeyError, OSError, EOFError, BadZipFile) as error:
-        raise ValueError(
-            f"{path}: {error}; allowed: a chunk of simulated sets; delete the file, or give --out"
-        ) from None
+def delete_chunks(folder: Path) -> None:
+    """Delete all chunks of a folder."""
+    for path in folder.glob(f"sets_*{SUFFIX}"):
+        path.unlink()
 
 
 def _name(number: int) -> str:
-    return f"sets_{number:05d}{_SUFFIX}"
-
-
-def _text(contents: Contents) -> str:
-    return json.dumps(asdict(contents))
-
-
-def _difference(found: str, contents: Contents) -> str:
-    """Which of the contents differ, for people."""
-    theirs, ours = json.loads(found), json.loads(_text(contents))
-    return ", ".join(
-        f"{name} {theirs[name]!r}" if type(value) is int else f"another {name}"
-        for name, value in ours.items()
-        if theirs[name] != value
-    )
-
-
-def _as_json(simulated: Simulated) -> str:
-    decisions, noise = simulated.laboratory
-    return json.dumps({"decisions": decisions.changed(), "noise": asdict(noise)})
+    return f"sets_{number:05d}{SUFFIX}"

@@ -1,0 +1,101 @@
+"""The claims under one laboratory: those of the ordinary reproduction, with other decisions and another noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from khepera_forage import Decisions, Noise
+from khepera_forage.rollouts.rows import TEACHER
+from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.thesis.claims import Claim, Verdict, claims
+from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
+from khepera_forage.thesis.inference.laboratory_claims import RESAMPLES, claims_of
+from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
+
+numba = pytest.importorskip("numba")
+from khepera_forage.thesis.compiled_replications import CompiledBaseline, CompiledReplications  # noqa: E402
+
+REPLICATIONS = 5
+"""As few as give intervals."""
+DEFAULT = Laboratory(Decisions(), Noise.laboratory())
+OTHER = Laboratory(Decisions(next_to_food=22), replace(Noise.laboratory(), position_jitter=0.4))
+
+
+@pytest.fixture(scope="module")
+def measured() -> list[Claim]:
+    return claims_of(DEFAULT, 3, REPLICATIONS)
+
+
+def test_every_claim_is_measured_with_an_interval(measured: list[Claim]) -> None:
+    assert len(measured) == 18
+    for claim in measured:
+        assert claim.low <= claim.value <= claim.high, claim.name
+    assert sum(claim.verdict != Verdict.UNDECIDED for claim in measured) > 5
+
+
+def test_claims_are_the_same_with_one_thread(measured: list[Claim]) -> None:
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        assert claims_of(DEFAULT, 3, REPLICATIONS) == measured
+    finally:
+        numba.set_num_threads(threads)
+
+
+def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) -> None:
+    effects = [claim.effect for claim in measured]
+    assert [claim.effect for claim in claims_of(DEFAULT, 4, REPLICATIONS)] != effects
+    assert [claim.effect for claim in claims_of(OTHER, 3, REPLICATIONS)] != effects
+    only_noise = Laboratory(DEFAULT.decisions, OTHER.noise)
+    assert [claim.effect for claim in claims_of(only_noise, 3, REPLICATIONS)] != effects
+
+
+def test_default_laboratory_has_the_claims_of_the_ordinary_reproduction(measured: list[Claim]) -> None:
+    jobs = compiled_jobs(3, JobCounts(REPLICATIONS, REPLICATIONS, (NO_LOSSES,), 20, 25), DEFAULT_DECISIONS)
+    outcomes = [job.run() for job in jobs]
+    recalls = [row for outcome in outcomes for row in outcome.recalls if row.noise == LABORATORY]
+    assert measured == claims(
+        [row for row in recalls if row.learner != TEACHER],
+        [row for outcome in outcomes for row in outcome.trainings],
+        [row for row in recalls if row.learner == TEACHER],
+        np.random.default_rng(3),
+        RESAMPLES,
+    )
+
+
+def test_every_job_has_the_noise_of_the_laboratory() -> None:
+    jobs = compiled_jobs(0, JobCounts(1, 1, (NO_LOSSES,), 1, 5), DEFAULT_DECISIONS, OTHER.noise)
+    for job in jobs:
+        assert isinstance(job, CompiledBaseline | CompiledReplications)
+        assert job.laboratory == OTHER.noise
+
+
+@pytest.mark.parametrize("name", [LABORATORY, NO_LOSSES])
+def test_replications_train_under_the_noise_of_the_laboratory(name: str) -> None:
+    ours, default = (
+        CompiledReplications(0, 0, 1, name, (), laboratory=noise).run().trainings
+        for noise in (OTHER.noise, DEFAULT.noise)
+    )
+    assert ours != default
+    assert {row.noise for row in ours} == {name}
+
+
+def test_baseline_forages_under_the_noise_of_the_laboratory() -> None:
+    ours, default = (
+        CompiledBaseline(0, 1, TEACHER, "corridor", 8, laboratory=noise).run().recalls
+        for noise in (OTHER.noise, DEFAULT.noise)
+    )
+    assert [row.steps for row in ours] != [row.steps for row in default]
+
+
+def test_laboratory_without_complete_training_is_an_error() -> None:
+    reversed_markers = replace(Noise.laboratory(), reversal_rate=1.0)
+    hopeless = Laboratory(Decisions(next_to_food=22, most_attempts=2), reversed_markers)
+    with pytest.raises(
+        IncompleteTrainingError,
+        match=r"none of 2 attempts .* was complete; seed 3, decisions: .*next_to_food=22",
+    ):
+        claims_of(hopeless, 3, 1)
