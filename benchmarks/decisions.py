@@ -16,6 +16,7 @@ import sys
 import numpy as np
 from decision_inference import (
     cells_page,
+    claims_page,
     posterior_page,
     prior_page,
     questions_page,
@@ -85,6 +86,7 @@ def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
         "posterior": posterior_page.page(drawn, posterior, given.seed),
         "cells": cells_page.page([old, inferred], thesis),
         "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, old.experiments),
+        "claims": claims_page.page(given, drawn, posterior),
         "questions": questions_page.page(posterior, drawn.statistics, given.seed),
     }
 
