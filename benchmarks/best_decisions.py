@@ -1,10 +1,10 @@
-"""The single set of decisions under which tables A.1 to A.4 are most probable, with natural values.
+"""The single set of decisions whose expected results are nearest to tables A.1 to A.4, with natural values.
 
     python benchmarks/decisions.py && python benchmarks/best_decisions.py
 
 Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
-within the prior, are checked and judged by the synthetic likelihood of the corridor's tables. Tables A.5 to A.7 are not
-looked at. Noise is the laboratory's. At the end the best sets, with rounded values, are replicated again with other
+within the prior, are checked and judged by the method of simulated moments. Tables A.5 to A.7 are not looked at. Noise
+is the laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible. At the end the best sets, with rounded values, are replicated again with other
 seeds, so that luck is not mistaken for a fit. Needs numba; a run that was killed continues.
 """
 
@@ -27,8 +27,8 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.evolution import child, rounded
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
-from khepera_forage.thesis.inference.likelihood import Likelihood
-from khepera_forage.thesis.inference.posterior import fitted_columns
+from khepera_forage.thesis.inference.moments import Moments
+from khepera_forage.thesis.inference.posterior import fitted_columns, infer
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
 from khepera_forage.thesis.inference.simulate import Simulated, replicate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
@@ -43,6 +43,8 @@ from khepera_forage.thesis.inference.table import (
 from khepera_forage.thesis.tables import Column, Table, Value
 
 START = Path("results/decisions")
+EFFORT = 4
+"""Of the check, as a multiple of that of `benchmarks/decisions.py`."""
 Floats = NDArray[np.float64]
 
 
@@ -51,18 +53,18 @@ class Judged(NamedTuple):
 
     Attributes:
         decisions: The set.
-        fit: Logarithm of the synthetic likelihood, but for a constant.
+        distance: Squared, of its expected statistics from the thesis's (`Moments`).
     """
 
     decisions: Decisions
-    fit: float
+    distance: float
 
 
 class Final(NamedTuple):
     """A set with natural values, replicated again.
 
     Attributes:
-        judged: The set, and its fit in the new replications; minus infinity if it is not admissible.
+        judged: The set, and its distance in the new replications; infinity if it is not admissible.
         outcome: Why it is not admissible, or `admissible`.
         means: Of its statistics.
     """
@@ -76,7 +78,7 @@ def simulated(decisions: Decisions, seed: Sequence[int], experiments: int) -> Si
     """A set under the laboratory's noise: checked, and replicated if it is admissible."""
     laboratory = Laboratory(decisions, Noise.laboratory())
     first = int(np.random.default_rng(seed).integers(2**62))
-    found = check(laboratory, first)
+    found = check(laboratory, first, EFFORT)
     statistics = np.zeros((0, 0)) if found.reason else replicate(laboratory, first + 1, experiments)
     return Simulated(laboratory, found, statistics)
 
@@ -100,55 +102,63 @@ def generation(given: Arguments, number: int, candidates: Sequence[Decisions], c
     return sets
 
 
-def judged(sets: Sets, likelihood: Likelihood) -> list[Judged]:
-    """The admissible sets among some, with their fit."""
+def judged(sets: Sets, moments: Moments) -> list[Judged]:
+    """The admissible sets among some, with their distance."""
     return [
-        Judged(laboratory_from_text(str(text)).decisions, likelihood.log(statistics.astype(np.float64)))
+        Judged(laboratory_from_text(str(text)).decisions, moments.distance(statistics.astype(np.float64)))
         for text, reason, statistics in zip(sets.laboratories, sets.reasons, sets.statistics, strict=True)
         if not reason
     ]
 
 
 def best(found: Sequence[Judged], count: int) -> list[Judged]:
-    """The sets that fit best, each once, the best first."""
-    return sorted({one.decisions: one for one in found}.values(), key=lambda one: -one.fit)[:count]
+    """The nearest sets, each once, the nearest first."""
+    return sorted({one.decisions: one for one in found}.values(), key=lambda one: one.distance)[:count]
 
 
-def evolve(
-    given: Arguments, first: Sequence[Decisions], likelihood: Likelihood
-) -> tuple[list[Judged], Table]:
+def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tuple[list[Judged], Table]:
     """Let sets evolve.
 
     Args:
         given: Counts and folder.
         first: The first generation.
-        likelihood: Judges.
+        moments: Judges.
 
     Returns:
         The best sets, the best first, and how the generations went.
     """
-    contents = Contents(given.seed, given.experiments, given.children, f"children of {PRIOR!r}")
+    contents = Contents(
+        given.seed, given.experiments, given.children, f"children of {PRIOR!r}, checked {EFFORT} times"
+    )
     candidates = list(first)
     alive: list[Judged] = []
     rows = []
     for number in range(given.generations + 1):
         sets = generation(given, number, candidates, contents)
-        new = judged(sets, likelihood)
+        new = judged(sets, moments)
         alive = best([*alive, *new], given.population)
         if not alive:
             sys.exit(
                 "best_decisions.py: no set of the first generation is admissible; give --sets more sets to start from"
             )
-        fits = [one.fit for one in alive]
-        rows.append((number, 100.0 * len(new) / len(candidates), fits[0], float(np.median(fits)), fits[-1]))
+        distances = [one.distance for one in alive]
+        rows.append(
+            (
+                number,
+                100.0 * len(new) / len(candidates),
+                distances[0],
+                float(np.median(distances)),
+                distances[-1],
+            )
+        )
         rng = np.random.default_rng((given.seed, number))
         candidates = [child(PRIOR, [one.decisions for one in alive], rng) for _ in range(given.children)]
-    columns = ("generation", "admissible (%)", "best fit", "median fit", "worst fit")
-    note = "Fit is the logarithm of the synthetic likelihood, of the sets that live on after each generation."
+    columns = ("generation", "admissible (%)", "best distance", "median distance", "worst distance")
+    note = "Squared distances of the sets that live on after each generation."
     return alive, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
 
 
-def finals(given: Arguments, alive: Sequence[Judged], likelihood: Likelihood) -> list[Final]:
+def finals(given: Arguments, alive: Sequence[Judged], moments: Moments) -> list[Final]:
     """The best sets with natural values, replicated again with other seeds; the best first."""
     candidates = list(dict.fromkeys(rounded(one.decisions, PRIOR) for one in alive[: given.finalists]))
     done = Parallel(n_jobs=given.jobs, batch_size=1)(
@@ -159,9 +169,11 @@ def finals(given: Arguments, alive: Sequence[Judged], likelihood: Likelihood) ->
     for one in done:
         fine = not one.check.reason
         means = np.nanmean(one.statistics, axis=0) if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
-        fit = likelihood.log(one.statistics) if fine else -np.inf
-        found.append(Final(Judged(one.laboratory.decisions, fit), one.check.reason or "admissible", means))
-    return sorted(found, key=lambda final: -final.judged.fit)
+        distance = moments.distance(one.statistics) if fine else np.inf
+        found.append(
+            Final(Judged(one.laboratory.decisions, distance), one.check.reason or "admissible", means)
+        )
+    return sorted(found, key=lambda final: final.judged.distance)
 
 
 def page(found: Sequence[Final], generations: Table) -> Page:
@@ -219,7 +231,7 @@ def _others(found: Sequence[Final]) -> Table:
         for measure in (" score", " food"):
             columns = [k for k in fitted_columns() if names[k] in NAMES and names[k].endswith(measure)]
             differences.append(float(np.sqrt(np.mean((final.means[columns] - thesis[columns]) ** 2))))
-        rows.append((place + 1, final.outcome, final.judged.fit, *differences))
+        rows.append((place + 1, final.outcome, final.judged.distance, *differences))
     return Table(
         "finalists",
         "The finalists",
@@ -228,7 +240,7 @@ def _others(found: Sequence[Final]) -> Table:
         (
             Column("rank"),
             Column("outcome"),
-            Column("fit"),
+            Column("squared distance"),
             Column("difference of scores", 1),
             Column("difference of food", 3),
         ),
@@ -249,7 +261,7 @@ def main() -> int:
         Count("children", 200, 4, "sets in each"),
         Count("population", 60, 4, "sets that live on"),
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
-        Count("finalists", 12, 2, "sets that are replicated again"),
+        Count("finalists", 30, 2, "sets that are replicated again"),
         Count("replications", 200, 3, "replications of each finalist"),
     )
     given = parse("best_decisions", __doc__, *counts, add=add_arguments)
@@ -257,16 +269,17 @@ def main() -> int:
         delete_chunks(given.out)
     try:
         drawn = kept(given.start)
-        likelihood = Likelihood(drawn.statistics)
+        posterior = infer(drawn.parameters, drawn.statistics, given.seed)
+        moments = Moments(drawn.statistics, posterior.weights)
         start = [
-            Judged(laboratory.decisions, likelihood.log(statistics.astype(np.float64)))
+            Judged(laboratory.decisions, moments.distance(statistics.astype(np.float64)))
             for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
         ]
         first = [one.decisions for one in best(start, given.children)]
-        alive, generations = evolve(given, first, likelihood)
+        alive, generations = evolve(given, first, moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
-    return finish(given, page(finals(given, alive, likelihood), generations), f"--start {given.start}")
+    return finish(given, page(finals(given, alive, moments), generations), f"--start {given.start}")
 
 
 if __name__ == "__main__":

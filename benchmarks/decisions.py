@@ -26,7 +26,7 @@ from decision_inference import (
 from decision_inference.cells_page import Predictions
 from decision_inference.sets import Drawn, draw
 from harness.arguments import Arguments, Count, parse
-from harness.figures import GREY, OURS
+from harness.figures import COLOURS, GREY, OURS
 from harness.page import Page, write
 
 from khepera_forage.noise import Noise
@@ -40,19 +40,19 @@ from khepera_forage.thesis.inference.summary import of_recalls, with_slopes
 from khepera_forage.thesis.inference.weighted import sample
 
 ARENAS = ("corridor", "rectangle")
-OLD_EXPERIMENTS, QUICK_OLD_EXPERIMENTS = 500, 4
-"""Replications under the decisions of version 0.1."""
+EXPERIMENTS, QUICK_EXPERIMENTS = 500, 4
+"""Replications under the decisions of version 0.1, and under the defaults."""
 SAMPLED, QUICK_SAMPLED = 200, 3
 """Sets drawn from the posterior, of which an experiment's individual recalls are shown."""
 
 
-def predictions_of_version_0_1(given: Arguments) -> Predictions:
-    """Experiments under the decisions of version 0.1."""
-    count = QUICK_OLD_EXPERIMENTS if given.quick else OLD_EXPERIMENTS
-    cells = recalls_under(Laboratory(Decisions(), Noise.laboratory()), given.seed, count)
+def predictions_under(name: str, colour: str, decisions: Decisions, given: Arguments) -> Predictions:
+    """Experiments under one set of decisions and the laboratory's noise."""
+    count = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
+    cells = recalls_under(Laboratory(decisions, Noise.laboratory()), given.seed, count)
     statistics = with_slopes([of_recalls(cell, own) for cell, own in zip(THESIS, cells, strict=True)])
     recalls = {arena: individual_recalls.of_arena(cells, arena) for arena in ARENAS}
-    return Predictions("version 0.1", GREY, statistics, np.ones(count), recalls)
+    return Predictions(name, colour, statistics, np.ones(count), recalls)
 
 
 def predictions_of_posterior(given: Arguments, drawn: Drawn, posterior: Posterior) -> Predictions:
@@ -77,14 +77,15 @@ def predictions_of_posterior(given: Arguments, drawn: Drawn, posterior: Posterio
 def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
     """All pages, by the name of their files."""
     posterior = infer(drawn.parameters, drawn.statistics, given.seed)
-    old = predictions_of_version_0_1(given)
+    old = predictions_under("version 0.1", GREY, Decisions.v0_1(), given)
+    default = predictions_under("default", COLOURS[2], Decisions(), given)
     inferred = predictions_of_posterior(given, drawn, posterior)
     thesis = {arena: individual_recalls.of_thesis(arena) for arena in ARENAS}
     return {
         "prior": prior_page.page(drawn),
         "validation": validation_page.page(posterior),
         "posterior": posterior_page.page(drawn, posterior, given.seed),
-        "cells": cells_page.page([old, inferred], thesis),
+        "cells": cells_page.page([old, inferred, default], thesis),
         "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, old.experiments),
         "claims": claims_page.page(given, drawn, posterior),
         "questions": questions_page.page(posterior, drawn.statistics, given.seed),

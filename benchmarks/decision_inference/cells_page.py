@@ -3,15 +3,16 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from backend_agreement.two_sample_tests import holm
 from harness.figures import THESIS, grid, legend, new_figure
 from harness.page import Page, Picture
 from numpy.typing import NDArray
 
-from khepera_forage.thesis.inference.individual_recalls import INDIVIDUAL, IndividualRecalls
+from khepera_forage.thesis.inference.individual_recalls import INDIVIDUAL, IndividualRecalls, p_value
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, STATISTICS, thesis_statistics
 from khepera_forage.thesis.inference.weighted import quantiles, rank
 from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table
+from khepera_forage.thesis.tables import Column, Table, Value
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,12 +53,20 @@ class Predictions(NamedTuple):
             return Estimate(np.nan, np.nan, np.nan)
         return Estimate(*quantiles(values[known], self.weights[known], CENTRAL).tolist())
 
+    def means(self, columns: list[int]) -> Floats:
+        """Means of some statistics over the experiments that have them."""
+        values = self.experiments[:, columns]
+        known = np.isfinite(values)
+        weights = self.weights[:, None] * known
+        return np.asarray((weights * np.where(known, values, 0.0)).sum(axis=0) / weights.sum(axis=0))
+
 
 def page(predictions: list[Predictions], thesis: dict[str, IndividualRecalls]) -> Page:
     """A table and a picture of the cells, and individual recalls."""
     return Page(
         "The seven cells: thesis, and what laboratories predict",
         [
+            _fit(predictions, thesis),
             _table(predictions),
             Picture("cells", "the seven cells", _cells(predictions)),
             Picture("recalls", "individual recalls", _recalls(predictions, thesis)),
@@ -68,6 +77,53 @@ def page(predictions: list[Predictions], thesis: dict[str, IndividualRecalls]) -
 def shown_statistics() -> list[int]:
     """Places of the statistics that the thesis has."""
     return np.flatnonzero(np.isfinite(thesis_statistics())).tolist()
+
+
+def _fit(predictions: list[Predictions], thesis: dict[str, IndividualRecalls]) -> Table:
+    """How near each is to the thesis, in a few numbers."""
+    rows: list[tuple[Value, ...]] = []
+    values = thesis_statistics()
+    means = [k for k, name in enumerate(NAMES) if name.endswith((" score", " food"))]
+    inside = []
+    for one in predictions:
+        intervals = [one.interval(k) for k in means]
+        inside.append(sum(i.low <= values[k] <= i.high for i, k in zip(intervals, means, strict=True)))
+    rows.append((f"means of the thesis within the central 95 %, of {len(means)}", *inside))
+    for statistic, words in (("score", "scores (points)"), ("food", "food (share)")):
+        columns = [k for k in means if NAMES[k].endswith(f" {statistic}")]
+        distances = [
+            float(np.sqrt(np.mean((one.means(columns) - values[columns]) ** 2))) for one in predictions
+        ]
+        rows.append((f"root mean square difference of {words}", *distances))
+    for arena in thesis:
+        columns = [
+            k for k, name in enumerate(NAMES) if name.startswith(arena) and name.endswith("right_failed")
+        ]
+        rows.append(
+            (
+                f"right steps of failed recalls (%), {arena}",
+                *(float(one.means(columns).mean()) for one in predictions),
+            )
+        )
+    for k, name in enumerate(SLOPES):
+        rows.append((name, *(float(one.means([len(NAMES) + k])[0]) for one in predictions)))
+    tests = [(arena, measure) for arena in thesis for measure in INDIVIDUAL]
+    p_values = [
+        holm([p_value(getattr(thesis[arena], m), getattr(one.recalls[arena], m)) for arena, m in tests])
+        for one in predictions
+    ]
+    for place, (arena, measure) in enumerate(tests):
+        label = f"p of individual recalls: {INDIVIDUAL[measure]}, {arena}"
+        rows.append((label, *(found[place] for found in p_values)))
+    return Table(
+        "fit",
+        "How near to the thesis",
+        "The last lines test whether the thesis's individual recalls are from the same distribution (Kolmogorov and "
+        f"Smirnov's distance, compared with that of whole experiments of ours; corrected for {len(tests)} tests by "
+        "Holm's rule).",
+        (Column("measure"), *(Column(one.name, 2) for one in predictions)),
+        rows,
+    )
 
 
 def _table(predictions: list[Predictions]) -> Table:

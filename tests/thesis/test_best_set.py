@@ -1,4 +1,4 @@
-"""The search for the best single set: likelihood, children within the prior, natural values."""
+"""The search for the best single set: distance, children within the prior, natural values."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ from khepera_forage import Decisions
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.inference.evolution import child, natural_step, rounded
 from khepera_forage.thesis.inference.individual_recalls import distance, of_thesis, p_value
-from khepera_forage.thesis.inference.likelihood import Likelihood
+from khepera_forage.thesis.inference.moments import Moments
 from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 
@@ -24,25 +24,36 @@ def statistics() -> np.ndarray:
     return np.asarray(means + rng.normal(size=(30, 20, len(NAMED))), dtype=np.float32)
 
 
-def test_likelihood_is_largest_where_experiments_are_like_the_thesis(statistics: np.ndarray) -> None:
-    likelihood = Likelihood(statistics)
+def test_distance_is_in_the_spread_of_experiments(statistics: np.ndarray) -> None:
+    """Here all statistics have a standard deviation of 1, are independent, and 23 of them are looked at."""
+    moments = Moments(statistics, np.ones(len(statistics)))
+    assert moments.spread == pytest.approx(np.ones(23), abs=0.1)
     thesis = np.nan_to_num(thesis_statistics())
     off = np.random.default_rng(1).normal(size=(20, len(NAMED)))
     off -= off.mean(axis=0)
-    near, far, wide = thesis + off, thesis + 3 + off, thesis + 6 * off
-    assert likelihood.log(near) > likelihood.log(far)
-    assert likelihood.log(near) > likelihood.log(wide), "a set that predicts anything predicts nothing"
+    assert moments.distance(thesis + off) == pytest.approx(0.0, abs=1e-9)
+    assert moments.distance(thesis + 2 + off) == pytest.approx(4 * 23, rel=0.25)
+    own = [moments.distance(thesis + row[None]) for row in np.random.default_rng(2).normal(size=(300, 46))]
+    assert np.mean(own) == pytest.approx(23, rel=0.1)
 
 
-def test_likelihood_does_not_look_at_the_rectangle(statistics: np.ndarray) -> None:
+def test_sets_without_weight_do_not_count(statistics: np.ndarray) -> None:
+    weights = np.r_[np.full(15, 1 / 15), np.zeros(15)]
+    other = statistics.copy()
+    other[15:] *= 9
+    assert np.array_equal(Moments(other, weights).spread, Moments(statistics, weights).spread)
+
+
+def test_distance_does_not_look_at_the_rectangle(statistics: np.ndarray) -> None:
     own = statistics[3].astype(np.float64)
-    assert Likelihood(statistics).log(np.where(NAMED, own, 99.0)) == Likelihood(statistics).log(own)
+    moments = Moments(statistics, np.ones(len(statistics)))
+    assert moments.distance(np.where(NAMED, own, 99.0)) == moments.distance(own)
 
 
-def test_sets_without_failures_or_successes_are_impossible(statistics: np.ndarray) -> None:
+def test_sets_without_failures_or_successes_are_infinitely_far(statistics: np.ndarray) -> None:
     own = statistics[3].astype(np.float64)
     own[:15, NAMES.index("corridor 3 right_failed")] = np.nan
-    assert Likelihood(statistics).log(own) == -np.inf
+    assert Moments(statistics, np.ones(len(statistics))).distance(own) == np.inf
 
 
 def test_children_stay_in_the_prior_and_mix_their_parents() -> None:

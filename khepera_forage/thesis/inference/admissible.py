@@ -50,12 +50,14 @@ class Check(NamedTuple):
     complete: float
 
 
-def check(laboratory: Laboratory, seed: int) -> Check:
+def check(laboratory: Laboratory, seed: int, effort: int = 1) -> Check:
     """Whether a laboratory is admissible; what costs least is looked at first, until a reason is found.
 
     Args:
         laboratory: Decisions and noise.
         seed: Of the forages.
+        effort: How many times as many forages and attempts. A set at the edge of what is admissible may pass a check
+            and fail the next one.
     """
     delivered, fastest = [math.nan, math.nan], [math.nan, math.nan]
 
@@ -63,17 +65,17 @@ def check(laboratory: Laboratory, seed: int) -> Check:
         return Check(reason, (delivered[0], delivered[1]), (fastest[0], fastest[1]), complete)
 
     for k, (arena, (foods, _)) in enumerate(ARENAS.items()):
-        forages = _forages(laboratory, arena, TEACHER, FORAGES, seed)
-        delivered[k] = float(forages.delivered.sum() / (FORAGES * foods))
+        forages = _forages(laboratory, arena, TEACHER, effort * FORAGES, seed)
+        delivered[k] = float(forages.delivered.sum() / (effort * FORAGES * foods))
         fastest[k] = float(forages.steps.min())
         if delivered[k] < DELIVERED:
             return result(f"the teacher fails in the {arena}")
         if fastest[k] > LUCK * FASTEST[arena]:
             return result(f"too slow in the {arena}")
     for arena in ARENAS:
-        if _forages(laboratory, arena, WITHOUT_ORIENTING, WITHOUT, seed).delivered.any():
+        if _forages(laboratory, arena, WITHOUT_ORIENTING, effort * WITHOUT, seed).delivered.any():
             return result(f"no ORIENT is needed in the {arena}")
-    complete = _complete(laboratory, seed)
+    complete = _complete(laboratory, effort * EPISODES, seed)
     return result("" if complete >= COMPLETE else "training is seldom complete", complete)
 
 
@@ -92,11 +94,11 @@ def _forages(laboratory: Laboratory, arena: str, policy: int, count: int, seed: 
     )
 
 
-def _complete(laboratory: Laboratory, seed: int) -> float:
+def _complete(laboratory: Laboratory, episodes: int, seed: int) -> float:
     """Share of attempts at a training episode that are complete."""
     try:
         trained = train_learners(
-            EPISODES, seed=seed, noise=laboratory.noise, decisions=laboratory.decisions, attempts=10
+            episodes, seed=seed, noise=laboratory.noise, decisions=laboratory.decisions, attempts=10
         )
     except (IncompleteTrainingError, ValueError):  # a mark where robot or food does not fit
         return 0.0

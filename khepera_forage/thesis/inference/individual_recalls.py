@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.thesis.design import THESIS
-from khepera_forage.thesis.inference.summary import CellRecalls, usable_lines
+from khepera_forage.thesis.inference.summary import CellRecalls, usable_lines, usable_places
 
 Floats = NDArray[np.float64]
 
@@ -32,17 +32,25 @@ INDIVIDUAL = {"score": "score (%)", "steps": "steps", "right": "right steps (%)"
 
 
 def of_arena(cells: Sequence[CellRecalls], arena: str) -> IndividualRecalls:
-    """Recalls of all cells of an arena.
+    """Recalls of all cells of an arena: as many of each set of files as the thesis has usable lines.
 
     Args:
         cells: One element a cell of `THESIS`.
         arena: `corridor` or `rectangle`.
     """
-    own = [recalls for cell, recalls in zip(THESIS, cells, strict=True) if cell.arena == arena]
+    own = [
+        (recalls, usable_places(cell))
+        for cell, recalls in zip(THESIS, cells, strict=True)
+        if cell.arena == arena
+    ]
     return IndividualRecalls(
         *(
             np.concatenate(
-                [getattr(recalls, name).reshape(len(recalls.steps), -1) for recalls in own], axis=1
+                [
+                    getattr(recalls, name).reshape(len(recalls.steps), -1)[:, places]
+                    for recalls, places in own
+                ],
+                axis=1,
             )
             for name in INDIVIDUAL
         )

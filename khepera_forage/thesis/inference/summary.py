@@ -115,8 +115,17 @@ def of_thesis(cell: Cell) -> CellSummary:
 
 def usable_lines(cell: Cell) -> list[PrintedRecall]:
     """The lines of a table that do not contradict themselves and were not filled down."""
+    rows = appendix_a.rows_of(appendix_a.table_of(cell.arena, cell.episodes))
+    return [rows[place] for place in usable_places(cell)]
+
+
+def usable_places(cell: Cell) -> list[int]:
+    """Places of these lines in their table, from 0."""
     table = appendix_a.table_of(cell.arena, cell.episodes)
-    return _without_series([row for row in appendix_a.rows_of(table) if _is_possible(row, table)])
+    rows = appendix_a.rows_of(table)
+    possible = [place for place, row in enumerate(rows) if _is_possible(row, table)]
+    pairs = zip([None, *possible], possible, strict=False)
+    return [place for before, place in pairs if before is None or not _counts_on(rows[before], rows[place])]
 
 
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
@@ -149,15 +158,9 @@ def _is_possible(row: PrintedRecall, table: PrintedTable) -> bool:
     return whole and (row.points > 0) == (row.total >= table.limit)
 
 
-def _without_series(rows: Sequence[PrintedRecall]) -> list[PrintedRecall]:
-    """Without lines that only count the line before up by one, as filling down in a spreadsheet does."""
-    return [
-        row
-        for k, row in enumerate(rows)
-        if k == 0
-        or (row.file_id, row.total, row.correct)
-        != (rows[k - 1].file_id, rows[k - 1].total, rows[k - 1].correct + 1)
-    ]
+def _counts_on(before: PrintedRecall, row: PrintedRecall) -> bool:
+    """Whether a line only counts the line before up by one, as filling down in a spreadsheet does."""
+    return (row.file_id, row.total, row.correct) == (before.file_id, before.total, before.correct + 1)
 
 
 def _mean_where(which: NDArray[np.bool_], values: Floats) -> Floats:
