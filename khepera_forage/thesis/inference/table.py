@@ -41,7 +41,7 @@ class Sets(NamedTuple):
 
     Attributes:
         numbers: Of the sets, from 0.
-        laboratories: What differs from the defaults, as JSON.
+        laboratories: All decisions and sizes of noise, as JSON.
         reasons: Why a set is not admissible; empty if it is.
         delivered: Share of the food that the teacher brings home: corridor, rectangle.
         fastest: Steps of the teacher's fastest forage: corridor, rectangle.
@@ -141,4 +141,4 @@ def _difference(found: str, contents: Contents) -> str:
 
 def _as_json(simulated: Simulated) -> str:
     decisions, noise = simulated.laboratory
-    return json.dumps({"decisions": decisions.changed(), "noise": asdict(noise)})
+    return json.dumps({"decisions": asdict(decisions), "noise": asdict(noise)})
