@@ -2,10 +2,11 @@
 
     python benchmarks/decisions.py && python benchmarks/best_decisions.py
 
-Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
+Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the nearest sets, changed
 within the prior, are checked and judged by the method of simulated moments. Tables A.5 to A.7 are not looked at. Noise
-is the laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible. At the end the best sets, with rounded values, are replicated again with other
-seeds, so that luck is not mistaken for a fit. Needs numba; a run that was killed continues.
+is the laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible.
+At the end the nearest sets, with rounded values, are replicated again with other seeds, so that luck is not mistaken
+for a fit. Needs numba; a run that was killed continues.
 """
 
 import argparse

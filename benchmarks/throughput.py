@@ -2,7 +2,7 @@
 
     python benchmarks/throughput.py --help
 
-Goals on one core: 15,000 steps a second of Corridor-v0 under the teacher, 4,000 rounds a second of the paired
+Goals on one core: 15,000 steps a second of Corridor-v1 under the teacher, 4,000 rounds a second of the paired
 corridors, 40,000 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB
 for the main job. With `--compiled`: 15 million steps a second in the kernel, 5 million and 300 times pymunk through
 `gym.make_vec`, and 150,000 of one world; there is then a second picture, of the cost of a step against worlds and food.

@@ -1,7 +1,7 @@
 """Learning to forage by imitation: paired Khepera robots as PettingZoo and Gymnasium environments.
 
-Importing the package registers `khepera_forage/Corridor-v0`, `Rectangle-v0`, `CorridorWheels-v0` and
-`RectangleWheels-v0` with Gymnasium.
+Importing the package registers `khepera_forage/Corridor-v1`, `Rectangle-v1`, `CorridorWheels-v1` and
+`RectangleWheels-v1` with Gymnasium, and the same names with `-v0` for the decisions of version 0.1.
 """
 
 from khepera_forage.envs.registration import register_all

@@ -69,8 +69,8 @@ def _observations(samples: Sequence[MeasuredClaims]) -> Table:
     return Table(
         "observations",
         "The observations of the test set",
-        f"Share of laboratories in which at least so many of {len(own)} claims hold that were not fitted: areas 1 and 2 "
-        "and ORIENT where no food is, each in both arenas, and the behaviours after ORIENT (5.4.1.2, 5.4.2.2).",
+        f"Share of laboratories in which at least so many of {len(own)} claims hold that were not fitted: areas 1 and "
+        "2 and ORIENT where no food is, each in both arenas, and the behaviours after ORIENT (5.4.1.2, 5.4.2.2).",
         (
             Column("at least"),
             Column("admissible laboratories (%)", 0, estimate=True),

@@ -2,10 +2,12 @@
 
     PYTHONPATH=checkout python -P benchmarks/timing/beside_cases.py CASE SIZE SEED
 
-Prints the value and the folder of the package. `_PLACES` lists where each version keeps what the cases use.
+Prints the value and the folder of the package. `_PLACES` lists where each version keeps what the cases use. All
+versions run the task of version 0.1, the only one that they share.
 """
 
 import sys
+import warnings
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -41,7 +43,7 @@ def pymunk(steps: int, seed: int) -> float:
     """Steps a second of Corridor-v0 on pymunk under the teacher, resets included."""
     import gymnasium as gym
 
-    env: Any = gym.make(_CORRIDOR)
+    env: Any = _corridor(gym.make)
     policies = import_module("khepera_forage.policies")
     teacher = policies.Teacher
     act = (teacher.of(env) if hasattr(teacher, "of") else teacher(env.unwrapped.home_radius)).act
@@ -54,9 +56,9 @@ def one_world(steps: int, seed: int) -> float:
 
     env: Any
     try:
-        env = gym.make(_CORRIDOR, backend="compiled")
+        env = _corridor(gym.make, backend="compiled")
     except TypeError:
-        env = gym.make(_CORRIDOR, physics="batch")
+        env = _corridor(gym.make, physics="batch")
     return _steps_a_second(env, lambda _, info: info["correct_behaviour"], steps, seed)
 
 
@@ -64,7 +66,7 @@ def make_vec(rounds: int, seed: int) -> float:
     """Steps a second of all worlds of make_vec under the teacher, in the median round."""
     import gymnasium as gym
 
-    env: Any = gym.make_vec(_CORRIDOR, num_envs=WORLDS)
+    env: Any = _corridor(gym.make_vec, num_envs=WORLDS)
     _, infos = env.reset(seed=seed)
     seconds = []
     for _ in range(2 * rounds):
@@ -79,24 +81,24 @@ def kernel(calls: int, seed: int) -> float:
     """Steps a second of whole episodes under the teacher in the kernel, on at most two threads, in the median call."""
     import numba
 
-    run_teacher = _find("run_teacher")
+    run_teacher, decisions = _find("run_teacher"), _decisions()
     numba.set_num_threads(min(2, numba.get_num_threads()))
-    run_teacher(episodes=128, seed=seed)
+    run_teacher(episodes=128, seed=seed, **decisions)
     rates = []
     for call in range(calls):
         start = perf_counter()
-        steps = int(run_teacher(episodes=EPISODES, seed=seed + call).steps.sum())
+        steps = int(run_teacher(episodes=EPISODES, seed=seed + call, **decisions).steps.sum())
         rates.append(steps / (perf_counter() - start))
     return median(rates)
 
 
 def design(replications: int, seed: int) -> float:
     """Seconds of replications of the thesis's design: training and recalls as rows, without the report."""
-    group, size = _find("CompiledReplications"), _find("GROUP_SIZE")
-    group(seed, 0, 1).run()  # compiles, or loads the kernels
+    group, size, decisions = _find("CompiledReplications"), _find("GROUP_SIZE"), _decisions()
+    group(seed, 0, 1, **decisions).run()  # compiles, or loads the kernels
     start = perf_counter()
     for first in range(0, replications, size):
-        group(seed, first, min(size, replications - first)).run()
+        group(seed, first, min(size, replications - first), **decisions).run()
     return perf_counter() - start
 
 
@@ -105,7 +107,7 @@ def first_make_vec(worlds: int, seed: int) -> float:
     start = perf_counter()
     import gymnasium as gym
 
-    env: Any = gym.make_vec(_CORRIDOR, num_envs=worlds)
+    env: Any = _corridor(gym.make_vec, num_envs=worlds)
     env.step(env.reset(seed=seed)[1]["correct_behaviour"])
     return perf_counter() - start
 
@@ -113,14 +115,14 @@ def first_make_vec(worlds: int, seed: int) -> float:
 def first_run_teacher(episodes: int, seed: int) -> float:
     """Seconds from the import to the end of the first call of run_teacher."""
     start = perf_counter()
-    _find("run_teacher")("corridor", episodes, seed=seed)
+    _find("run_teacher")("corridor", episodes, seed=seed, **_decisions())
     return perf_counter() - start
 
 
 def first_train_learners(learners: int, seed: int) -> float:
     """Seconds from the import to the end of the first call of train_learners."""
     start = perf_counter()
-    _find("train_learners")(learners, seed=seed)
+    _find("train_learners")(learners, seed=seed, **_decisions())
     return perf_counter() - start
 
 
@@ -138,6 +140,19 @@ CASES: dict[str, Callable[[int, int], float]] = {
     )
 }
 """Every case by its name; each takes its size and a seed."""
+
+
+def _corridor(make: Callable[..., Any], **kwargs: Any) -> Any:
+    """Corridor-v0 by one of Gymnasium's functions, without its warning that there is a newer version."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*is out of date", DeprecationWarning)
+        return make(_CORRIDOR, **kwargs)
+
+
+def _decisions() -> dict[str, Any]:
+    """Arguments for the decisions of version 0.1, which older versions of the package have by default."""
+    decisions: Any = getattr(import_module("khepera_forage"), "Decisions", None)
+    return {"decisions": decisions.v0_1()} if hasattr(decisions, "v0_1") else {}
 
 
 def _find(name: str) -> Any:

@@ -26,16 +26,16 @@ KERNEL = Measure(
 ONE_CORE = Measure(SECTION, "the same on one core", "steps/s", "one thread")
 VECTOR = Measure(
     SECTION,
-    f"Corridor-v0 of make_vec, {WORLDS:,} worlds",
+    f"Corridor-v1 of make_vec, {WORLDS:,} worlds",
     "steps/s",
     "behaviours in, observations and infos out, all cores",
     5e6,
 )
 TIMES_PYMUNK = Measure(
-    SECTION, "the same, as a multiple of Corridor-v0 on pymunk", "times", "same repeat, resets included", 300
+    SECTION, "the same, as a multiple of Corridor-v1 on pymunk", "times", "same repeat, resets included", 300
 )
 SINGLE = Measure(
-    SECTION, 'Corridor-v0 with backend="compiled"', "steps/s", "gym.make, one world, resets included", 150_000
+    SECTION, 'Corridor-v1 with backend="compiled"', "steps/s", "gym.make, one world, resets included", 150_000
 )
 MEMORY = Measure(SECTION, "memory of a world", "bytes", "one food object", 2_000)
 VECTORS, IMITATORS = 500, 64
@@ -69,7 +69,7 @@ def worlds_job(episodes: int, seed: int) -> Job:
 
     from khepera_forage.rollouts.compiled.recalls import run_teacher
 
-    env: Any = gym.make_vec("khepera_forage/Corridor-v0", num_envs=WORLDS)
+    env: Any = gym.make_vec("khepera_forage/Corridor-v1", num_envs=WORLDS)
     latest = {"infos": env.reset(seed=seed)[1]}
 
     def kernel() -> float:
@@ -100,8 +100,8 @@ def worlds_job(episodes: int, seed: int) -> Job:
 
 
 def single(steps: int, seed: int, **kwargs: Any) -> float:
-    """Steps a second of Corridor-v0 of `gym.make` under the teacher, resets included."""
-    env: Any = gym.make("khepera_forage/Corridor-v0", **kwargs)
+    """Steps a second of Corridor-v1 of `gym.make` under the teacher, resets included."""
+    env: Any = gym.make("khepera_forage/Corridor-v1", **kwargs)
     _, info = env.reset(seed=seed)
     start = perf_counter()
     for _ in range(steps):

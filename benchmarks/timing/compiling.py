@@ -12,9 +12,9 @@ NOTE = "Seconds from the import to the end of the first call in a fresh process;
 _STEP = "; env.step(env.reset(seed=0)[1]['correct_behaviour'])"
 CALLS = {
     "make_vec, a step of 4,096 worlds": "import gymnasium as gym, khepera_forage; "
-    "env = gym.make_vec('khepera_forage/Corridor-v0', num_envs=4096)" + _STEP,
+    "env = gym.make_vec('khepera_forage/Corridor-v1', num_envs=4096)" + _STEP,
     'make with backend="compiled", a step': "import gymnasium as gym, khepera_forage; "
-    "env = gym.make('khepera_forage/Corridor-v0', backend='compiled')" + _STEP,
+    "env = gym.make('khepera_forage/Corridor-v1', backend='compiled')" + _STEP,
     "run_teacher, 128 recalls": "from khepera_forage.rollouts.compiled.recalls import run_teacher; "
     "run_teacher('corridor', 128)",
     "train_learners, 128 learners": "from khepera_forage.rollouts.compiled.training import train_learners; "

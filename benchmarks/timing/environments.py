@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.training import TEACHER
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.listener import Listener
@@ -19,17 +19,17 @@ NOTE = (
     "Made and stepped as users do, under the teacher; simulation, infra-reds, camera, perception, policy and wrappers "
     "included."
 )
-CORRIDOR = Measure(SECTION, "Corridor-v0, resets included", "steps/s", "gym.make, Teacher", 15_000)
-CORRIDOR_STEPS = Measure(SECTION, "Corridor-v0, resets left out", "steps/s", "the same run")
-RECTANGLE = Measure(SECTION, "Rectangle-v0, resets included", "steps/s", "gym.make, Teacher")
+CORRIDOR = Measure(SECTION, "Corridor-v1, resets included", "steps/s", "gym.make, Teacher", 15_000)
+CORRIDOR_STEPS = Measure(SECTION, "Corridor-v1, resets left out", "steps/s", "the same run")
+RECTANGLE = Measure(SECTION, "Rectangle-v1, resets included", "steps/s", "gym.make, Teacher")
 WHEELS = Measure(
-    SECTION, "CorridorWheels-v0, resets included", "steps/s", "gym.make, the teacher's motors as action"
+    SECTION, "CorridorWheels-v1, resets included", "steps/s", "gym.make, the teacher's motors as action"
 )
 PAIRED = Measure(
     SECTION,
     "paired corridors, resets included",
     "rounds/s",
-    "paired_corridors_v0.env, both robots: agent_iter, last, Teacher and Listener",
+    "paired_corridors_v1.env, both robots: agent_iter, last, Teacher and Listener",
     4_000,
 )
 
@@ -50,7 +50,7 @@ def paired_job(rounds: int, seed: int) -> Job:
     """Measure the paired corridors."""
 
     def run() -> Values:
-        env = paired_corridors_v0.env()
+        env = paired_corridors_v1.env()
         teacher, listener = Teacher.of(env), Listener()
         done = 0
         start = perf_counter()
@@ -80,7 +80,7 @@ def _recall_job(
     """Measure steps with resets and, as the second measure if there is one, without."""
 
     def run() -> Values:
-        env = gym.make(f"khepera_forage/{name}-v0")
+        env = gym.make(f"khepera_forage/{name}-v1")
         act = policy(env)
         resetting = 0.0
         start = perf_counter()

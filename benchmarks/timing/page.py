@@ -112,5 +112,5 @@ def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
         axes.barh(place, line.median, color=OURS)
         axes.text(line.median, place, f" {100 * line.median / total:.0f} %", va="center", fontsize=8)
     axes.set_yticks(range(len(lines)), [line.measure.name for line in lines], fontsize=7)
-    axes.set_xlabel(f"µs a step of Corridor-v0 (sum {total:.0f})")
+    axes.set_xlabel(f"µs a step of Corridor-v1 (sum {total:.0f})")
     axes.set_xlim(0, 1.1 * max(axes.get_xlim()))

@@ -1,4 +1,4 @@
-"""The time of a step of Corridor-v0, part by part, under a stopwatch.
+"""The time of a step of Corridor-v1, part by part, under a stopwatch.
 
 During the measurement, the methods that make up a step run under a stopwatch, so that every moment of a step counts for
 exactly one part.
@@ -33,7 +33,7 @@ _METHODS: tuple[tuple[str, type, str], ...] = (
 )
 """A part's name, and a method whose time it is, without the parts that the method calls."""
 
-SECTION = "A step of Corridor-v0, part by part"
+SECTION = "A step of Corridor-v1, part by part"
 NOTE = (
     "Exclusive times: a clock is switched at every call between parts, and the measured cost of the switching is "
     "subtracted. What remains of this cost, and the effect on the processor's caches, is the difference of the last "
@@ -50,7 +50,7 @@ def job(steps: int, seed: int) -> Job:
     """Measure `steps` steps part by part, and the same steps as a whole."""
 
     def run() -> Values:
-        env = gym.make("khepera_forage/Corridor-v0")
+        env = gym.make("khepera_forage/Corridor-v1")
         teacher = Teacher.of(env)
         whole, _ = _drive(env, env.step, teacher.act, steps, seed)
         watch = Stopwatch()

@@ -24,7 +24,7 @@ NOTE = (
 )
 WORLDS = tuple(4**n for n in range(9))
 FOODS = (1, 2, 4, 8, 12, 16)
-VECTOR = {n: Measure(SECTION, f"make_vec, worlds: {n:,}", "ns a step", "Corridor-v0") for n in WORLDS}
+VECTOR = {n: Measure(SECTION, f"make_vec, worlds: {n:,}", "ns a step", "Corridor-v1") for n in WORLDS}
 KERNEL = {
     n: Measure(SECTION, f"kernel, worlds: {n:,}", "ns a step", "the same without the arrays") for n in WORLDS
 }
@@ -57,7 +57,7 @@ def job(steps: int, seed: int) -> Job:
         return max(_LEAST, min(steps // worlds, 2_000))
 
     def vector(worlds: int) -> float:
-        env: Any = gym.make_vec("khepera_forage/Corridor-v0", num_envs=worlds)
+        env: Any = gym.make_vec("khepera_forage/Corridor-v1", num_envs=worlds)
         _, infos = env.reset(seed=seed)
         seconds = []
         for _ in range(_LEAST + rounds(worlds)):

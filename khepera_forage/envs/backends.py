@@ -7,9 +7,11 @@ from typing import Any
 import gymnasium as gym
 from gymnasium.vector import VectorEnv
 
+from khepera_forage.envs.arguments import spec_decisions
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 PYMUNK, COMPILED = "pymunk", "compiled"
 BACKENDS = (PYMUNK, COMPILED)
@@ -22,25 +24,29 @@ class EntryPoint:
     Args:
         on_pymunk: Class on pymunk.
         compiled: Name of the class in `envs.compiled.single_envs`, which needs numba.
+        decisions: Of the environment's version, for users that give none.
     """
 
     metadata = RecallEnv.metadata
 
-    def __init__(self, on_pymunk: type[gym.Env[Any, Any]], compiled: str) -> None:
+    def __init__(self, on_pymunk: type[gym.Env[Any, Any]], compiled: str, decisions: Decisions) -> None:
         self._on_pymunk = on_pymunk
         self._compiled = compiled
+        self._decisions = decisions
 
-    def __call__(self, backend: str = PYMUNK, **kwargs: Any) -> gym.Env[Any, Any]:
+    def __call__(self, backend: str = PYMUNK, decisions: Any = None, **kwargs: Any) -> gym.Env[Any, Any]:
         """Make the environment.
 
         Args:
             backend: One of `BACKENDS`.
-            kwargs: Arguments of its class.
+            decisions: `Decisions`, or those of a stored spec; by default those of the environment's version.
+            kwargs: Other arguments of its class.
 
         Raises:
             ValueError: Another backend.
             ImportError: The backend "compiled" without numba.
         """
+        kwargs["decisions"] = spec_decisions(decisions, self._decisions)
         if check_backend(backend) == PYMUNK:
             return self._on_pymunk(**kwargs)
         made = getattr(import_module("khepera_forage.envs.compiled.single_envs"), self._compiled)
@@ -53,24 +59,30 @@ class VectorEntryPoint:
 
     Args:
         compiled: Name of the class in `envs.compiled.vector_envs`.
+        decisions: Of the environment's version, for users that give none.
     """
 
-    def __init__(self, compiled: str) -> None:
+    def __init__(self, compiled: str, decisions: Decisions) -> None:
         self._compiled = compiled
+        self._decisions = decisions
 
-    def __call__(self, num_envs: int = 1, backend: str = COMPILED, **kwargs: Any) -> VectorEnv[Any, Any, Any]:
+    def __call__(
+        self, num_envs: int = 1, backend: str = COMPILED, decisions: Any = None, **kwargs: Any
+    ) -> VectorEnv[Any, Any, Any]:
         """Make the vector environment.
 
         Args:
             num_envs: How many worlds.
             backend: Must be "compiled".
-            kwargs: Arguments of its class.
+            decisions: `Decisions`, or those of a stored spec; by default those of the environment's version.
+            kwargs: Other arguments of its class.
 
         Raises:
             ValueError: Another backend.
             ImportError: numba is not installed.
         """
         check_compiled(backend)
+        kwargs["decisions"] = spec_decisions(decisions, self._decisions)
         made = getattr(import_module("khepera_forage.envs.compiled.vector_envs"), self._compiled)
         env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
         return env
@@ -107,7 +119,13 @@ def check_compiled(backend: Any) -> None:
         )
 
 
-behaviours = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv")
-wheels = EntryPoint(WheelsEnv, "CompiledWheelsEnv")
-behaviours_vector = VectorEntryPoint("BehavioursVectorEnv")
-wheels_vector = VectorEntryPoint("WheelsVectorEnv")
+behaviours = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", Decisions.v0_1())
+wheels = EntryPoint(WheelsEnv, "CompiledWheelsEnv", Decisions.v0_1())
+behaviours_vector = VectorEntryPoint("BehavioursVectorEnv", Decisions.v0_1())
+wheels_vector = VectorEntryPoint("WheelsVectorEnv", Decisions.v0_1())
+"""Of the environments v0. Stored specs contain these names, which therefore stay without a version."""
+
+behaviours_v1 = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", DEFAULT_DECISIONS)
+wheels_v1 = EntryPoint(WheelsEnv, "CompiledWheelsEnv", DEFAULT_DECISIONS)
+behaviours_vector_v1 = VectorEntryPoint("BehavioursVectorEnv", DEFAULT_DECISIONS)
+wheels_vector_v1 = VectorEntryPoint("WheelsVectorEnv", DEFAULT_DECISIONS)

@@ -1,4 +1,4 @@
-"""`Corridor-v0` and `Rectangle-v0`: forage alone by choosing behaviours."""
+"""`Corridor-v1` and `Rectangle-v1`: forage alone by choosing behaviours."""
 
 from typing import Any
 
@@ -58,10 +58,12 @@ class BehavioursEnv(RecallEnv[int]):
     ## Arguments
     `arena` (an `Arena`), `foods` (number of objects), `limit` (steps), `noise` (a `Noise`, by default the
     laboratory's), `food_types` (one type, or odds by type; by default all PICKABLE), `render_mode`, `world` (another
-    `World` than the simulated one, in whose one arena everything then takes place).
+    `World` than the simulated one, in whose one arena everything then takes place), `decisions` (a `Decisions`: how
+    what the thesis leaves open is read).
 
     ## Version history
-    v0: first version.
+    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 
     def __init__(self, **kwargs: Any) -> None:

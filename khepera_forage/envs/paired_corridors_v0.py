@@ -1,26 +1,21 @@
-"""The training phase as a PettingZoo environment: a teacher and its learners in identical corridors (4.5).
-
-```python
-from khepera_forage.envs import paired_corridors_v0
-
-env = paired_corridors_v0.env(num_learners=1, max_cycles=600)
-env.reset(seed=1)
-for agent in env.agent_iter():
-    observation, reward, terminated, truncated, info = env.last()
-    env.step(None if terminated or truncated else policies[agent].act(observation))
-```
-"""
+"""The training phase as in version 0.1 of this package: `paired_corridors_v1` with the decisions of version 0.1."""
 
 from typing import Any
 
-from pettingzoo.utils import OrderEnforcingWrapper
-from pettingzoo.utils.conversions import aec_to_parallel
 from pettingzoo.utils.env import AECEnv, ParallelEnv
-from pettingzoo.utils.wrappers import AssertOutOfBoundsWrapper
 
-from khepera_forage.envs.training import TrainingEnv as raw_env  # noqa: N813 (PettingZoo's name)
+from khepera_forage.envs.paired_corridors import wrapped, wrapped_parallel
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.task.decisions import Decisions
 
 __all__ = ["env", "parallel_env", "raw_env"]
+
+
+class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
+    """`TrainingEnv` with the decisions of version 0.1, unless others are given."""
+
+    metadata = TrainingEnv.metadata | {"name": "paired_corridors_v0"}
+    default_decisions = Decisions.v0_1()
 
 
 def env(**kwargs: Any) -> AECEnv[str, Any, Any]:
@@ -29,7 +24,7 @@ def env(**kwargs: Any) -> AECEnv[str, Any, Any]:
     Args:
         **kwargs: Those of `raw_env`.
     """
-    return OrderEnforcingWrapper(AssertOutOfBoundsWrapper(raw_env(**kwargs)))
+    return wrapped(raw_env(**kwargs))
 
 
 def parallel_env(**kwargs: Any) -> ParallelEnv[str, Any, Any]:
@@ -38,4 +33,4 @@ def parallel_env(**kwargs: Any) -> ParallelEnv[str, Any, Any]:
     Args:
         **kwargs: Those of `raw_env`.
     """
-    return aec_to_parallel(env(**kwargs))
+    return wrapped_parallel(raw_env(**kwargs))

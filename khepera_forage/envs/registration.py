@@ -1,18 +1,24 @@
-"""The environments' names. Gymnasium loads no entry points: importing the package registers them."""
+"""The environments' names. Gymnasium loads no entry points: importing the package registers them.
+
+Versions differ in their default decisions: v0 has those of version 0.1 of this package, v1 the defaults of `Decisions`.
+"""
 
 import gymnasium as gym
+
+VERSIONS = {"v0": "", "v1": "_v1"}
+"""The versions, with the ends of the names of their entry points."""
 
 
 def register_all() -> None:
     """Register the recall environments; a second call does nothing."""
     for name, foods, limit in (("Corridor", 1, 500), ("Rectangle", 2, 700)):
         for suffix, kind in (("", "behaviours"), ("Wheels", "wheels")):
-            env_id = f"khepera_forage/{name}{suffix}-v0"
-            if env_id not in gym.registry:
-                kwargs = {"foods": foods, "limit": limit, "arena": name.lower()}
-                gym.register(
-                    env_id,
-                    entry_point=f"khepera_forage.envs.backends:{kind}",
-                    vector_entry_point=f"khepera_forage.envs.backends:{kind}_vector",
-                    kwargs=kwargs,
-                )
+            for version, end in VERSIONS.items():
+                env_id = f"khepera_forage/{name}{suffix}-{version}"
+                if env_id not in gym.registry:
+                    gym.register(
+                        env_id,
+                        entry_point=f"khepera_forage.envs.backends:{kind}{end}",
+                        vector_entry_point=f"khepera_forage.envs.backends:{kind}_vector{end}",
+                        kwargs={"foods": foods, "limit": limit, "arena": name.lower()},
+                    )

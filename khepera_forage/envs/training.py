@@ -34,7 +34,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -59,7 +59,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     ## Observation space
     `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
-    robot_food_distance (pixels of 5 mm, as in `Corridor-v0`), heard (a behaviour; 10 is silence), separated 0/1 (for
+    robot_food_distance (pixels of 5 mm, as in `Corridor-v1`), heard (a behaviour; 10 is silence), separated 0/1 (for
     the teacher: any of its learners).
 
     ## Rewards
@@ -85,15 +85,20 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
     food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated
     one, in whose arenas everything then takes place, one robot in each; give `noise=Noise.none()` with a real one,
-    so that its operator is asked for the marks themselves).
+    so that its operator is asked for the marks themselves), `decisions` (a `Decisions`).
+
+    ## Version history
+    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
-        "name": "paired_corridors_v0",
+        "name": "paired_corridors_v1",
         "render_modes": list(RENDER_MODES),
         "render_fps": 10,
         "is_parallelizable": True,
     }
+    default_decisions = DEFAULT_DECISIONS
 
     def __init__(
         self,
@@ -110,7 +115,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
-        self.decisions = checked_decisions(decisions)
+        self.decisions = checked_decisions(self.default_decisions if decisions is None else decisions)
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode)

@@ -1,4 +1,4 @@
-"""`CorridorWheels-v0` and `RectangleWheels-v0`: forage alone by commanding motors."""
+"""`CorridorWheels-v1` and `RectangleWheels-v1`: forage alone by commanding motors."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
     """Forage alone, commanding wheels, arm and jaw at every step.
 
     ## Description
-    The task of `Corridor-v0` and `Rectangle-v0` one level down: raw data in, motors out, so that the behaviours too
+    The task of `Corridor-v1` and `Rectangle-v1` one level down: raw data in, motors out, so that the behaviours too
     can be learned (4.8).
 
     ## Action space
@@ -54,7 +54,8 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
     commands on the same raw data.
 
     ## Version history
-    v0: first version.
+    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 
     def __init__(self, **kwargs: Any) -> None:

@@ -200,10 +200,9 @@ class Experience:
         return self.__dict__ == other.__dict__
 
     def __repr__(self) -> str:
-        changed = header_decisions_text(self.decisions)
         return (
-            f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}"
-            + (f", decisions={changed!r}>" if changed else ">")
+            f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}, "
+            f"decisions={header_decisions_text(self.decisions)!r}>"
         )
 
 

@@ -1,6 +1,6 @@
 """Conversion between experience and Minari datasets, a standard of offline learning (extra `minari`).
 
-An experience file becomes an episode with the observations and actions of `Corridor-v0` or `Rectangle-v0`, so that a
+An experience file becomes an episode with the observations and actions of `Corridor-v1` or `Rectangle-v1`, so that a
 learner from Minari datasets can forage there. The environment variable MINARI_DATASETS_PATH is the folder in which
 Minari stores datasets.
 """
@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import khepera_forage  # noqa: F401 - registers the environments, whose spaces the dataset has
+import khepera_forage  # also registers the environments, whose spaces the dataset has
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.text_format import header_decisions, header_decisions_text
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 
 FLAT = ("object_presence", "food_type")
@@ -29,8 +30,9 @@ def to_minari(
 
     Values that experience does not contain are filled in: all rewards are 0; the last observation is repeated, because
     Minari has one more observation than actions; the last step terminates, because incomplete episodes are discarded
-    (5.2). The decisions of the training are metadata of every episode, which `from_minari` reads. Minari cannot store
-    them for its `recover_environment()`, which always returns an environment under the default decisions.
+    (5.2). The decisions of the training are metadata of every episode, which `from_minari` reads. Minari's
+    `recover_environment()` returns an environment under the same decisions, or under the default ones if those of the
+    episodes differ.
 
     Args:
         experiences: At least one vector each, all of the same arena.
@@ -61,7 +63,8 @@ def to_minari(
             part.require_decisions(parts[0].decisions)
     import gymnasium as gym
 
-    env = gym.make(f"khepera_forage/{arenas[0].capitalize()}-v0")
+    decisions, *others = {part.decisions for part in parts}
+    env = gym.make(f"khepera_forage/{arenas[0].capitalize()}-v1", decisions=None if others else decisions)
     buffers = [_buffer(minari, number, part, env.observation_space) for number, part in enumerate(parts)]
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
@@ -78,6 +81,9 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
             whose observations are state vectors and whose actions are behaviours.
         arena: Name of the arena; by default the one in the dataset.
 
+    An episode without decisions has those of the environment in which it was recorded, or those of version 0.1 if that
+    is none of this package.
+
     Raises:
         ExperienceError: An episode has no state vectors or no behaviours, neither argument nor dataset names an arena,
             or the decisions in the dataset cannot be read.
@@ -86,15 +92,17 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
     if isinstance(dataset, str):
         dataset = _minari().load_dataset(dataset)
     parts = []
+    spec = dataset.env_spec
+    recorded = _decisions_of(spec)
     metadata = dataset.storage.get_episode_metadata(dataset.episode_indices)
     for episode, about in zip(dataset.iterate_episodes(), metadata, strict=True):
         options = about.get("options", {})
-        name = arena or options.get("arena") or getattr(dataset.env_spec, "kwargs", {}).get("arena")
+        name = arena or options.get("arena") or getattr(spec, "kwargs", {}).get("arena")
         if not isinstance(name, str):
             raise ExperienceError(f"episode {episode.id}: the dataset has no arena; pass arena=")
         seed = options.get("seed", "None")
         try:
-            decisions = header_decisions(str(options.get("decisions", "")))
+            decisions = header_decisions(str(options["decisions"])) if "decisions" in options else recorded
         except ValueError as error:
             raise ExperienceError(f"episode {episode.id}: {error}") from None
         parts.append(
@@ -108,6 +116,25 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
             )
         )
     return parts
+
+
+def _decisions_of(spec: Any) -> Decisions:
+    """The decisions of the environment that a spec describes; those of version 0.1 if it is none of this package.
+
+    Raises:
+        ExperienceError: They cannot be read.
+    """
+    import gymnasium as gym
+
+    registered = gym.registry.get(getattr(spec, "id", ""))
+    if registered is None or registered.namespace != khepera_forage.__name__:
+        return Decisions.v0_1()
+    try:
+        env: Any = gym.make(registered, decisions=spec.kwargs.get("decisions")).unwrapped
+    except ValueError as error:
+        raise ExperienceError(f"the environment of the dataset: {error}") from None
+    decisions: Decisions = env.decisions
+    return decisions
 
 
 def _buffer(minari: Any, number: int, part: Experience, space: Any) -> Any:

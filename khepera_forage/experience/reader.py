@@ -22,11 +22,11 @@ from khepera_forage.experience.text_format import (
     header_decisions,
     quoted,
 )
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 HEADER_LINES = 7
-"""One more in a file with a line of decisions."""
+"""Of a file without a line of decisions; others have one more."""
 DECISIONS_KEY = "# decisions: "
 
 
@@ -57,7 +57,7 @@ def read(path: str | PathLike[str], recover: bool) -> Contents:
     _check_first_line(path, complete[0] if complete else rest)
     lines = [_decoded(path, number, line) for number, line in enumerate(complete, 1)]
     incomplete = rest.decode(errors="replace")
-    decisions: Decisions | None = DEFAULT_DECISIONS
+    decisions: Decisions | None = Decisions.v0_1()
     header_lines = HEADER_LINES
     if len(lines) > 5 and lines[5].startswith(DECISIONS_KEY):
         decisions = _decisions(path, lines[5].removeprefix(DECISIONS_KEY))
@@ -113,7 +113,7 @@ def _decoded(path: str | PathLike[str], number: int, line: bytes) -> str:
 def _decisions(path: str | PathLike[str], text: str) -> Decisions | None:
     if not text:
         raise _error(
-            path, 6, "decisions are ''; allowed: those that differ from the defaults, or no such line"
+            path, 6, "decisions are ''; allowed: a version and what differs from it, or no such line"
         )
     try:
         return header_decisions(text)

@@ -5,14 +5,15 @@
     # arena: corridor
     # seed: 7
     # episodes: 1
+    # decisions: v0.1;next_to_food=22
     # units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)
     object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour
     0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD
     # complete: 1 vectors
 
-The closing line distinguishes a complete recording from a killed one. A line `# decisions: next_to_food=22` before the
-units lists the decisions that differ from the defaults, or says that they are `mixed`. A file without it, such as one
-that an older version wrote, is of the default decisions.
+The closing line distinguishes a complete recording from a killed one. The line of decisions names a version and what
+differs from it, or says that the decisions are `mixed`. Older files have no such line, or one that names no version:
+their decisions are those of version 0.1, and what differs from it.
 """
 
 from collections.abc import Sequence
@@ -94,7 +95,7 @@ def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decis
 
 
 def header_decisions_text(decisions: Decisions | None) -> str:
-    """Decisions as a header stores them; empty for the defaults."""
+    """Decisions as a header stores them."""
     return MIXED if decisions is None else decisions_text(decisions)
 
 
@@ -142,12 +143,10 @@ def header_text(header: Header) -> str:
     from khepera_forage import __version__  # imported late: the package may be importing this module now
 
     seed = "none" if header.seed is None else header.seed
-    decisions = header_decisions_text(header.decisions)
     return (
         f"{MAGIC}{VERSION}\n# package: {__version__}\n# arena: {header.arena}\n# seed: {seed}\n"
-        f"# episodes: {header.episodes}\n"
-        + (f"# decisions: {decisions}\n" if decisions else "")
-        + f"# units: {UNITS}\n{','.join(COLUMNS)}\n"
+        f"# episodes: {header.episodes}\n# decisions: {header_decisions_text(header.decisions)}\n"
+        f"# units: {UNITS}\n{','.join(COLUMNS)}\n"
     )
 
 

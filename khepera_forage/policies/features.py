@@ -52,7 +52,7 @@ def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.
 
 
 def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Observations of `Corridor-v0` and `Rectangle-v0`, encoded.
+    """Observations of `Corridor-v1` and `Rectangle-v1`, encoded.
 
     Args:
         shown: One observation, or those of a vector environment.
@@ -92,7 +92,7 @@ def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Observations of `CorridorWheels-v0` and `RectangleWheels-v0`, with places relative to the robot.
+    """Observations of `CorridorWheels-v1` and `RectangleWheels-v1`, with places relative to the robot.
 
     Args:
         shown: One observation, or those of a vector environment; one `home` may serve all.

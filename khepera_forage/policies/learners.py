@@ -119,7 +119,7 @@ class FromSteps:
     Attributes:
         title: For tables and figures.
         algorithm: Name of the class in stable-baselines3.
-        wheels: Whether its actions are motors (`CorridorWheels-v0`) and not behaviours.
+        wheels: Whether its actions are motors (`CorridorWheels-v1`) and not behaviours.
         settings: Keyword arguments of the algorithm.
         sample: Whether actions are drawn with their probabilities also in recall (PPO only).
         worlds: Number of compiled environments it trains in.

@@ -57,7 +57,7 @@ class ModelPolicy:
             rng: Must be given with `sample`: one number is drawn for a behaviour, four for motors.
 
         Returns:
-            A `Behaviour`, or motors: four numbers in -1..1, as `CorridorWheels-v0` takes them.
+            A `Behaviour`, or motors: four numbers in -1..1, as `CorridorWheels-v1` takes them.
 
         Raises:
             TypeError: `rng` is not a NumPy generator, with `sample`.

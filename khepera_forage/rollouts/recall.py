@@ -37,7 +37,7 @@ def recall_env(
         limit: Time limit in steps; the thesis's by default.
         **kwargs: Further arguments of the environment.
     """
-    return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v0", noise, limit, **kwargs)
+    return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v1", noise, limit, **kwargs)
 
 
 def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:

@@ -185,7 +185,7 @@ def vec_env(
 def _name(arena: str, wheels: bool) -> str:
     if arena not in ARENAS:
         raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
-    return f"khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v0"
+    return f"khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v1"
 
 
 @contextmanager

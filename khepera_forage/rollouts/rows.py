@@ -56,7 +56,7 @@ class RecallRow:
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
         experience_size: Number of the learner's experience vectors.
-        decisions: Those of the environment that differ from the defaults, as in `next_to_food=17;separation=20`.
+        decisions: Those of the environment, as in `v1;next_to_food=17`; empty for version 0.1 (`task.decision_text`).
 
     Raises:
         ValueError: Fields that contradict each other.

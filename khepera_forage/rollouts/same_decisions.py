@@ -15,7 +15,7 @@ class _Row(Protocol):
 
     @property
     def decisions(self) -> str:
-        """Text of the decisions that differ from the defaults."""
+        """Text of the decisions."""
         ...
 
 
@@ -39,8 +39,8 @@ def common_decisions(*tables: Iterable[_Row]) -> Decisions:
 def refuse_other_decisions(path: Path, decisions: Decisions) -> None:
     """Check that an existing file of rows may be replaced by rows of certain decisions.
 
-    Only the first row is read. A file without a column `decisions`, which an older version wrote, is of the default
-    decisions. A file without rows, or that does not exist, is of none.
+    Only the first row is read. A file without a column `decisions`, which version 0.1 wrote, is of the decisions of
+    version 0.1. A file without rows, or that does not exist, is of none.
 
     Raises:
         ValueError: The file has rows of other decisions.
@@ -58,5 +58,5 @@ def refuse_other_decisions(path: Path, decisions: Decisions) -> None:
     if found != decisions:
         raise ValueError(
             f"{path} has rows of other decisions: {differences(found, decisions)}; allowed: the same decisions "
-            f"(now {decisions_text(decisions) or 'the defaults'}), another --out, or no such file"
+            f"(now {decisions_text(decisions)}), another --out, or no such file"
         )

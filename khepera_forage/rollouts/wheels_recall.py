@@ -14,7 +14,7 @@ class MotorPolicy(Protocol):
     """Chooses motor commands; `policies.ModelPolicy` can be one."""
 
     def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
-        """Left wheel, right wheel, arm and jaw, each -1..1, as `CorridorWheels-v0` takes them.
+        """Left wheel, right wheel, arm and jaw, each -1..1, as `CorridorWheels-v1` takes them.
 
         Args:
             observation: The raw data of the environment.
@@ -55,7 +55,7 @@ def recall_wheels_env(
         limit: Time limit in steps; the thesis's by default.
         **kwargs: Further arguments of the environment.
     """
-    return unwrapped_env(WheelsEnv, f"{arena.capitalize()}Wheels-v0", noise, limit, **kwargs)
+    return unwrapped_env(WheelsEnv, f"{arena.capitalize()}Wheels-v1", noise, limit, **kwargs)
 
 
 def recall_wheels(

@@ -57,9 +57,9 @@ def count(default: int, least: int, most: int, unit: str, section: str, reason: 
     return _field(default, Field("", int, unit, least, most, (), section, reason))
 
 
-def choice(choices: tuple[str, ...], section: str, reason: str) -> Any:
-    """A decision between named readings, of which the first is the default."""
-    return _field(choices[0], Field("", str, "", 0.0, 0.0, choices, section, reason))
+def choice(default: str, choices: tuple[str, ...], section: str, reason: str) -> Any:
+    """A decision between named readings."""
+    return _field(default, Field("", str, "", 0.0, 0.0, choices, section, reason))
 
 
 def checked(field: Field, value: Any) -> Any:

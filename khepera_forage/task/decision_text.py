@@ -1,27 +1,42 @@
-"""Decisions as text: `next_to_food=22;round_duration=0.2`, in the headers of files and in the columns of rows."""
+"""Decisions as text, in the headers of files and in the columns of rows: `v0.1;next_to_food=22;round_duration=0.2`.
+
+The text names a version and what differs from it, so it keeps its meaning when the defaults change. Text without a
+version, which files had before there were versions, is relative to version 0.1.
+"""
 
 from typing import Any
 
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decision_versions import PRESENT
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 _SEPARATOR = ";"
+_FIRST = "v0.1"
+VERSIONS = {_FIRST: Decisions.v0_1(), PRESENT: DEFAULT_DECISIONS}
+"""All versions by name, the oldest first."""
+_ALLOWED = ", ".join(map(repr, VERSIONS))
 
 
 def decisions_text(decisions: Decisions) -> str:
-    """The fields that differ from the defaults, with their values; empty for the default decisions."""
-    return _SEPARATOR.join(_assignment(name, value) for name, value in decisions.changed().items())
+    """The version that differs least, the oldest of several, and the fields that differ from it."""
+    changes = {name: decisions.differing(version) for name, version in VERSIONS.items()}
+    nearest = min(changes, key=lambda name: len(changes[name]))
+    return _SEPARATOR.join(
+        (nearest, *(_assignment(name, own) for name, (own, _) in changes[nearest].items()))
+    )
 
 
 def decisions_from_text(text: str) -> Decisions:
     """The decisions that a text of `decisions_text` describes.
 
     Raises:
-        ValueError: Not of this form, an unknown field, or a value that is not allowed.
+        ValueError: Not of this form, an unknown version or field, or a value that is not allowed.
     """
-    if not text:
-        return Decisions()
-    assignments = text.split(_SEPARATOR)
-    decisions = Decisions.parse(assignments)
+    version, assignments = _FIRST, text.split(_SEPARATOR) if text else []
+    if assignments and assignments[0].startswith("v") and "=" not in assignments[0]:
+        version = assignments.pop(0)
+        if version not in VERSIONS:
+            raise ValueError(f"version {version!r} of the decisions is unknown; allowed: {_ALLOWED}")
+    decisions = Decisions.parse(assignments, VERSIONS[version])
     for assignment in assignments:
         name = assignment.partition("=")[0]
         expected = _assignment(name, getattr(decisions, name))

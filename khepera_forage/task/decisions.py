@@ -2,17 +2,21 @@
 
 `Noise` describes devices; `Decisions` describes how we read the thesis. Every rule of the task takes its numbers from
 here at run time, so that one reading can be changed in one place, for every backend.
+
+The first value of a field is its default. Version 0.1 of this package had the values in `task.decision_versions`.
 """
 
 from collections import namedtuple
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Self
 
-from khepera_forage.task.decision_fields import Field, checked, choice, count, number, parse
+from khepera_forage.task.decision_fields import Field, checked, choice, count, number
+from khepera_forage.task.decision_set import DecisionSet
+from khepera_forage.task.decision_versions import V0_1
 
 
 @dataclass(frozen=True, slots=True)
-class Decisions:
+class Decisions(DecisionSet):
     """How this package reads what the thesis leaves open.
 
     Distances between regions are in pixels of 5 mm, as in the thesis; what lies on the floor is in mm; speeds are in
@@ -52,6 +56,7 @@ class Decisions:
 
     # What the camera shows.
     food_beside_robot: str = choice(
+        "seen at its last place",
         ("seen at its last place", "unseen", "unseen until the arm is down"),
         "4.2.2",
         "Food that the tracker has lost, such as food under the robot's marker.",
@@ -60,11 +65,13 @@ class Decisions:
         0.0, 0.0, 10.0, "s", "4.2.2", "From losing food until it is unseen, if lost food becomes unseen."
     )
     no_food_distance: str = choice(
+        "diagonal of the arena",
         ("diagonal of the arena", "last one known"),
         "4.3",
         "RobotFoodDistance while there is no candidate food.",
     )
     held_food: str = choice(
+        "candidate at its last place",
         ("candidate at its last place", "no candidate", "candidate in the gripper", "hides all food"),
         "4.3",
         "How food in the gripper counts for RobotFoodDistance.",
@@ -81,6 +88,7 @@ class Decisions:
     )
     close_to_food: float = number(30.0, 20.0, 60.0, "pixels", "4.2.1", "RobotCloseToFoodThreshold.")
     equal_distance: str = choice(
+        "nearer state",
         ("nearer state", "farther state"),
         "4.2.1",
         "State at a distance that equals a threshold, which matches no row of table 4.2.",
@@ -116,13 +124,17 @@ class Decisions:
     quick_turn_speed: float = number(8.0, 1.0, 20.0, "speed units", "4.2", "The same, in a larger turn.")
 
     # How the behaviours orient and carry (3.4, 3.7, 4.2).
-    searching_arm: str = choice(("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it.")
+    searching_arm: str = choice(
+        "raised", ("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it."
+    )
     search_without_food: str = choice(
+        "small circle",
         ("small circle", "wander"),
         "4.2",
         "SEARCH with no food in sight; wandering is straight on, off walls.",
     )
     beside_food: str = choice(
+        "back off",
         ("back off", "turn away", "drive on"),
         "4.2",
         "SEARCH and MOVE SLOWLY near food. The infra-reds turn them away, unless they back off or drive on.",
@@ -136,12 +148,13 @@ class Decisions:
         "Distance to food from which SEARCH and MOVE SLOWLY do not shove it.",
     )
     orienting: str = choice(
+        "lowered before food",
         ("lowered before food", "lowered over food"),
         "3.7",
         "ORIENT lowers the arm clear of the food, backing off if need be, or the open fingers around it.",
     )
     arm_after_orienting: str = choice(
-        ("raised", "as it is"), "4.2", "The arm in MOVE SLOWLY while it is still down after ORIENT."
+        "raised", ("raised", "as it is"), "4.2", "The arm in MOVE SLOWLY while it is still down after ORIENT."
     )
     aimed: float = number(
         5.0, 1.0, 15.0, "degrees", "3.7", "Off the food, within which a robot counts as oriented."
@@ -187,11 +200,15 @@ class Decisions:
         0, 0, 200, "rounds", "5.3", "From the delivery until the operator ends a training episode."
     )
     poison_in_training: str = choice(
-        ("left with the arm raised",), "5.3", "When an episode with poisonous food is complete."
+        "left with the arm raised",
+        ("left with the arm raised",),
+        "5.3",
+        "When an episode with poisonous food is complete.",
     )
 
     # The learner (4.6.1).
     distance_arithmetic: str = choice(
+        "exact",
         ("exact", "32-bit floats", "64-bit floats"),
         "4.6.1",
         "Of the distance between state vectors: sums of floats can differ where exact ones are equal.",
@@ -226,45 +243,10 @@ class Decisions:
         numbers: list[Any] = [Field.of(field).as_number(getattr(self, field.name)) for field in fields(self)]
         return DecisionValues(*numbers)
 
-    def differing(self, other: "Decisions") -> dict[str, tuple[Any, Any]]:
-        """Fields in which two sets differ: name to this set's value and the other's."""
-        pairs = {f.name: (getattr(self, f.name), getattr(other, f.name)) for f in fields(self)}
-        return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
-
-    def changed(self) -> dict[str, Any]:
-        """Fields that differ from the defaults, with their values: what files and rows store."""
-        return {name: own for name, (own, _) in self.differing(Decisions()).items()}
-
     @classmethod
-    def from_changes(cls, changes: dict[str, Any]) -> "Decisions":
-        """The set that differs from the defaults in these fields.
-
-        Raises:
-            ValueError: An unknown field, or a value out of range.
-        """
-        known = {field.name for field in fields(cls)}
-        for name in changes:
-            if name not in known:
-                raise ValueError(f"decision {name!r} is unknown; allowed: {', '.join(sorted(known))}")
-        return replace(cls(), **changes)
-
-    @classmethod
-    def parse(cls, assignments: list[str]) -> "Decisions":
-        """The set that the command line's `--decision NAME=VALUE` options describe.
-
-        Raises:
-            ValueError: Not of this form, an unknown or repeated field, or a value out of range.
-        """
-        changes: dict[str, Any] = {}
-        by_name = {field.name: Field.of(field) for field in fields(cls)}
-        for assignment in assignments:
-            name, sign, text = assignment.partition("=")
-            if not sign:
-                raise ValueError(f"decision {assignment!r}; allowed: NAME=VALUE, such as next_to_food=22")
-            if name in changes:
-                raise ValueError(f"decision {name} is set twice; allowed: once")
-            changes[name] = parse(by_name[name], text) if name in by_name else text
-        return cls.from_changes(changes)
+    def v0_1(cls) -> Self:
+        """The decisions of version 0.1, whatever the defaults are now."""
+        return cls(**V0_1)
 
 
 if TYPE_CHECKING:

@@ -105,7 +105,7 @@ def _page(tables: Sequence[Table], evidence: Evidence, backend: str) -> str:
     }
     count = len(replications(evidence.recalls))
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
-    decisions = decisions_text(evidence.decisions).replace(";", ", ") or "the defaults"
+    decisions = decisions_text(evidence.decisions).replace(";", ", ")
     parts = [
         "# The thesis's experiments, repeated\n\n"
         f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "

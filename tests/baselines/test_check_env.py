@@ -9,6 +9,6 @@ import khepera_forage  # noqa: F401 (registers)
 
 @pytest.mark.parametrize("name", ["Corridor", "Rectangle", "CorridorWheels", "RectangleWheels"])
 def test_environments_pass_check_env(name: str) -> None:
-    env = gym.make(f"khepera_forage/{name}-v0", render_mode="rgb_array")
+    env = gym.make(f"khepera_forage/{name}-v1", render_mode="rgb_array")
     check_env(env.unwrapped, warn=True)
     env.close()

@@ -72,7 +72,7 @@ def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[Trai
 def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained]]) -> None:
     policy = trained[name][-1].policy
     twin = pickle.loads(pickle.dumps(policy))
-    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v0")
+    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v1")
     observation, _ = env.reset(seed=3)
     rng, other = np.random.default_rng(0), np.random.default_rng(0)
     for _ in range(30):
@@ -105,7 +105,7 @@ def test_policy_forages_with_wheels(name: str, trained: dict[str, list[Trained]]
 @pytest.mark.parametrize("name", ["ppo", "ppo_wheels"])
 def test_action_holds_for_its_rounds(name: str, trained: dict[str, list[Trained]]) -> None:
     policy = replace(trained[name][-1].policy, hold=4)
-    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v0")
+    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v1")
     shown = [env.reset(seed=seed)[0] for seed in range(40)]
     env.close()
 

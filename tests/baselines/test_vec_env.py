@@ -186,7 +186,7 @@ def test_hold_below_1_is_refused() -> None:
 
 
 def test_environments_that_begin_again_a_step_later_are_refused() -> None:
-    env = gym.make_vec("khepera_forage:khepera_forage/Corridor-v0", num_envs=2, vectorization_mode="sync")
+    env = gym.make_vec("khepera_forage:khepera_forage/Corridor-v1", num_envs=2, vectorization_mode="sync")
     with pytest.raises(ValueError, match=r"autoreset_mode is .*; allowed: .*SAME_STEP"):
         VecEnvAdapter(env, behaviour_features)
     env.close()

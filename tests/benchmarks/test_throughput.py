@@ -11,10 +11,10 @@ from tests.benchmarks.running import read
 
 LINES = {
     "Environments": {
-        "Corridor-v0, resets included",
-        "Corridor-v0, resets left out",
-        "Rectangle-v0, resets included",
-        "CorridorWheels-v0, resets included",
+        "Corridor-v1, resets included",
+        "Corridor-v1, resets left out",
+        "Rectangle-v1, resets included",
+        "CorridorWheels-v1, resets included",
         "paired corridors, resets included",
     },
     "Bare pymunk": {
@@ -34,7 +34,7 @@ LINES = {
         "distinct among them",
     },
     "Processes": {"import khepera_forage"},
-    "A step of Corridor-v0, part by part": {
+    "A step of Corridor-v1, part by part": {
         "pymunk's own step",
         "wheels, gripper and rounds, in Python",
         "infra-reds and optical barrier",
@@ -50,7 +50,7 @@ LINES = {
 }
 TOTALS = {"sum of the parts", "the same steps without stopwatch"}
 GOALS = {
-    "Corridor-v0, resets included": 15_000,
+    "Corridor-v1, resets included": 15_000,
     "paired corridors, resets included": 4_000,
     "imitator while it forages": 40_000,
     "imitator, cache emptied before every query": 40_000,
@@ -101,12 +101,12 @@ def test_goals_stand_beside_what_was_measured(rows: dict[str, list[dict[str, str
 
 
 def test_leaving_resets_out_never_slows(rows: dict[str, list[dict[str, str]]]) -> None:
-    included, left_out = (values_of(rows[f"Corridor-v0, resets {how}"]) for how in ("included", "left out"))
+    included, left_out = (values_of(rows[f"Corridor-v1, resets {how}"]) for how in ("included", "left out"))
     assert all(a > b for a, b in zip(left_out, included, strict=True))
 
 
 def test_parts_add_up(rows: dict[str, list[dict[str, str]]]) -> None:
-    parts = list(LINES["A step of Corridor-v0, part by part"] - TOTALS)
+    parts = list(LINES["A step of Corridor-v1, part by part"] - TOTALS)
     for i, total in enumerate(values_of(rows["sum of the parts"])):
         assert sum(values_of(rows[part])[i] for part in parts) == pytest.approx(total)
 

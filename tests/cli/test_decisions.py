@@ -10,6 +10,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.decision_fields import Field
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 
 COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
@@ -90,7 +91,7 @@ def test_train_and_recall_store_their_decisions() -> None:
     assert main(["train", "--episodes", "1", "--out", "e", "--seed", "1", *decision]) == 0
     experience = Experience.load("e/g1.csv")
     assert experience.decisions == Decisions(next_to_food=22, separation=20)
-    text = "next_to_food=22;separation=20"
+    text = decisions_text(experience.decisions)
     assert {row.decisions for row in read_rows(Path("e/attempts.csv"), TrainingRow)} == {text}
     recall = ["recall", "--experience", "e/g1.csv", "--episodes", "1", "--out", "rows.csv"]
     assert main([*recall, *decision]) == 0
@@ -147,7 +148,7 @@ def test_patience_comes_from_one_option(capsys: pytest.CaptureFixture[str]) -> N
 def test_reproduce_refuses_a_folder_with_rows_of_other_decisions(capsys: pytest.CaptureFixture[str]) -> None:
     reproduce = ["reproduce", "--quick", "--backend", "pymunk", "--out", "thesis"]
     Path("thesis").mkdir()
-    Path("thesis/recalls.csv").write_text("replication,decisions\n0,separation=20\n")
+    Path("thesis/recalls.csv").write_text("replication,decisions\n0,v1;separation=20\n")
     assert main(reproduce) == 2
     assert (
         "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; "

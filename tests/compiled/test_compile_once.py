@@ -56,8 +56,8 @@ def _play(env: Any) -> None:
 
 def _play_both(name: str, num_envs: int = 3, **kwargs: Any) -> None:
     """A single compiled environment and a vector environment."""
-    _play(gym.make(f"khepera_forage/{name}-v0", backend="compiled", **kwargs))
-    _play(gym.make_vec(f"khepera_forage/{name}-v0", num_envs=num_envs, **kwargs))
+    _play(gym.make(f"khepera_forage/{name}-v1", backend="compiled", **kwargs))
+    _play(gym.make_vec(f"khepera_forage/{name}-v1", num_envs=num_envs, **kwargs))
 
 
 def test_other_decisions_compile_nothing() -> None:

@@ -1,5 +1,6 @@
 """Compiled replications of the thesis's design: rows like those of pymunk, under any decisions."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,11 +11,11 @@ from khepera_forage.thesis.compiled_replications import CompiledBaseline, Compil
 from khepera_forage.thesis.design import Cell, Subset
 
 SMALL = (Cell("corridor", 2, (Subset((1,)), Subset((1, 2))), 2, foods=1, limit=500),)
-OTHER = Decisions(next_to_food=22, food_to_home=200)
-TEXT = "food_to_home=200;next_to_food=22"
+OTHER = replace(Decisions.v0_1(), next_to_food=22, food_to_home=200)
+TEXT = "v0.1;food_to_home=200;next_to_food=22"
 
 
-@pytest.mark.parametrize(("decisions", "text"), [(Decisions(), ""), (OTHER, TEXT)])
+@pytest.mark.parametrize(("decisions", "text"), [(Decisions.v0_1(), "v0.1"), (OTHER, TEXT)])
 def test_rows_of_replications_name_their_decisions(decisions: Decisions, text: str) -> None:
     outcome = CompiledReplications(0, 0, 2, cells=SMALL, decisions=decisions).run()
     rows: list[Any] = [*outcome.recalls, *outcome.trainings, *outcome.orient_rows]

@@ -22,7 +22,7 @@ MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 
 
 def _make(name: Any = "Corridor", **kwargs: Any) -> Any:
-    return gym.make(f"khepera_forage/{name}-v0", backend="compiled", **kwargs)
+    return gym.make(f"khepera_forage/{name}-v1", backend="compiled", **kwargs)
 
 
 def _same(one: Any, two: Any) -> bool:
@@ -39,7 +39,7 @@ def test_gymnasium_checker_passes(name: Any) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_spaces_types_and_infos_are_those_on_pymunk(name: Any) -> None:
-    env, plain = _make(name), gym.make(f"khepera_forage/{name}-v0")
+    env, plain = _make(name), gym.make(f"khepera_forage/{name}-v1")
     assert env.observation_space == plain.observation_space
     assert env.action_space == plain.action_space
     assert env.metadata == plain.metadata
@@ -64,7 +64,7 @@ def test_one_world_is_world_0_of_make_vec_bit_for_bit(name: Any) -> None:
     """Kernels of one lane and of 128 compute the same, through episodes that end and begin."""
     kwargs: Any = {"limit": 90, "food_types": MIXED}
     one = _make(name, **kwargs)
-    many = gym.make_vec(f"khepera_forage/{name}-v0", num_envs=3, **kwargs)
+    many = gym.make_vec(f"khepera_forage/{name}-v1", num_envs=3, **kwargs)
     many.action_space.seed(0)
     (obs, info), (obs_many, infos) = one.reset(seed=5), many.reset(seed=5)
     over, episodes = False, 0

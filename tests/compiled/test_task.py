@@ -53,7 +53,7 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
     """The compiled environment, and the Python environment on compiled bodies: only the task is another."""
     arena, noise = name.removesuffix("Wheels").lower(), kwargs.pop("noise", None)
     compiled = gym.make(
-        f"khepera_forage/{name}-v0", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
+        f"khepera_forage/{name}-v1", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
     ).unwrapped
     return compiled, kind(world=_KeyedWorld(ARENAS[arena], noise, timing=timing_of(Decisions())), **kwargs)
 

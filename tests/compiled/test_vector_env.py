@@ -17,7 +17,7 @@ NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 
 
 def _make(name: Any = "Corridor", num_envs: Any = 5, **kwargs: Any) -> Any:
-    return gym.make_vec(f"khepera_forage/{name}-v0", num_envs=num_envs, **kwargs)
+    return gym.make_vec(f"khepera_forage/{name}-v1", num_envs=num_envs, **kwargs)
 
 
 @pytest.mark.parametrize("name", NAMES)

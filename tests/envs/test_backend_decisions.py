@@ -19,7 +19,7 @@ FORWARD, LOWER, CLOSE = (0.5, 0.5, 1.0, 0.0), (0.0, 0.0, -1.0, 0.0), (0.0, 0.0, 
 
 
 def _corridor(backend: str, decisions: Decisions) -> Any:
-    env = gym.make("khepera_forage/Corridor-v0", backend=backend, noise=Noise.none(), decisions=decisions)
+    env = gym.make("khepera_forage/Corridor-v1", backend=backend, noise=Noise.none(), decisions=decisions)
     return env.unwrapped
 
 
@@ -80,7 +80,7 @@ def test_teacher_follows_the_decisions_alike_on_both_backends(decisions: Decisio
 def _senses_after(backend: str, decisions: Decisions, action: Any, rounds: int) -> Any:
     """x in mm, arm and jaw after some rounds under one action."""
     env: Any = gym.make(
-        "khepera_forage/RectangleWheels-v0", backend=backend, noise=Noise.none(), decisions=decisions
+        "khepera_forage/RectangleWheels-v1", backend=backend, noise=Noise.none(), decisions=decisions
     ).unwrapped
     env.reset(seed=1, options=FREE)
     for _ in range(rounds):
@@ -114,10 +114,10 @@ def test_travel_times_are_how_long_arm_and_jaw_take(backend: str, duration: floa
 def test_vector_environments_follow_the_decisions() -> None:
     decisions = Decisions(round_duration=0.2, arm_travel_time=0.5, jaw_travel_time=2.0)
     env: Any = gym.make_vec(
-        "khepera_forage/RectangleWheels-v0", num_envs=3, noise=Noise.none(), decisions=decisions
+        "khepera_forage/RectangleWheels-v1", num_envs=3, noise=Noise.none(), decisions=decisions
     )
     single: Any = gym.make(
-        "khepera_forage/RectangleWheels-v0", backend="compiled", noise=Noise.none(), decisions=decisions
+        "khepera_forage/RectangleWheels-v1", backend="compiled", noise=Noise.none(), decisions=decisions
     )
     env.reset(seed=1, options=FREE)
     single.reset(seed=1, options=FREE)

@@ -40,11 +40,11 @@ class Begun(NamedTuple):
 
 
 def _make(name: str, **kwargs: Any) -> Any:
-    return gym.make(f"khepera_forage/{name}-v0", limit=LIMIT, food_types=ODDS, **kwargs).unwrapped
+    return gym.make(f"khepera_forage/{name}-v1", limit=LIMIT, food_types=ODDS, **kwargs).unwrapped
 
 
 def _make_vec(name: str, **kwargs: Any) -> Any:
-    env_id = f"khepera_forage/{name}-v0"
+    env_id = f"khepera_forage/{name}-v1"
     return gym.make_vec(env_id, num_envs=WORLDS, limit=LIMIT, food_types=ODDS, **kwargs)
 
 

@@ -21,7 +21,7 @@ needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba
 
 
 def _id(name: str) -> str:
-    return f"khepera_forage/{name}-v0"
+    return f"khepera_forage/{name}-v1"
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -54,7 +54,7 @@ def test_wrong_training_arguments_are_refused(kwargs: dict[str, Any], quoted: st
 
 @pytest.mark.parametrize("action", [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])])
 def test_wrong_behaviour_actions_are_refused(action: Any) -> None:
-    env = gym.make("khepera_forage/Corridor-v0", disable_env_checker=True)
+    env = gym.make("khepera_forage/Corridor-v1", disable_env_checker=True)
     env.reset(seed=0)
     with pytest.raises(ValueError, match="allowed: a whole number from 0 to 9") as error:
         env.step(action)

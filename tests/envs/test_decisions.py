@@ -6,7 +6,7 @@ import gymnasium as gym
 import pytest
 
 from khepera_forage import Decisions
-from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
@@ -17,7 +17,7 @@ from khepera_forage.sim.arena import ARENAS, CORRIDOR, Pose
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.states import Behaviour, State, classify
 
-IDS = [f"khepera_forage/{name}-v0" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
+IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 
 
 def recall_env(env_id: str = IDS[0], **kwargs: Any) -> RecallEnv[Any]:
@@ -47,7 +47,7 @@ def test_make_vec_accepts_decisions() -> None:
 
 
 @pytest.mark.parametrize(
-    "make", [paired_corridors_v0.env, paired_corridors_v0.raw_env, paired_corridors_v0.parallel_env]
+    "make", [paired_corridors_v1.env, paired_corridors_v1.raw_env, paired_corridors_v1.parallel_env]
 )
 def test_paired_corridors_accept_decisions(make: Any) -> None:
     env = make(decisions=Decisions(next_to_food=17, separation=20))
@@ -62,7 +62,7 @@ def test_paired_corridors_accept_decisions(make: Any) -> None:
 @pytest.mark.parametrize(
     "decisions", [17, "next_to_food=17", {"next_to_food": 17}, [], Noise.none(), Decisions]
 )
-@pytest.mark.parametrize("make", [BehavioursEnv, WheelsEnv, TrainingEnv, paired_corridors_v0.env])
+@pytest.mark.parametrize("make", [BehavioursEnv, WheelsEnv, TrainingEnv, paired_corridors_v1.env])
 def test_decisions_of_the_wrong_type_are_refused(make: Any, decisions: Any) -> None:
     with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
         make(decisions=decisions)

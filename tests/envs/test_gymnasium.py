@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 import khepera_forage
 from khepera_forage.envs.registration import register_all
 
-IDS = [f"khepera_forage/{name}-v0" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
+IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 
 
 def rollout(env_id: str, seed: int, steps: int = 60) -> list[object]:
@@ -86,7 +86,7 @@ def test_make_vec_steps_copies_of_the_environment(mode: str) -> None:
 
 
 def test_make_works_in_a_new_process_without_an_import() -> None:
-    code = "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/Corridor-v0').reset(seed=1)[0])"
+    code = "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/Corridor-v1').reset(seed=1)[0])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "robot_home_distance" in done.stdout
 

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
@@ -78,7 +78,7 @@ def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: i
 
 
 def test_pettingzoo_loop_ends_when_a_robot_is_lost(pair: VirtualLaboratory) -> None:
-    env = paired_corridors_v0.env(world=pair, noise=Noise.none())
+    env = paired_corridors_v1.env(world=pair, noise=Noise.none())
     env.reset(seed=1)
     reasons = []
     for count, agent in enumerate(env.agent_iter()):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.envs import paired_corridors_v0
+from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1
 from khepera_forage.policies import Listener, Policy, Teacher
 
 with warnings.catch_warnings():
@@ -23,22 +23,24 @@ with warnings.catch_warnings():
     )
 
 
+@pytest.mark.parametrize("module", [paired_corridors_v0, paired_corridors_v1])
 @pytest.mark.parametrize("learners", [1, 3])
-def test_api_test_passes(learners: int) -> None:
-    api_test(paired_corridors_v0.env(num_learners=learners, max_cycles=50), num_cycles=200)
+def test_api_test_passes(learners: int, module: Any) -> None:
+    api_test(module.env(num_learners=learners, max_cycles=50), num_cycles=200)
 
 
 def test_seed_test_passes() -> None:
-    seed_test(lambda: paired_corridors_v0.env(max_cycles=50), num_cycles=60)
+    seed_test(lambda: paired_corridors_v1.env(max_cycles=50), num_cycles=60)
 
 
-def test_max_cycles_test_passes() -> None:
-    max_cycles_test(paired_corridors_v0)
+@pytest.mark.parametrize("module", [paired_corridors_v0, paired_corridors_v1])
+def test_max_cycles_test_passes(module: Any) -> None:
+    max_cycles_test(module)
 
 
 def test_render_test_passes() -> None:
     def make(**kwargs: Any) -> Any:
-        return paired_corridors_v0.env(max_cycles=30, **kwargs)
+        return paired_corridors_v1.env(max_cycles=30, **kwargs)
 
     modes: dict[str, Callable[[Any], bool]] = {
         "rgb_array": lambda frame: frame.shape[2] == 3,
@@ -50,12 +52,12 @@ def test_render_test_passes() -> None:
 
 
 def test_parallel_tests_pass() -> None:
-    parallel_api_test(paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=100)
-    parallel_seed_test(lambda: paired_corridors_v0.parallel_env(max_cycles=50), num_cycles=60)
+    parallel_api_test(paired_corridors_v1.parallel_env(max_cycles=50), num_cycles=100)
+    parallel_seed_test(lambda: paired_corridors_v1.parallel_env(max_cycles=50), num_cycles=60)
 
 
 def test_readme_loop_completes_an_episode() -> None:
-    env = paired_corridors_v0.env(num_learners=1, max_cycles=600)
+    env = paired_corridors_v1.env(num_learners=1, max_cycles=600)
     policies: dict[str, Policy] = {"teacher_0": Teacher(), "learner_0": Listener()}
     env.reset(seed=1)
     infos: dict[str, Any] = {}
@@ -68,7 +70,7 @@ def test_readme_loop_completes_an_episode() -> None:
 
 
 def test_parallel_learner_hears_the_last_round() -> None:
-    env = paired_corridors_v0.parallel_env(max_cycles=50)
+    env = paired_corridors_v1.parallel_env(max_cycles=50)
     env.reset(seed=2)
     for heard in (3, 7, 10):
         observations, *_ = env.step({"teacher_0": heard, "learner_0": 10})
@@ -76,7 +78,7 @@ def test_parallel_learner_hears_the_last_round() -> None:
 
 
 def test_observation_arrays_are_fresh() -> None:
-    env = paired_corridors_v0.raw_env()
+    env = paired_corridors_v1.raw_env()
     env.reset(seed=0)
     first, second = env.observe("teacher_0"), env.observe("teacher_0")
     assert np.array_equal(first, second)

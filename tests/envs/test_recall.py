@@ -122,7 +122,7 @@ def test_users_arena_is_foraged_by_the_teacher() -> None:
         start=Pose(200.0, 600.0, -1.5),
         foods=(Point(200.0, 200.0),),
     )
-    env = gym.make("khepera_forage/Corridor-v0", arena=arena, limit=700).unwrapped
+    env = gym.make("khepera_forage/Corridor-v1", arena=arena, limit=700).unwrapped
     assert isinstance(env, BehavioursEnv)
     env.reset(seed=1, options={"start": (200, 600, -90), "foods": [(200, 200)]})
     teacher, over = Teacher(env.home_radius), False

@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
@@ -66,7 +67,7 @@ def test_saved_experience_loads_equal(experience: Experience) -> None:
 
 
 def test_file_is_readable_text(tmp_path: Path) -> None:
-    Experience([SEARCH, HOME], [0, 7], seed=7).save(tmp_path / "g1.csv")
+    Experience([SEARCH, HOME], [0, 7], seed=7, decisions=Decisions.v0_1()).save(tmp_path / "g1.csv")
     lines = (tmp_path / "g1.csv").read_text().splitlines()
     assert lines[0] == "# khepera_forage experience, version 1"
     assert lines[1].startswith("# package: ")
@@ -74,6 +75,7 @@ def test_file_is_readable_text(tmp_path: Path) -> None:
         "# arena: corridor",
         "# seed: 7",
         "# episodes: 1",
+        "# decisions: v0.1",
         "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
         "object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour",
         "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD",
@@ -107,7 +109,10 @@ def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     g123 = Experience.load(*paths)
     assert (len(g123), g123.seed, g123.episodes) == (6, None, 3)
     assert pickle.loads(pickle.dumps(g123)) == g123
-    assert repr(g123) == "<Experience: 6 vectors, arena='corridor', seed=None, episodes=3>"
+    text = decisions_text(Decisions())
+    assert repr(g123) == (
+        f"<Experience: 6 vectors, arena='corridor', seed=None, episodes=3, decisions={text!r}>"
+    )
 
 
 def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:

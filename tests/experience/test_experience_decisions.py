@@ -1,51 +1,64 @@
 """Decisions of experience: stored in files, and refused where they differ."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
+from khepera_forage.task import decision_text
 from khepera_forage.task.decisions import Decisions
 
 VECTOR = (0, 52, 0, 215, 28)
-OTHER = Decisions(next_to_food=17, separation=20)
+V0_1 = Decisions.v0_1()
+OTHER = replace(V0_1, next_to_food=17, separation=20)
+TEXT = "v0.1;next_to_food=17;separation=20"
 DIFFERENCES = "next_to_food is 17, not 20; separation is 20, not 14"
 FLAG = "or any with allow_other_decisions=True (--allow-other-decisions)"
 
 
 @pytest.fixture
 def files(tmp_path: Path) -> tuple[Path, Path]:
-    """A file of the default decisions, and one of others."""
+    """A file of the decisions of version 0.1, and one of others."""
     paths = tmp_path / "default.csv", tmp_path / "other.csv"
-    Experience([VECTOR], [0], seed=1).save(paths[0])
+    Experience([VECTOR], [0], seed=1, decisions=V0_1).save(paths[0])
     Experience([VECTOR] * 2, [0] * 2, seed=1, decisions=OTHER).save(paths[1])
     return paths
 
 
-def test_file_lists_the_decisions_that_differ_from_the_defaults(files: tuple[Path, Path]) -> None:
-    default, other = files
-    assert "decisions" not in default.read_text()
-    assert other.read_text().splitlines()[4:7] == [
-        "# episodes: 1",
-        "# decisions: next_to_food=17;separation=20",
-        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
-    ]
-    assert Experience.load(default).decisions == Decisions()
-    assert Experience.load(other).decisions == OTHER
-    assert repr(Experience.load(other)).endswith("decisions='next_to_food=17;separation=20'>")
+def test_file_names_a_version_and_the_decisions_that_differ_from_it(files: tuple[Path, Path]) -> None:
+    for path, decisions, text in zip(files, (V0_1, OTHER), ("v0.1", TEXT), strict=True):
+        assert path.read_text().splitlines()[4:7] == [
+            "# episodes: 1",
+            f"# decisions: {text}",
+            "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
+        ]
+        assert Experience.load(path).decisions == decisions
+        assert repr(Experience.load(path)).endswith(f"decisions={text!r}>")
 
 
-def test_file_of_an_older_version_has_the_default_decisions(tmp_path: Path) -> None:
+def test_file_of_the_default_decisions_is_read_back(tmp_path: Path) -> None:
+    Experience([VECTOR], [0]).save(tmp_path / "g1.csv")
+    assert Experience.load(tmp_path / "g1.csv", decisions=Decisions()).decisions == Decisions()
+
+
+@pytest.mark.parametrize(
+    ("line", "decisions"),
+    [("", V0_1), ("# decisions: next_to_food=17;separation=20\n", OTHER), ("# decisions: mixed\n", None)],
+)
+def test_older_file_has_the_decisions_of_version_0_1_and_what_differs(
+    line: str, decisions: Decisions | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(decision_text.VERSIONS, "v1", replace(V0_1, patience=7, home_radius=90))
     path = tmp_path / "g1.csv"
     path.write_text(
         "# khepera_forage experience, version 1\n# package: 0.1.0\n# arena: corridor\n# seed: 7\n# episodes: 1\n"
-        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)\n"
+        f"{line}# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)\n"
         "object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour\n"
         "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n# complete: 1 vectors\n"
     )
-    assert Experience.load(path) == Experience([VECTOR], [0], seed=7)
-    assert Experience.load(path, decisions=Decisions()).decisions == Decisions()
+    assert Experience.load(path) == Experience([VECTOR], [0], seed=7, decisions=decisions)
 
 
 def test_recording_stores_its_decisions(tmp_path: Path) -> None:
@@ -61,7 +74,9 @@ def test_recording_stores_its_decisions(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "decisions are ''; allowed: those that differ from the defaults, or no such line"),
+        ("", "decisions are ''; allowed: a version and what differs from it, or no such line"),
+        ("v2;next_to_food=17", "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
+        ("v1;next_to_food=017", "decision 'next_to_food=017'; allowed: 'next_to_food=17'"),
         ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: "),
         ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE"),
         ("next_to_food=9", "decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels"),
@@ -79,7 +94,7 @@ def test_damaged_decisions_are_an_error_with_file_and_line(
     text: str, message: str, files: tuple[Path, Path]
 ) -> None:
     path = files[1]
-    path.write_text(path.read_text().replace("next_to_food=17;separation=20", text))
+    path.write_text(path.read_text().replace(TEXT, text))
     with pytest.raises(ExperienceError, match=re.escape(f"{path}, line 6: {message}")):
         Experience.load(path)
 
@@ -90,7 +105,7 @@ def test_damaged_decisions_are_an_error_with_file_and_line(
         ("5 mm", "4 mm", 7, "units are 'distances in pixels of 4 mm"),
         ("arms_height,", "arms,", 8, "columns are 'object_presence"),
         ("28,", "x,", 9, "robot_food_distance is 'x'; allowed: an integer"),
-        ("# episodes: 1\n", "# episodes: 1\n# decisions: patience=5\n", 7, "'# decisions: next_to_food=17"),
+        ("# episodes: 1\n", "# episodes: 1\n# decisions: patience=5\n", 7, "'# decisions: v0.1;next_to_food"),
     ],
 )
 def test_errors_after_the_line_of_decisions_have_the_right_line(
@@ -126,25 +141,25 @@ def test_file_of_other_decisions_than_those_of_an_environment_is_refused(files: 
     with pytest.raises(
         ExperienceError, match=re.escape(f"{other}: recorded under other decisions: {DIFFERENCES}")
     ):
-        Experience.load(other, decisions=Decisions())
+        Experience.load(other, decisions=V0_1)
     with pytest.raises(
         ExperienceError,
         match=re.escape(f"{default}: recorded under other decisions: next_to_food is 20, not 17"),
     ):
         Experience.load(other, default, decisions=OTHER)
-    allowed = Experience.load(other, decisions=Decisions(), allow_other_decisions=True)
+    allowed = Experience.load(other, decisions=V0_1, allow_other_decisions=True)
     assert allowed.decisions == OTHER
 
 
 def test_joining_different_decisions_is_an_error() -> None:
-    default, other = Experience([VECTOR], [0]), Experience([VECTOR], [0], decisions=OTHER)
+    default, other = (Experience([VECTOR], [0], decisions=decisions) for decisions in (V0_1, OTHER))
     assert default != other
     with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
         default + other
     with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
         Experience.join([default, other])
     with pytest.raises(ExperienceError, match=re.escape(DIFFERENCES)):
-        other.require_decisions(Decisions())
+        other.require_decisions(V0_1)
     other.require_decisions(OTHER)
     assert (other + other).decisions == OTHER
     with pytest.raises(ExperienceError, match="no experience to join"):

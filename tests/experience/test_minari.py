@@ -1,6 +1,7 @@
 """Conversion of experience to a Minari dataset and back."""
 
 import sys
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -8,15 +9,20 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from khepera_forage.envs import backends
+from khepera_forage.envs.backends import EntryPoint
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.minari import from_minari, to_minari
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 
+OTHER = Decisions(next_to_food=17, equal_distance="farther state")
 VECTORS = st.builds(
     lambda home, thing, arm, food: StateVector(int(thing > 0), home, max(thing - 1, 0), arm, food),
     st.integers(0, 138),
@@ -31,7 +37,7 @@ EXPERIENCE = st.builds(
     st.lists(st.tuples(VECTORS, st.integers(0, 9)), min_size=1, max_size=12),
     st.none() | st.integers(-(10**30), 10**30),
     st.integers(1, 9),
-    st.sampled_from([Decisions(), Decisions(next_to_food=17, equal_distance="farther state"), None]),
+    st.sampled_from([Decisions(), OTHER, None]),
 )
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2], "corridor", 7)
 # Minari warns if these are missing.
@@ -66,7 +72,7 @@ def test_dataset_has_the_spaces_of_its_environment() -> None:
     other = Experience([(1, 60, 1, 215, 40)], [7], "corridor")
     dataset = to_minari([SOME, other], "khepera/corridor-v0", author="somebody", description="two episodes")
     env = dataset.recover_environment()
-    assert env.spec.id == "khepera_forage/Corridor-v0"
+    assert env.spec.id == "khepera_forage/Corridor-v1"
     assert dataset.observation_space == env.observation_space
     assert dataset.action_space == env.action_space
     assert dataset.storage.metadata["author"] == {"somebody"}
@@ -85,10 +91,57 @@ def test_dataset_has_the_spaces_of_its_environment() -> None:
     env.close()
 
 
+@pytest.mark.parametrize("decisions", [Decisions(), Decisions.v0_1(), OTHER])
+def test_recovered_environment_has_the_decisions_of_the_experience(decisions: Decisions) -> None:
+    part = Experience([(0, 60, 0, 215, 40)], [0], decisions=decisions)
+    dataset = to_minari([part, part], "khepera/decided-v0")
+    for again in (dataset, import_module("minari").load_dataset("khepera/decided-v0")):
+        assert again.recover_environment().unwrapped.decisions == decisions
+
+
+def test_recovered_environment_of_different_decisions_has_the_defaults() -> None:
+    parts = [
+        Experience([(0, 60, 0, 215, 40)], [0], decisions=decisions) for decisions in (Decisions(), OTHER)
+    ]
+    dataset = to_minari(parts, "khepera/different-v0", allow_other_decisions=True)
+    assert dataset.recover_environment().unwrapped.decisions == Decisions()
+
+
+def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    v1 = Decisions(patience=7)
+    monkeypatch.setattr(backends, "behaviours_v1", EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", v1))
+    dataset = to_minari([SOME], "khepera/plain-v0")
+    options = {"options": {"arena": "corridor"}}
+    monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [options])
+    given = gym.make("khepera_forage/Corridor-v1", decisions=OTHER).spec
+    assert given is not None
+    for spec, decisions in (
+        (gym.spec("khepera_forage/Corridor-v0"), Decisions.v0_1()),
+        (gym.spec("khepera_forage/Corridor-v1"), v1),
+        (given, OTHER),
+        (EnvSpec.from_json(given.to_json()), OTHER),
+        (gym.spec("CartPole-v1"), Decisions.v0_1()),
+        (None, Decisions.v0_1()),
+    ):
+        monkeypatch.setattr(dataset, "_env_spec", spec)
+        (part,) = from_minari(dataset)
+        assert part.decisions == decisions
+
+
+def test_environment_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    dataset = to_minari([SOME], "khepera/damaged-v0")
+    spec = gym.spec("khepera_forage/Corridor-v1")
+    monkeypatch.setattr(dataset, "_env_spec", replace(spec, kwargs={"decisions": {"next_to_food": 17}}))
+    with pytest.raises(
+        ExperienceError, match=r"the environment of the dataset: decisions is \{'next_to_food': 17\}; allowed"
+    ):
+        from_minari(dataset)
+
+
 def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     """The dataset holds an episode of the teacher in the rectangle, recorded step by step."""
     minari = import_module("minari")
-    env = gym.make("khepera_forage:khepera_forage/Rectangle-v0")
+    env = gym.make("khepera_forage:khepera_forage/Rectangle-v1")
     observation, _ = env.reset(seed=2)
     shown, done = [observation], []
     for _ in range(40):
@@ -102,7 +155,7 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
         truncations=[False] * 39 + [True],
     )
     minari.create_dataset_from_buffers(
-        dataset_id="elsewhere-v0", buffer=[buffer], env=env, eval_env="khepera_forage/Rectangle-v0", **ABOUT
+        dataset_id="elsewhere-v0", buffer=[buffer], env=env, eval_env="khepera_forage/Rectangle-v1", **ABOUT
     )
     (part,) = from_minari("elsewhere-v0")
     assert part.arena == "rectangle"
@@ -130,8 +183,8 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
             r"robot_home_distance is 177\.\.177; allowed: 0\.\.138",
         ),
         (
-            [SOME, Experience([SOME.vectors[0]], [0], decisions=Decisions(next_to_food=17))],
-            "recorded under other decisions: next_to_food is 17, not 20; allowed: the same",
+            [SOME, Experience([SOME.vectors[0]], [0], decisions=Decisions(separation=20))],
+            "recorded under other decisions: separation is 20, not 14; allowed: the same",
         ),
     ],
 )

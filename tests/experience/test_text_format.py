@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
+from khepera_forage.task.decisions import Decisions
 
 HEADER = """\
 # khepera_forage experience, version 1
@@ -23,7 +24,9 @@ object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,be
 ROW = "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n"
 GRASPED = "1,48,PICKABLE,215,14,GO_HOME\n"
 WHOLE = HEADER + ROW + GRASPED + "# complete: 2 vectors\n"
-EXPERIENCE = Experience([(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7)
+EXPERIENCE = Experience(
+    [(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7, decisions=Decisions.v0_1()
+)
 
 
 def write(folder: Path, content: str | bytes) -> Path:

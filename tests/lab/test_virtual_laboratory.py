@@ -29,6 +29,7 @@ from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import CORRIDOR, Pose
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
@@ -285,7 +286,7 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
         assert opened[-1].period == 0.2
         assert opened[-1].arena.home.x - opened[-1].arena.foods[0].x == 200
         (row,) = read_rows(tmp_path / "rows.csv", RecallRow)
-        assert row.decisions == "round_duration=0.2;food_to_home=200"
+        assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
 
 
 def test_longer_period_advances_the_simulation_further() -> None:

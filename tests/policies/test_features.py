@@ -23,7 +23,7 @@ from khepera_forage.policies.features import (
 def test_features_of_many_equal_features_one_by_one(name: str, features: object, width: int) -> None:
     assert callable(features)
     env = gym.make_vec(
-        f"khepera_forage:khepera_forage/{name}-v0",
+        f"khepera_forage:khepera_forage/{name}-v1",
         num_envs=3,
         vectorization_mode="sync",
         vector_kwargs={"autoreset_mode": AutoresetMode.SAME_STEP},
@@ -42,7 +42,7 @@ def test_features_of_many_equal_features_one_by_one(name: str, features: object,
 
 
 def test_places_are_relative_to_the_robot() -> None:
-    env = gym.make("khepera_forage:khepera_forage/CorridorWheels-v0")
+    env = gym.make("khepera_forage:khepera_forage/CorridorWheels-v1")
     shown, _ = env.reset(seed=1)
     told = {
         **shown,

@@ -64,7 +64,7 @@ def as_trees_see(raw: RawData) -> tuple[float, ...]:
 @pytest.fixture(scope="module")
 def steps() -> Steps:
     """The teacher's forages at random places: raw data, behaviours and motor commands."""
-    env = gym.make("khepera_forage/Corridor-v0").unwrapped
+    env = gym.make("khepera_forage/Corridor-v1").unwrapped
     assert isinstance(env, BehavioursEnv)
     raws, behaviours, motors = [], [], []
     for seed in range(12):
@@ -114,7 +114,7 @@ def test_examples_are_reproduced(steps: Steps, learned: LearnedBehaviours) -> No
 
 
 def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> None:
-    env = gym.make("khepera_forage/CorridorWheels-v0").unwrapped
+    env = gym.make("khepera_forage/CorridorWheels-v1").unwrapped
     delivered = []
     for seed in range(100, 106):
         _, info = env.reset(seed=seed)

@@ -60,6 +60,7 @@ def test_inconsistent_recall_row_is_an_error(changes: dict[str, Any], message: s
         ({"complete": True, "reason": "separated"}, "reason is 'separated'; allowed"),
         ({"vectors": 121}, r"vectors is 121; allowed: 0\.\.120 rounds"),
         ({"attempt": 0}, "attempt is 0; allowed: 1 or more"),
+        ({"decisions": "v2;patience=5"}, "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
         ({"decisions": "patience=0"}, "decision patience is 0; allowed: a whole number from 1"),
     ],
 )
@@ -120,6 +121,8 @@ def test_text_with_commas_and_quotes_is_read_equal(tmp_path: Path) -> None:
 def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
     rows = [
         training(decisions="next_to_food=17;patience=50"),
+        training(decisions="v0.1"),
+        training(decisions="v1;next_to_food=17;patience=50"),
         training(decisions="equal_distance=farther state"),
     ]
     write_rows(tmp_path / "rows.csv", TrainingRow, rows)

@@ -1,5 +1,6 @@
 """Rollouts of training and recall: experience files, attempts and rows."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import TEACHER
 from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 
 
@@ -58,14 +60,16 @@ def test_recall_counts_ties_of_an_imitator_and_none_of_a_teacher() -> None:
 
 
 def test_rows_and_files_have_the_decisions_of_their_environment(tmp_path: Path) -> None:
-    decisions, path = Decisions(next_to_food=22, patience=50), tmp_path / "g1.csv"
+    decisions = replace(Decisions.v0_1(), next_to_food=22, patience=50)
+    path, text = tmp_path / "g1.csv", "v0.1;next_to_food=22;patience=50"
     experience, rows = train(TrainingEnv(decisions=decisions), np.random.SeedSequence(3), path=path)
     assert experience.decisions == decisions
     assert Experience.load(path, decisions=decisions) == experience
-    assert {row.decisions for row in rows} == {"next_to_food=22;patience=50"}
+    assert {row.decisions for row in rows} == {text}
     env = recall_env("corridor", decisions=decisions)
-    assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == "next_to_food=22;patience=50"
-    assert recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER).decisions == ""
+    assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == text
+    row = recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER)
+    assert row.decisions == decisions_text(Decisions())
 
 
 def test_teacher_of_an_attempt_has_the_thresholds_of_its_environment() -> None:

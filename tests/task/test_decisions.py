@@ -10,6 +10,7 @@ import pytest
 
 from khepera_forage.task.decision_fields import Field
 from khepera_forage.task.decision_readings import FARTHER_STATE
+from khepera_forage.task.decision_versions import V0_1
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 
 FIELDS = {field.name: Field.of(field) for field in dataclasses.fields(Decisions)}
@@ -49,8 +50,8 @@ def test_default_number_is_in_its_range(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CHOICES)
-def test_default_choice_is_the_first(name: str) -> None:
-    assert getattr(Decisions(), name) == FIELDS[name].choices[0]
+def test_default_choice_is_allowed(name: str) -> None:
+    assert getattr(Decisions(), name) in FIELDS[name].choices
 
 
 @pytest.mark.parametrize("name", CHOICES)
@@ -196,8 +197,34 @@ def test_from_changes_checks_the_values() -> None:
         Decisions.from_changes({"next_to_food": 5})
 
 
+def test_version_0_1_names_every_field_and_no_other() -> None:
+    assert list(V0_1) == list(FIELDS)
+    assert dataclasses.asdict(Decisions.v0_1()) == dict(V0_1)
+    for name, value in V0_1.items():
+        assert type(value) is FIELDS[name].kind, name
+
+
+def test_version_0_1_does_not_follow_the_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = Decisions.v0_1()
+    *others, _ = (field.default for field in dataclasses.fields(Decisions))
+    monkeypatch.setattr(Decisions.__init__, "__defaults__", (*others, 1))
+    assert Decisions().recall_marker == 1
+    assert Decisions.v0_1() == before
+
+
+def test_changes_are_relative_to_a_base() -> None:
+    base = Decisions(next_to_food=17.0, patience=7)
+    assert Decisions.from_changes({"patience": 8}, base) == Decisions(next_to_food=17.0, patience=8)
+    assert Decisions.parse(["patience=8"], base) == Decisions(next_to_food=17.0, patience=8)
+    assert Decisions.parse([], base) == base
+
+
 def test_differing_gives_both_values_of_each_field_that_differs() -> None:
-    one, other = Decisions(next_to_food=17.0, patience=7), Decisions(patience=8)
+    v0_1 = Decisions.v0_1()
+    one, other = (
+        dataclasses.replace(v0_1, next_to_food=17.0, patience=7),
+        dataclasses.replace(v0_1, patience=8),
+    )
     assert one.differing(other) == {"next_to_food": (17.0, 20.0), "patience": (7, 8)}
     assert other.differing(one) == {"next_to_food": (20.0, 17.0), "patience": (8, 7)}
     assert one.differing(one) == {}

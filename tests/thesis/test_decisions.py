@@ -11,6 +11,8 @@ import pytest
 from khepera_forage.envs.backends import COMPILED, PYMUNK
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.task import decision_text
+from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import claims
@@ -21,8 +23,9 @@ from khepera_forage.thesis.replication import Baseline, Outcome, Replication
 from khepera_forage.thesis.report import PAGE, write_report
 from tests.thesis.synthetic import recall, training
 
-OTHER = Decisions(next_to_food=22, food_to_home=200)
-TEXT = "food_to_home=200;next_to_food=22"
+V0_1 = Decisions.v0_1()
+OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
+TEXT = "v0.1;food_to_home=200;next_to_food=22"
 DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
 SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
 
@@ -42,7 +45,8 @@ def test_rows_of_a_replication_name_its_decisions() -> None:
     rows: list[Any] = [*outcome.recalls, *outcome.trainings, *outcome.orient_rows]
     assert len(outcome.orient_rows) == 6
     assert {row.decisions for row in rows} == {TEXT}
-    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run().recalls} == {""}
+    defaults = decisions_text(Decisions())
+    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run().recalls} == {defaults}
 
 
 @pytest.mark.parametrize("learner", [TEACHER, RANDOM])
@@ -65,7 +69,7 @@ def test_every_job_has_the_decisions(backend: str) -> None:
 def test_report_names_its_decisions(tmp_path: Path) -> None:
     rows = [recall(decisions=TEXT)]
     write_report(tmp_path, rows, [training(decisions=TEXT)], [], [], np.random.default_rng(0), resamples=10)
-    assert "decisions: food_to_home=200, next_to_food=22, backend" in (tmp_path / PAGE).read_text()
+    assert "decisions: v0.1, food_to_home=200, next_to_food=22, backend" in (tmp_path / PAGE).read_text()
 
 
 @pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
@@ -122,7 +126,7 @@ def reproduce(out: Path, decisions: Decisions | None) -> Path:
 def test_reproduction_replaces_rows_of_the_same_decisions(tmp_path: Path) -> None:
     for _ in range(2):
         page = reproduce(tmp_path, OTHER)
-        assert "decisions: food_to_home=200, next_to_food=22" in page.read_text()
+        assert "decisions: v0.1, food_to_home=200, next_to_food=22" in page.read_text()
         assert [row.decisions for row in read_rows(tmp_path / "trainings.csv", TrainingRow)] == [TEXT]
 
 
@@ -134,17 +138,19 @@ def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, t
         (tmp_path / f"{other}.csv").unlink()
     path = tmp_path / f"{name}.csv"
     before = path.read_bytes()
-    for decisions in (None, Decisions()):
-        with pytest.raises(
-            ValueError, match=re.escape(f"{path} has rows of other decisions: {DIFFERENCES}; ")
-        ) as error:
-            reproduce(tmp_path, decisions)
-        assert str(error.value).endswith("same decisions (now the defaults), another --out, or no such file")
+    with pytest.raises(
+        ValueError, match=re.escape(f"{path} has rows of other decisions: {DIFFERENCES}; ")
+    ) as error:
+        reproduce(tmp_path, V0_1)
+    assert str(error.value).endswith("same decisions (now v0.1), another --out, or no such file")
+    with pytest.raises(ValueError, match=re.escape(f"{path} has rows of other decisions: ")) as error:
+        reproduce(tmp_path, None)
+    assert f"(now {decisions_text(Decisions())})" in str(error.value)
     assert path.read_bytes() == before
 
 
 @pytest.mark.usefixtures("one_job")
-def test_rows_of_an_older_version_are_of_the_default_decisions(tmp_path: Path) -> None:
+def test_rows_of_an_older_version_are_of_its_decisions(tmp_path: Path) -> None:
     path = tmp_path / "recalls.csv"
     write_rows(path, RecallRow, [recall()])
     path.write_text(path.read_text().replace(",decisions\n", "\n").replace(",\n", "\n"))
@@ -152,6 +158,18 @@ def test_rows_of_an_older_version_are_of_the_default_decisions(tmp_path: Path) -
         reproduce(tmp_path, OTHER)
     path.write_text(path.read_text().split("\n")[0] + "\n")
     reproduce(tmp_path, OTHER)
+
+
+@pytest.mark.usefixtures("one_job")
+@pytest.mark.parametrize("text", ["", "v0.1"])
+def test_rows_keep_their_decisions_under_other_defaults(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(decision_text.VERSIONS, "v1", OTHER)
+    write_rows(tmp_path / "recalls.csv", RecallRow, [recall(decisions=text)])
+    with pytest.raises(ValueError, match="food_to_home is 180, not 200") as error:
+        reproduce(tmp_path, OTHER)
+    assert "(now v1)" in str(error.value)
 
 
 @pytest.mark.usefixtures("one_job")

@@ -93,7 +93,7 @@ def test_report_has_page_tables_and_figures(
         with Image.open(folder / picture) as image:
             assert min(image.size) > 400
     assert (
-        "6 replications, 636 recall episodes of the imitator, noise: laboratory, decisions: the defaults, "
+        "6 replications, 636 recall episodes of the imitator, noise: laboratory, decisions: v0.1, "
         "backend: pymunk." in page
     )
     assert "nan" not in page

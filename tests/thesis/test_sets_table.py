@@ -1,5 +1,7 @@
 """The table of simulated sets: what is written is read, and nothing else."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +50,11 @@ def test_chunk_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert again.numbers.tolist() == [8, 9]
     assert again.reasons.tolist() == ["", "too slow in the corridor"]
     assert np.isnan(again.statistics[1]).all()
-    assert '"next_to_food": 17.0' in again.laboratories[0]
+    stored = json.loads(again.laboratories[0])
+    assert stored == {
+        "decisions": asdict(Decisions(next_to_food=17)),
+        "noise": asdict(Noise.laboratory()),
+    }
     assert not list(tmp_path.glob("*.part"))
 
 

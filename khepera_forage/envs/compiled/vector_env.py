@@ -1,4 +1,4 @@
-"""`Corridor-v0` and its kin, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
+"""`Corridor-v1` and the other recall environments, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
 
 from abc import abstractmethod
 from typing import Any

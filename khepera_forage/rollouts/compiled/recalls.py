@@ -80,7 +80,7 @@ def run_recalls(
     wheel_speed: float = 1.0,
     decisions: Decisions | None = None,
 ) -> Episodes:
-    """Run recalls from random places: those of `Corridor-v0` and `Rectangle-v0` (4.6, 5.4).
+    """Run recalls from random places: those of `Corridor-v1` and `Rectangle-v1` (4.6, 5.4).
 
     Args:
         arena: As for the environments.

@@ -62,7 +62,7 @@ def train_learners(
     Each episode is demonstrated "as if it was the first time" until it is complete (5.2): robots and food on their
     marks as well as an operator can put them there, the teacher shouting and waiting, the learner recording its own
     state vector with each behaviour it hears, executing it, and following. What incomplete attempts recorded is
-    forgotten. One learner hears one teacher; for several learners of the same teacher take `paired_corridors_v0`.
+    forgotten. One learner hears one teacher; for several learners of the same teacher take `paired_corridors_v1`.
 
     Args:
         n: How many learners.

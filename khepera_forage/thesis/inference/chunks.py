@@ -102,7 +102,8 @@ def _read(path: Path, names: Sequence[str], what: str) -> tuple[Any, list[NDArra
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             return json.loads(str(file["contents"])), [file[name] for name in names]
     except _DAMAGED as error:
-        raise ValueError(f"{path}: {error}; allowed: {what}; delete the file, or give --out") from None
+        told = str(error) or type(error).__name__
+        raise ValueError(f"{path}: {told}; allowed: {what}; delete the file, or give --out") from None
 
 
 def _text(contents: "DataclassInstance") -> str:

@@ -1,4 +1,4 @@
-"""Laboratories as text: JSON with the decisions that differ from the defaults, and the noise."""
+"""Laboratories as text: JSON with all decisions and all sizes of noise, so that it keeps its meaning."""
 
 import json
 from dataclasses import asdict
@@ -11,17 +11,19 @@ from khepera_forage.thesis.inference.prior import Laboratory
 def laboratory_text(laboratory: Laboratory) -> str:
     """The text of a laboratory; equal laboratories have equal texts."""
     decisions, noise = laboratory
-    return json.dumps({"decisions": decisions.changed(), "noise": asdict(noise)})
+    return json.dumps({"decisions": asdict(decisions), "noise": asdict(noise)})
 
 
 def laboratory_from_text(text: str) -> Laboratory:
-    """The laboratory that a text of `laboratory_text` describes.
+    """The laboratory that a text of `laboratory_text` describes; decisions that it leaves out are those of version 0.1.
 
     Raises:
         ValueError: Not of this form, an unknown field, or a value that is not allowed.
     """
     try:
         parts = json.loads(text)
-        return Laboratory(Decisions.from_changes(parts["decisions"]), Noise(**parts["noise"]))
+        return Laboratory(
+            Decisions.from_changes(parts["decisions"], Decisions.v0_1()), Noise(**parts["noise"])
+        )
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"{text!r} is no laboratory: {error}") from error
