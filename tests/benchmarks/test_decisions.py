@@ -1,14 +1,17 @@
-"""`benchmarks/decisions.py`: sets from the prior, whether they are admissible, and what they predict."""
+"""`benchmarks/decisions.py`: sets from the prior, and the pages of what is inferred from them."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from khepera_forage.thesis.inference.claims_table import CLAIMS
+from khepera_forage.thesis.inference.prior import PRIOR
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import quick, read, refused
 
 pytest.importorskip("numba")
+pytest.importorskip("SALib")
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +21,7 @@ def out(quick_run: QuickRun) -> Path:
 
 def test_as_many_sets_are_admissible_as_were_wanted(out: Path) -> None:
     counts = {row["outcome"]: int(row["sets"]) for row in read(out / "table_admissible.csv")}
-    assert counts["admissible"] == 3
+    assert counts["admissible"] == 6
     with np.load(out / "sets_00000.npz") as file:
         assert len(file["numbers"]) == 4
         assert file["statistics"].shape[:2] == (4, 2)
@@ -26,27 +29,75 @@ def test_as_many_sets_are_admissible_as_were_wanted(out: Path) -> None:
 
 def test_every_part_of_the_prior_stands_on_the_page_with_its_source(out: Path) -> None:
     rows = read(out / "table_prior.csv")
-    assert {"next_to_food", "orienting", "placement_error"} <= {row["decision or noise"] for row in rows}
+    assert {row["decision or noise"] for row in rows} == set(PRIOR.names)
     assert all(row["source"] for row in rows)
 
 
-def test_predictions_stand_beside_the_thesis(out: Path) -> None:
-    rows = {row["statistic"]: row for row in read(out / "table_predictions.csv")}
+def test_every_decision_is_calibrated_and_has_a_posterior(out: Path) -> None:
+    assert {row["decision or noise"] for row in read(out / "table_calibration.csv")} == set(PRIOR.names)
+    numbers = {row["decision or noise"] for row in read(out / "table_posterior_numbers.csv")}
+    readings = {row["decision"] for row in read(out / "table_posterior_readings.csv")}
+    assert numbers | readings == set(PRIOR.names)
+    shares = [
+        float(row["posterior (%)"])
+        for row in read(out / "table_posterior_readings.csv")
+        if row["decision"] == "orienting"
+    ]
+    assert sum(shares) == pytest.approx(100, abs=0.01)
+
+
+def test_influence_has_an_interval_and_a_line_of_chance(out: Path) -> None:
+    rows = {row["decision or noise"]: row for row in read(out / "table_influence.csv")}
+    assert set(rows) == {*PRIOR.names, "(a random number)"}
+    row = rows["next_to_food"]
+    assert (
+        float(row["corridor score: low"])
+        <= float(row["corridor score"])
+        <= float(row["corridor score: high"])
+    )
+
+
+def test_cells_stand_beside_the_thesis(out: Path) -> None:
+    rows = {row["statistic"]: row for row in read(out / "table_cells.csv")}
     assert float(rows["corridor 1 food"]["thesis"]) == 0.4
     assert rows["corridor 1 food"]["use"] == "fitted"
     assert rows["rectangle 10 score"]["use"] == "test"
     for row in rows.values():
-        assert 0 <= float(row["percentile"]) <= 100
+        for name in ("version 0.1", "posterior", "default"):
+            rank = row[f"percentile ({name})"]
+            assert rank == "" or 0 <= float(rank) <= 100
+    fit = {row["measure"]: row for row in read(out / "table_fit.csv")}
+    assert 0 <= float(fit["means of the thesis within the central 95 %, of 14"]["version 0.1"]) <= 14
+
+
+def test_nothing_of_the_test_set_is_fitted(out: Path) -> None:
+    rows = read(out / "table_test_set.csv")
+    assert len(rows) == 19
+    assert all(row["statistic"].startswith("rectangle") for row in rows)
+    assert {row["predicted"] for row in rows} <= {"yes", "no"}
+
+
+def test_every_claim_has_a_share_of_laboratories(out: Path) -> None:
+    assert [row["claim"] for row in read(out / "table_claims.csv")] == [claim.name for claim in CLAIMS]
+
+
+def test_three_questions_are_asked(out: Path) -> None:
+    text = (out / "questions.md").read_text()
+    assert [line[:2] for line in text.splitlines() if line[:2] in ("1.", "2.", "3.", "4.")] == [
+        "1.",
+        "2.",
+        "3.",
+    ]
 
 
 def test_more_sets_continue_the_run_and_other_experiments_are_refused(tmp_path: Path, out: Path) -> None:
     folder = tmp_path / "out"
-    quick("decisions", folder, "--sets", "1", "--jobs", "1")
+    quick("decisions", folder, "--sets", "3", "--jobs", "1")
     first = (folder / "sets_00000.npz").stat().st_mtime_ns
     with np.load(folder / "sets_00000.npz") as mine, np.load(out / "sets_00000.npz") as theirs:
         for name in mine.files:
             assert np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f"), name
-    quick("decisions", folder, "--sets", "2", "--jobs", "1")
+    quick("decisions", folder, "--sets", "4", "--jobs", "1")
     assert (folder / "sets_00000.npz").stat().st_mtime_ns == first
     told = refused("decisions", "--out", str(folder), "--experiments", "1")
     assert "experiments 2; allowed: the same as in this run" in told

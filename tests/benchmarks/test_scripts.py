@@ -42,7 +42,7 @@ class Script:
         small: Arguments of an even smaller run with the same rows on any number of processes; none if rows are times.
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
-        runs: False if only its help is tested here, because a run needs the network.
+        runs: False if only its help is tested here, because a run needs the network or another script's results.
     """
 
     options: tuple[str, ...]
@@ -61,7 +61,15 @@ SCRIPTS = {
         run=("--episodes", "10", "--arenas", "8"),
         needs=("numba",),
     ),
-    "decisions": Script(("--sets", "--experiments", "--jobs", "--fresh"), (), needs=("numba",)),
+    "decisions": Script(
+        ("--sets", "--experiments", "--jobs", "--fresh"), (), page="posterior.md", needs=("numba", "SALib")
+    ),
+    "best_decisions": Script(
+        ("--start", "--generations", "--children", "--finalists", "--jobs", "--fresh"),
+        (),
+        needs=("numba",),
+        runs=False,
+    ),
     "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
