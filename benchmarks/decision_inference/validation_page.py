@@ -80,7 +80,7 @@ def _table(calibrations: Sequence[Calibration]) -> Table:
 
 
 def _equal_ranks(found: Calibration) -> float:
-    counts, _ = np.histogram(found.ranks, BINS, (0.0, 1.0))
+    counts, _ = np.histogram(found.ranks, BINS, range=(0.0, 1.0))
     return float(stats.chisquare(counts).pvalue)
 
 
@@ -94,7 +94,7 @@ def _picture(posterior: Posterior) -> "Figure":
     for axis, found in zip(axes.flat, calibrations, strict=False):
         axis.axhspan(low, high, color="0.88")
         axis.axhline(expected, color=GREY, linewidth=0.8)
-        axis.hist(found.ranks, BINS, (0.0, 1.0), color=OURS, alpha=0.8)
+        axis.hist(found.ranks, BINS, range=(0.0, 1.0), color=OURS, alpha=0.8)
         axis.set_title(found.name, fontsize=7)
         axis.tick_params(labelsize=6)
         grid(axis)

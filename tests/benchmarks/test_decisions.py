@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from decision_inference.sets import Drawn, draw, kept
+from harness.arguments import Count, parse
 
 from khepera_forage.thesis.inference.claims_table import CLAIMS
 from khepera_forage.thesis.inference.prior import PRIOR
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import quick, read, refused
+from tests.benchmarks.running import read, refused
 
 pytest.importorskip("numba")
 pytest.importorskip("SALib")
@@ -90,14 +92,25 @@ def test_three_questions_are_asked(out: Path) -> None:
     ]
 
 
+def drawn(folder: Path, sets: int, *options: str) -> Drawn:
+    wanted = Count("sets", 10, sets, "admissible sets")
+    experiments = Count("experiments", 20, 2, "experiments")
+    given = parse(
+        "decisions", "", wanted, experiments, given=["--quick", "--seed", "1", "--out", str(folder), *options]
+    )
+    return draw(given, given.sets, given.experiments)
+
+
 def test_more_sets_continue_the_run_and_other_experiments_are_refused(tmp_path: Path, out: Path) -> None:
-    folder = tmp_path / "out"
-    quick("decisions", folder, "--sets", "3", "--jobs", "1")
-    first = (folder / "sets_00000.npz").stat().st_mtime_ns
-    with np.load(folder / "sets_00000.npz") as mine, np.load(out / "sets_00000.npz") as theirs:
+    few = drawn(tmp_path, 1, "--jobs", "1")
+    assert len(few.admissible) == len(few.laboratories) == 1
+    first = (tmp_path / "sets_00000.npz").stat().st_mtime_ns
+    with np.load(tmp_path / "sets_00000.npz") as mine, np.load(out / "sets_00000.npz") as theirs:
         for name in mine.files:
             assert np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f"), name
-    quick("decisions", folder, "--sets", "4", "--jobs", "1")
-    assert (folder / "sets_00000.npz").stat().st_mtime_ns == first
-    told = refused("decisions", "--out", str(folder), "--experiments", "1")
+    more = drawn(tmp_path, 2, "--jobs", "1")
+    assert (tmp_path / "sets_00000.npz").stat().st_mtime_ns == first
+    assert np.array_equal(more.statistics[0], few.statistics[0], equal_nan=True)
+    assert kept(tmp_path).laboratories[:2] == more.laboratories
+    told = refused("decisions", "--out", str(tmp_path), "--seed", "1", "--experiments", "1")
     assert "experiments 2; allowed: the same as in this run" in told
