@@ -72,9 +72,12 @@ def explained(parameter: Parameter, weights: Floats, means: Floats, rng: Generat
     """
     used = weights > 0
     weights, means = weights[used] / weights.sum(), means[used]
-    means = means - weights @ means
-    variance = weights @ means**2
-    means = means[:, variance > 0] / np.sqrt(variance[variance > 0])
+    centre = weights @ means
+    variance = weights @ (means - centre) ** 2
+    varies = variance > 1e-12 * (centre**2 + variance)
+    if not varies.any():
+        return Explained(parameter.name, 0.0, 0.0)
+    means = (means - centre)[:, varies] / np.sqrt(variance[varies])
     classes = _classes(parameter, used, weights)
     # Weights and means stay together, so that chance includes what a few heavy sets can do.
     by_chance = [_between(rng.permutation(classes), weights, means) for _ in range(PERMUTATIONS)]
