@@ -49,28 +49,30 @@ EFFORT = 4
 Floats = NDArray[np.float64]
 
 
-class Judged(NamedTuple):
-    """A set and how well it fits.
+class Candidate(NamedTuple):
+    """An admissible set.
 
     Attributes:
         decisions: The set.
-        distance: Squared, of its expected statistics from the thesis's (`Moments`).
+        statistics: Of its experiments, shape (experiments, statistics).
     """
 
     decisions: Decisions
-    distance: float
+    statistics: Floats
 
 
 class Final(NamedTuple):
     """A set with natural values, replicated again.
 
     Attributes:
-        judged: The set, and its distance in the new replications; infinity if it is not admissible.
+        decisions: The set.
+        distance: In the new replications; infinity if it is not admissible.
         outcome: Why it is not admissible, or `admissible`.
         means: Of its statistics.
     """
 
-    judged: Judged
+    decisions: Decisions
+    distance: float
     outcome: str
     means: Floats
 
@@ -103,46 +105,60 @@ def generation(given: Arguments, number: int, candidates: Sequence[Decisions], c
     return sets
 
 
-def judged(sets: Sets, moments: Moments) -> list[Judged]:
-    """The admissible sets among some, with their distance."""
+def admissible(sets: Sets) -> list[Candidate]:
+    """The admissible sets among some."""
     return [
-        Judged(laboratory_from_text(str(text)).decisions, moments.distance(statistics.astype(np.float64)))
+        Candidate(laboratory_from_text(str(text)).decisions, statistics.astype(np.float64))
         for text, reason, statistics in zip(sets.laboratories, sets.reasons, sets.statistics, strict=True)
         if not reason
     ]
 
 
-def best(found: Sequence[Judged], count: int) -> list[Judged]:
+def best(found: Sequence[Candidate], count: int, moments: Moments) -> list[Candidate]:
     """The nearest sets, each once, the nearest first."""
-    return sorted({one.decisions: one for one in found}.values(), key=lambda one: one.distance)[:count]
+    different = {one.decisions: one for one in found}.values()
+    return sorted(different, key=lambda one: moments.distance(one.statistics))[:count]
 
 
-def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tuple[list[Judged], Table]:
+def moments_of(alive: Sequence[Candidate]) -> Moments:
+    """Distances in the spread of experiments under these sets."""
+    return Moments(
+        np.stack([one.statistics for one in alive]).astype(np.float32), np.full(len(alive), 1 / len(alive))
+    )
+
+
+def evolve(
+    given: Arguments, first: Sequence[Decisions], moments: Moments
+) -> tuple[list[Candidate], Moments, Table]:
     """Let sets evolve.
+
+    The spread of experiments is estimated again from the sets that live on, since near the thesis it is another than
+    under all sets.
 
     Args:
         given: Counts and folder.
         first: The first generation.
-        moments: Judges.
+        moments: Judges it.
 
     Returns:
-        The best sets, the best first, and how the generations went.
+        The best sets, the best first; what judged them; and how the generations went.
     """
     contents = Contents(
         given.seed, given.experiments, given.children, f"children of {PRIOR!r}, checked {EFFORT} times"
     )
     candidates = list(first)
-    alive: list[Judged] = []
+    alive: list[Candidate] = []
     rows = []
     for number in range(given.generations + 1):
-        sets = generation(given, number, candidates, contents)
-        new = judged(sets, moments)
-        alive = best([*alive, *new], given.population)
+        new = admissible(generation(given, number, candidates, contents))
+        alive = best([*alive, *new], given.population, moments)
         if not alive:
             sys.exit(
-                "best_decisions.py: no set of the first generation is admissible; give --sets more sets to start from"
+                "best_decisions.py: no set of the first generation is admissible; give --children more sets"
             )
-        distances = [one.distance for one in alive]
+        moments = moments_of(alive)
+        alive = best(alive, given.population, moments)
+        distances = [moments.distance(one.statistics) for one in alive]
         rows.append(
             (
                 number,
@@ -155,11 +171,11 @@ def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tu
         rng = np.random.default_rng((given.seed, number))
         candidates = [child(PRIOR, [one.decisions for one in alive], rng) for _ in range(given.children)]
     columns = ("generation", "admissible (%)", "best distance", "median distance", "worst distance")
-    note = "Squared distances of the sets that live on after each generation."
-    return alive, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
+    note = "Squared distances of the sets that live on after each generation, in the spread of their own experiments."
+    return alive, moments, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
 
 
-def finals(given: Arguments, alive: Sequence[Judged], moments: Moments) -> list[Final]:
+def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> list[Final]:
     """The best sets with natural values, replicated again with other seeds; the best first."""
     candidates = list(dict.fromkeys(rounded(one.decisions, PRIOR) for one in alive[: given.finalists]))
     done = Parallel(n_jobs=given.jobs, batch_size=1)(
@@ -171,15 +187,13 @@ def finals(given: Arguments, alive: Sequence[Judged], moments: Moments) -> list[
         fine = not one.check.reason
         means = np.nanmean(one.statistics, axis=0) if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
         distance = moments.distance(one.statistics) if fine else np.inf
-        found.append(
-            Final(Judged(one.laboratory.decisions, distance), one.check.reason or "admissible", means)
-        )
-    return sorted(found, key=lambda final: final.judged.distance)
+        found.append(Final(one.laboratory.decisions, distance, one.check.reason or "admissible", means))
+    return sorted(found, key=lambda final: final.distance)
 
 
 def page(found: Sequence[Final], generations: Table) -> Page:
     """The best set, the others, and how they were found."""
-    chosen = found[0].judged.decisions
+    chosen = found[0].decisions
     return Page(
         "The best single set of decisions",
         [
@@ -232,7 +246,7 @@ def _others(found: Sequence[Final]) -> Table:
         for measure in (" score", " food"):
             columns = [k for k in fitted_columns() if names[k] in NAMES and names[k].endswith(measure)]
             differences.append(float(np.sqrt(np.mean((final.means[columns] - thesis[columns]) ** 2))))
-        rows.append((place + 1, final.outcome, final.judged.distance, *differences))
+        rows.append((place + 1, final.outcome, final.distance, *differences))
     return Table(
         "finalists",
         "The finalists",
@@ -271,13 +285,13 @@ def main() -> int:
     try:
         drawn = kept(given.start)
         posterior = infer(drawn.parameters, drawn.statistics, given.seed)
-        moments = Moments(drawn.statistics, posterior.weights)
         start = [
-            Judged(laboratory.decisions, moments.distance(statistics.astype(np.float64)))
+            Candidate(laboratory.decisions, statistics.astype(np.float64))
             for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
         ]
-        first = [one.decisions for one in best(start, given.children)]
-        alive, generations = evolve(given, first, moments)
+        moments = Moments(drawn.statistics, posterior.weights)
+        first = [one.decisions for one in best(start, given.children, moments)]
+        alive, moments, generations = evolve(given, first, moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
     return finish(given, page(finals(given, alive, moments), generations), f"--start {given.start}")
