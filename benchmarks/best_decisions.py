@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from decision_inference.best_page import Final, page
 from decision_inference.sets import kept
 from harness.arguments import Arguments, Count, parse
-from harness.page import Page, finish
+from harness.page import finish
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from tqdm import tqdm
@@ -29,10 +30,10 @@ from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.evolution import child, rounded
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.moments import Moments
-from khepera_forage.thesis.inference.posterior import fitted_columns, infer
+from khepera_forage.thesis.inference.posterior import infer
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
 from khepera_forage.thesis.inference.simulate import Simulated, replicate
-from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
+from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import (
     Contents,
     Sets,
@@ -41,7 +42,7 @@ from khepera_forage.thesis.inference.table import (
     sets_of,
     write_chunk,
 )
-from khepera_forage.thesis.tables import Column, Table, Value
+from khepera_forage.thesis.tables import Column, Table
 
 START = Path("results/decisions")
 EFFORT = 4
@@ -59,22 +60,6 @@ class Candidate(NamedTuple):
 
     decisions: Decisions
     statistics: Floats
-
-
-class Final(NamedTuple):
-    """A set with natural values, replicated again.
-
-    Attributes:
-        decisions: The set.
-        distance: In the new replications; infinity if it is not admissible.
-        outcome: Why it is not admissible, or `admissible`.
-        means: Of its statistics.
-    """
-
-    decisions: Decisions
-    distance: float
-    outcome: str
-    means: Floats
 
 
 def simulated(decisions: Decisions, seed: Sequence[int], experiments: int) -> Simulated:
@@ -189,78 +174,6 @@ def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> li
         distance = moments.distance(one.statistics) if fine else np.inf
         found.append(Final(one.laboratory.decisions, distance, one.check.reason or "admissible", means))
     return sorted(found, key=lambda final: final.distance)
-
-
-def page(found: Sequence[Final], generations: Table) -> Page:
-    """The best set, the others, and how they were found."""
-    chosen = found[0].decisions
-    return Page(
-        "The best single set of decisions",
-        [
-            "Every value lies in the prior's range and is rounded. Only tables A.1 to A.4 were looked at.",
-            "```python\n" + _as_code(chosen) + "\n```",
-            _fields(chosen),
-            _means(found[0]),
-            _others(found),
-            generations,
-        ],
-    )
-
-
-def _as_code(decisions: Decisions) -> str:
-    changes = decisions.differing(Decisions.v0_1())
-    return "\n".join(["Decisions(", *(f"    {name}={new!r}," for name, (new, _) in changes.items()), ")"])
-
-
-def _fields(chosen: Decisions) -> Table:
-    rows = [(name, *map(str, pair)) for name, pair in chosen.differing(Decisions.v0_1()).items()]
-    return Table(
-        "fields",
-        "What differs from version 0.1",
-        "Fields that are not here have the values of version 0.1.",
-        (Column("decision"), Column("best set"), Column("version 0.1")),
-        rows,
-    )
-
-
-def _means(final: Final) -> Table:
-    thesis, fitted = thesis_statistics(), set(fitted_columns().tolist())
-    return Table(
-        "means",
-        "Means of the best set",
-        "Beside the thesis. `test`: not looked at.",
-        (Column("statistic"), Column("use"), Column("thesis", 2), Column("best set", 2)),
-        [
-            (name, "fitted" if k in fitted else "test", float(thesis[k]), float(final.means[k]))
-            for k, name in enumerate((*NAMES, *SLOPES))
-            if np.isfinite(thesis[k])
-        ],
-    )
-
-
-def _others(found: Sequence[Final]) -> Table:
-    thesis, names = thesis_statistics(), (*NAMES, *SLOPES)
-    rows: list[tuple[Value, ...]] = []
-    for place, final in enumerate(found):
-        differences = []
-        for measure in (" score", " food"):
-            columns = [k for k in fitted_columns() if names[k] in NAMES and names[k].endswith(measure)]
-            differences.append(float(np.sqrt(np.mean((final.means[columns] - thesis[columns]) ** 2))))
-        rows.append((place + 1, final.outcome, final.distance, *differences))
-    return Table(
-        "finalists",
-        "The finalists",
-        "The best sets with natural values, replicated with other seeds than those that chose them. Differences are "
-        "root mean squares over the four corridor cells.",
-        (
-            Column("rank"),
-            Column("outcome"),
-            Column("squared distance"),
-            Column("difference of scores", 1),
-            Column("difference of food", 3),
-        ),
-        rows,
-    )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
