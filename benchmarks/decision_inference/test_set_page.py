@@ -141,6 +141,7 @@ def _picture(counts: Floats, weights: Floats, before: int) -> "Figure":
     )
     axis.hist(counts, bins, weights=weights, histtype="step", color=OURS, linewidth=1.5, label="posterior")
     axis.axvline(before, color=GREY, linestyle="--", label="version 0.1")
+    axis.set_xticks(range(0, len(bins), 2))
     axis.set_xlabel("statistics of the rectangle that a set predicts")
     axis.set_ylabel("share of sets")
     axis.legend(frameon=False, fontsize=8)
