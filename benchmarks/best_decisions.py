@@ -1,11 +1,11 @@
-"""The single set of decisions whose expected results are nearest to tables A.1 to A.4, with natural values.
+"""The single set of decisions that fits tables A.1 to A.4 best, with natural values.
 
     python benchmarks/decisions.py && python benchmarks/best_decisions.py
 
-Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the nearest sets, changed
-within the prior, are checked and judged by the method of simulated moments. Tables A.5 to A.7 are not looked at. Noise
+Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
+within the prior, are checked and judged by their misfit (`Moments`). Tables A.5 to A.7 are not looked at. Noise
 is the laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible.
-At the end the nearest sets, with rounded values, are replicated again with other seeds, so that luck is not mistaken
+At the end the best sets, with rounded values, are replicated again with other seeds, so that luck is not mistaken
 for a fit. Needs numba; a run that was killed continues.
 """
 
@@ -100,33 +100,21 @@ def admissible(sets: Sets) -> list[Candidate]:
 
 
 def best(found: Sequence[Candidate], count: int, moments: Moments) -> list[Candidate]:
-    """The nearest sets, each once, the nearest first."""
+    """The sets that fit best, each once, the best first."""
     different = {one.decisions: one for one in found}.values()
-    return sorted(different, key=lambda one: moments.distance(one.statistics))[:count]
+    return sorted(different, key=lambda one: moments.misfit(one.statistics))[:count]
 
 
-def moments_of(alive: Sequence[Candidate]) -> Moments:
-    """Distances in the spread of experiments under these sets."""
-    return Moments(
-        np.stack([one.statistics for one in alive]).astype(np.float32), np.full(len(alive), 1 / len(alive))
-    )
-
-
-def evolve(
-    given: Arguments, first: Sequence[Decisions], moments: Moments
-) -> tuple[list[Candidate], Moments, Table]:
+def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tuple[list[Candidate], Table]:
     """Let sets evolve.
-
-    The spread of experiments is estimated again from the sets that live on, since near the thesis it is another than
-    under all sets.
 
     Args:
         given: Counts and folder.
         first: The first generation.
-        moments: Judges it.
+        moments: Judges sets.
 
     Returns:
-        The best sets, the best first; what judged them; and how the generations went.
+        The best sets, the best first, and how the generations went.
     """
     contents = Contents(
         given.seed, given.experiments, given.children, f"children of {PRIOR!r}, checked {EFFORT} times"
@@ -141,23 +129,21 @@ def evolve(
             sys.exit(
                 "best_decisions.py: no set of the first generation is admissible; give --children more sets"
             )
-        moments = moments_of(alive)
-        alive = best(alive, given.population, moments)
-        distances = [moments.distance(one.statistics) for one in alive]
+        misfits = [moments.misfit(one.statistics) for one in alive]
         rows.append(
             (
                 number,
                 100.0 * len(new) / len(candidates),
-                distances[0],
-                float(np.median(distances)),
-                distances[-1],
+                misfits[0],
+                float(np.median(misfits)),
+                misfits[-1],
             )
         )
         rng = np.random.default_rng((given.seed, number))
         candidates = [child(PRIOR, [one.decisions for one in alive], rng) for _ in range(given.children)]
-    columns = ("generation", "admissible (%)", "best distance", "median distance", "worst distance")
-    note = "Squared distances of the sets that live on after each generation, in the spread of their own experiments."
-    return alive, moments, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
+    columns = ("generation", "admissible (%)", "best misfit", "median misfit", "worst misfit")
+    note = "Misfit of the sets that live on after each generation."
+    return alive, Table("generations", "Generations", note, tuple(map(Column, columns)), rows)
 
 
 def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> list[Final]:
@@ -171,9 +157,9 @@ def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> li
     for one in done:
         fine = not one.check.reason
         means = np.nanmean(one.statistics, axis=0) if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
-        distance = moments.distance(one.statistics) if fine else np.inf
-        found.append(Final(one.laboratory.decisions, distance, one.check.reason or "admissible", means))
-    return sorted(found, key=lambda final: final.distance)
+        misfit = moments.misfit(one.statistics) if fine else np.inf
+        found.append(Final(one.laboratory.decisions, misfit, one.check.reason or "admissible", means))
+    return sorted(found, key=lambda final: final.misfit)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -204,7 +190,7 @@ def main() -> int:
         ]
         moments = Moments(drawn.statistics, posterior.weights)
         first = [one.decisions for one in best(start, given.children, moments)]
-        alive, moments, generations = evolve(given, first, moments)
+        alive, generations = evolve(given, first, moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
     return finish(given, page(finals(given, alive, moments), generations), f"--start {given.start}")

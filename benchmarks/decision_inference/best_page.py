@@ -20,13 +20,13 @@ class Final(NamedTuple):
 
     Attributes:
         decisions: The set.
-        distance: In the new replications; infinity if it is not admissible.
+        misfit: In the new replications; infinity if it is not admissible.
         outcome: Why it is not admissible, or `admissible`.
         means: Of its statistics.
     """
 
     decisions: Decisions
-    distance: float
+    misfit: float
     outcome: str
     means: Floats
 
@@ -86,16 +86,18 @@ def _others(found: Sequence[Final]) -> Table:
         for measure in (" score", " food"):
             columns = [k for k in fitted_columns() if names[k] in NAMES and names[k].endswith(measure)]
             differences.append(float(np.sqrt(np.mean((final.means[columns] - thesis[columns]) ** 2))))
-        rows.append((place + 1, final.outcome, final.distance, *differences))
+        rows.append((place + 1, final.outcome, final.misfit, *differences))
     return Table(
         "finalists",
         "The finalists",
-        "The best sets with natural values, replicated with other seeds than those that chose them. Differences are "
-        "root mean squares over the four corridor cells.",
+        "The best sets with natural values, replicated with other seeds than those that chose them. Misfit is the "
+        "squared distance of the eight mean scores and shares of food, in the spread of experiments, plus the excess "
+        "of the thesis's surprise over its expectation (`thesis/inference/moments.py`). Differences are root mean "
+        "squares over the four corridor cells.",
         (
             Column("rank"),
             Column("outcome"),
-            Column("squared distance"),
+            Column("misfit"),
             Column("difference of scores", 1),
             Column("difference of food", 3),
         ),

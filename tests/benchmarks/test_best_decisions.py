@@ -21,7 +21,7 @@ def out(quick_run: QuickRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_generations_and_finalists_are_reported(out: Path) -> None:
     rows = read(out / "table_generations.csv")
     assert [row["generation"] for row in rows] == ["0", "1"]
-    assert float(rows[1]["best distance"]) <= float(rows[0]["best distance"]), "the best live on"
+    assert float(rows[1]["best misfit"]) <= float(rows[0]["best misfit"]), "the best live on"
     assert 1 <= len(read(out / "table_finalists.csv")) <= 2
     assert "```python\nDecisions(" in (out / "best_decisions.md").read_text()
     assert {row["use"] for row in read(out / "table_means.csv")} == {"fitted", "test"}

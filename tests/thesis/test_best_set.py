@@ -14,6 +14,7 @@ from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 
 pytest.importorskip("numba")
+WIDTH = len(NAMES) + len(SLOPES)
 NAMED = np.array([name in FITTED for name in (*NAMES, *SLOPES)])
 
 
@@ -24,17 +25,33 @@ def statistics() -> np.ndarray:
     return np.asarray(means + rng.normal(size=(30, 20, len(NAMED))), dtype=np.float32)
 
 
-def test_distance_is_in_the_spread_of_experiments(statistics: np.ndarray) -> None:
+def test_surprise_is_in_the_spread_of_experiments(statistics: np.ndarray) -> None:
     """Here all statistics have a standard deviation of 1, are independent, and 23 of them are looked at."""
     moments = Moments(statistics, np.ones(len(statistics)))
     assert moments.spread == pytest.approx(np.ones(23), abs=0.1)
     thesis = np.nan_to_num(thesis_statistics())
-    off = np.random.default_rng(1).normal(size=(20, len(NAMED)))
+    off = np.random.default_rng(1).normal(size=(400, len(NAMED)))
     off -= off.mean(axis=0)
-    assert moments.distance(thesis + off) == pytest.approx(0.0, abs=1e-9)
-    assert moments.distance(thesis + 2 + off) == pytest.approx(4 * 23, rel=0.25)
-    own = [moments.distance(thesis + row[None]) for row in np.random.default_rng(2).normal(size=(300, 46))]
+    assert moments.surprise(thesis + off) == pytest.approx(0.0, abs=1e-9)
+    assert moments.surprise(thesis + 2 + off) == pytest.approx(4 * 23, rel=0.25)
+    assert moments.surprise(thesis + 2 + 4 * off) == pytest.approx(4 * 23 / 16, rel=0.25), (
+        "in the set's own spread"
+    )
+    own = [moments.surprise(thesis + row + off) for row in np.random.default_rng(2).normal(size=(300, WIDTH))]
     assert np.mean(own) == pytest.approx(23, rel=0.1)
+
+
+def test_misfit_is_that_of_the_means_unless_the_thesis_is_a_surprise(statistics: np.ndarray) -> None:
+    moments = Moments(statistics, np.ones(len(statistics)))
+    thesis = np.nan_to_num(thesis_statistics())
+    off = np.random.default_rng(1).normal(size=(400, len(NAMED)))
+    off -= off.mean(axis=0)
+    food = np.isin(NAMES + SLOPES, "corridor 3 food")
+    spread = np.isin(NAMES + SLOPES, "corridor 3 spread")
+    assert moments.misfit(thesis + off) == pytest.approx(0.0, abs=1e-9)
+    assert moments.misfit(thesis + 2 * food + off) == pytest.approx(4, rel=0.2)
+    assert moments.misfit(thesis + 2 * spread + off) == pytest.approx(0.0, abs=1e-9), "possible, and no mean"
+    assert moments.misfit(thesis + 9 * spread + off) == pytest.approx(81 - 23, rel=0.3)
 
 
 def test_sets_without_weight_do_not_count(statistics: np.ndarray) -> None:
@@ -44,16 +61,16 @@ def test_sets_without_weight_do_not_count(statistics: np.ndarray) -> None:
     assert np.array_equal(Moments(other, weights).spread, Moments(statistics, weights).spread)
 
 
-def test_distance_does_not_look_at_the_rectangle(statistics: np.ndarray) -> None:
+def test_misfit_does_not_look_at_the_rectangle(statistics: np.ndarray) -> None:
     own = statistics[3].astype(np.float64)
     moments = Moments(statistics, np.ones(len(statistics)))
-    assert moments.distance(np.where(NAMED, own, 99.0)) == moments.distance(own)
+    assert moments.misfit(np.where(NAMED, own, 99.0)) == moments.misfit(own)
 
 
-def test_sets_without_failures_or_successes_are_infinitely_far(statistics: np.ndarray) -> None:
+def test_sets_without_failures_or_successes_do_not_fit(statistics: np.ndarray) -> None:
     own = statistics[3].astype(np.float64)
     own[:15, NAMES.index("corridor 3 right_failed")] = np.nan
-    assert Moments(statistics, np.ones(len(statistics))).distance(own) == np.inf
+    assert Moments(statistics, np.ones(len(statistics))).misfit(own) == np.inf
 
 
 def test_children_stay_in_the_prior_and_mix_their_parents() -> None:

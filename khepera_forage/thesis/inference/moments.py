@@ -1,9 +1,10 @@
-"""Method of simulated moments: how far are the expected statistics under one set from tables A.1 to A.4?
+"""Which single set fits tables A.1 to A.4 best? The forest weights sets, but does not say.
 
-The random forest weights sets, but does not say which single set fits best; this does. Differences are measured in the
-spread of experiments of the thesis's size, so that 23 statistics of an experiment of the set itself would be at a
-squared distance of about 23 (McFadden 1989, "A method of simulated moments for estimation of discrete response models
-without numerical integration", Econometrica 57: 995-1026).
+A set is compatible with the tables if the thesis is no surprise among the set's own experiments. The test is that of
+the method of simulated moments (McFadden 1989, "A method of simulated moments for estimation of discrete response
+models without numerical integration", Econometrica 57: 995-1026): the squared distance of 23 statistics in the spread
+of experiments is about 23 for an experiment of the set itself. Many sets are compatible. Among them, the best is the
+one whose mean scores and mean shares of food are nearest to the thesis's.
 """
 
 import math
@@ -17,51 +18,72 @@ from khepera_forage.thesis.inference.summary import NAMES, thesis_statistics
 Floats = NDArray[np.float64]
 _OWN_CORRELATION = 0.8
 """Share of the correlations that are believed; it keeps their matrix well-conditioned."""
+_USUAL = 5
+"""Weight of the usual spread beside that of a set's own experiments, which are few."""
 
 
 class Moments:
-    """Squared distance from the corridor's tables.
+    """How well sets fit the corridor's tables.
 
     Args:
         statistics: Of sets, shape (sets, experiments, statistics of `summary`).
-        weights: One a set. Their experiments, weighted, say how much statistics vary from one experiment to another
-            under a set, and together.
+        weights: One a set. Their experiments, weighted, say how much statistics usually vary from one experiment to
+            another under a set, and together.
     """
 
     def __init__(self, statistics: NDArray[np.float32], weights: Floats) -> None:
         columns = fitted_columns()
         self._columns = columns[columns < len(NAMES)]  # slopes follow from the others
         self._thesis = thesis_statistics()[self._columns]
+        self._is_mean = np.array([NAMES[k].endswith((" score", " food")) for k in self._columns])
         used = weights > 0
         own = statistics[used][:, :, self._columns].astype(np.float64)
         off = own - _means(own)[:, None]
-        known = np.isfinite(off)
-        off = np.where(known, off, 0.0) * np.sqrt(weights[used])[:, None, None]
-        counts = np.tensordot(weights[used], known.sum(axis=1), axes=1)
+        off = np.where(np.isfinite(off), off, 0.0) * np.sqrt(weights[used])[:, None, None]
         rows = off.reshape(-1, len(self._columns))
+        degrees = weights[used] @ np.maximum(np.isfinite(own).sum(axis=1) - 1, 0)
+        self.spread = np.sqrt((rows**2).sum(axis=0) / np.maximum(degrees, 1e-12))
+        """Usual standard deviation of each statistic between experiments."""
         scale = np.sqrt(np.maximum((rows**2).sum(axis=0), 1e-12))
         correlation = _OWN_CORRELATION * rows.T @ rows / np.outer(scale, scale)
         np.fill_diagonal(correlation, 1.0)
-        experiments = own.shape[1]
-        degrees = counts * (experiments - 1) / experiments if experiments > 1 else counts
-        self.spread = np.sqrt((rows**2).sum(axis=0) / np.maximum(degrees, 1e-12))
-        """Standard deviation of each statistic between experiments."""
         self._precision = np.linalg.inv(correlation)
 
-    def distance(self, statistics: Floats) -> float:
-        """Squared distance of a set's expected statistics from the thesis's.
+    def misfit(self, statistics: Floats) -> float:
+        """Distance of the means, and how much more surprising the thesis is than the set's own experiments.
 
         Args:
             statistics: Of experiments under the set, shape (experiments, statistics of `summary`).
 
         Returns:
-            Infinity if a statistic is missing in most experiments, such as the share of correct steps in failed
-            recalls under a set that never fails.
+            0 for a set with the thesis's means, under which the thesis is no surprise. Infinity if a statistic is
+            missing in most experiments, such as the share of correct steps in failed recalls under a set that never
+            fails.
         """
-        own = statistics[:, self._columns]
-        if (np.isfinite(own).mean(axis=0) < 0.5).any():
+        surprise = self.surprise(statistics)
+        if not math.isfinite(surprise):
             return math.inf
-        off = (_means(own[None].astype(np.float64))[0] - self._thesis) / self.spread
+        off = (_means(statistics[None, :, self._columns])[0] - self._thesis) / self.spread
+        return float((off[self._is_mean] ** 2).sum() + max(surprise - len(off), 0.0))
+
+    def surprise(self, statistics: Floats) -> float:
+        """Squared distance of the thesis from the set's expected statistics, in the spread of the set's experiments.
+
+        Args:
+            statistics: Of experiments under the set, shape (experiments, statistics of `summary`).
+
+        Returns:
+            About 23 if the thesis were an experiment of this set; infinity as for `misfit`.
+        """
+        own = statistics[:, self._columns].astype(np.float64)
+        known = np.isfinite(own)
+        if (known.mean(axis=0) < 0.5).any():
+            return math.inf
+        means = _means(own[None])[0]
+        count = known.sum(axis=0)
+        squares = np.where(known, (own - means) ** 2, 0.0).sum(axis=0) + _USUAL * self.spread**2
+        spread = np.sqrt(squares / (count - 1 + _USUAL) * (1 + 1 / count))
+        off = (self._thesis - means) / spread
         return float(off @ self._precision @ off)
 
 
