@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from khepera_forage.envs.backends import COMPILED
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.reproduce import reproduce
 from khepera_forage.thesis.statistics import Estimate
 from khepera_forage.thesis.tables import Column, Table
@@ -43,8 +44,8 @@ def cells_of(path: Path) -> list[Cell]:
 
 
 def reproduced(seed: int, replications: int, out: Path, quick: bool) -> list[Cell]:
-    """The cells of a new run, whose report is written to a folder."""
-    page = reproduce(seed, replications, out, backend=COMPILED, quick=quick)
+    """The cells of a new run under the decisions of version 0.1, whose report is written to a folder."""
+    page = reproduce(seed, replications, out, backend=COMPILED, quick=quick, decisions=Decisions.v0_1())
     return cells_of(page.with_name("table_cells.csv"))
 
 

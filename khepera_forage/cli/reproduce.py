@@ -10,6 +10,7 @@ from khepera_forage.cli.arguments import (
     require_at_least_one,
 )
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK, check_backend
+from khepera_forage.thesis.report import SUMMARY
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
 
 
@@ -36,10 +37,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quick", action="store_true", help="a small version of all experiments, under a minute"
     )
     add_decision_argument(parser)
+    parser.add_argument(
+        "--no-comparison",
+        action="store_true",
+        help="only the chosen decisions; without this option, the thesis's cells are also repeated under those of "
+        "version 0.1, in a fifth of the replications",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the experiments and print the report.
+    """Run the experiments, and print the report and a summary.
 
     Raises:
         ValueError: Fewer than one replication, a decision that is not allowed, or a folder with rows of others.
@@ -58,7 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
         quick=arguments.quick,
         backend=backend,
         decisions=decisions_of(arguments),
+        comparison=not arguments.no_comparison,
     )
     print(page.read_text(encoding="utf-8"))
+    print((arguments.out / SUMMARY).read_text(encoding="utf-8"))
     print(f"Tables, figures and rows are in {arguments.out}")
     return 0

@@ -22,28 +22,36 @@ if TYPE_CHECKING:
 OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
 """Blue and vermilion of Okabe and Ito, which colour-blind readers can distinguish, and grey."""
 DPI = 150
-_SHIFT = 0.2
-"""Horizontal offset in episodes: our marks are left of their number of episodes, the thesis's right of it."""
+_OF_TWO, _OF_THREE = (-0.2, 0.2), (0.0, 0.4)
+"""Horizontal offsets in episodes of our marks and the thesis's, without and with marks of version 0.1."""
+_V0_1 = -0.4
+"""Horizontal offset of the marks of version 0.1."""
+_WIDTH = 0.36
+"""Of a bar, in episodes."""
 
 
-def fig_5_2(results: Sequence[CellResult]) -> "Figure":
+def fig_5_2(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
     """Average scores in the corridor against the number of training episodes."""
-    return _score_figure(results, "corridor", "Figure 5.2: recall score in the corridor")
+    return _score_figure(results, v0_1_results, "corridor", "Figure 5.2: recall score in the corridor")
 
 
-def fig_5_3(results: Sequence[CellResult]) -> "Figure":
+def fig_5_3(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
     """Food carried home in the corridor, of 20."""
-    return _food_figure(results, "corridor", 20, "Figure 5.3: food carried home in the corridor")
+    return _food_figure(
+        results, v0_1_results, "corridor", 20, "Figure 5.3: food carried home in the corridor"
+    )
 
 
-def fig_5_5(results: Sequence[CellResult]) -> "Figure":
+def fig_5_5(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
     """Average scores in the rectangle against the number of training episodes."""
-    return _score_figure(results, "rectangle", "Figure 5.5: recall score in the rectangle")
+    return _score_figure(results, v0_1_results, "rectangle", "Figure 5.5: recall score in the rectangle")
 
 
-def fig_5_6(results: Sequence[CellResult]) -> "Figure":
+def fig_5_6(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
     """Food carried home in the rectangle, of 24."""
-    return _food_figure(results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle")
+    return _food_figure(
+        results, v0_1_results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle"
+    )
 
 
 def noise_figure(table: Table) -> "Figure":
@@ -93,41 +101,59 @@ def save(figure: "Figure", path: Path) -> None:
     figure.savefig(path, dpi=DPI, facecolor="white")
 
 
-def _score_figure(results: Sequence[CellResult], arena: str, title: str) -> "Figure":
+def _score_figure(
+    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, title: str
+) -> "Figure":
     figure, axes = _episode_axes(title)
-    for result in (r for r in results if r.cell.arena == arena):
+    ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
+    for result in _in_arena(v0_1_results, arena):
+        mark(axes, result.cell.episodes + _V0_1, result.score.value, result.score, GREY)
+    for result in _in_arena(results, arena):
         x = result.cell.episodes
-        _experiments(axes, x - _SHIFT, result.scores)
-        mark(axes, x - _SHIFT, result.score.value, result.score, OURS)
-        axes.plot(x + _SHIFT, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
+        _experiments(axes, x + ours, result.scores)
+        mark(axes, x + ours, result.score.value, result.score, OURS)
+        axes.plot(x + thesis, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
     axes.set_ylim(0, 100)
     axes.set_yticks(range(0, 101, 10))
     axes.set_ylabel("average score of recall episodes (%)")
-    _legend(axes)
+    _legend(axes, v0_1=bool(v0_1_results))
     return figure
 
 
-def _food_figure(results: Sequence[CellResult], arena: str, maximum: int, title: str) -> "Figure":
+def _food_figure(
+    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, maximum: int, title: str
+) -> "Figure":
     figure, axes = _episode_axes(title)
-    width = 0.36
-    for result in (r for r in results if r.cell.arena == arena):
+    ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
+    for result in _in_arena(v0_1_results, arena):
+        _food_mark(axes, result.cell.episodes + _V0_1, result, maximum, GREY)
+    for result in _in_arena(results, arena):
         x = result.cell.episodes
         scale = maximum / result.cell.available
-        food = Estimate(*(scale * value for value in result.food))
-        thesis = scale * result.thesis_food
-        axes.bar(x - _SHIFT, food.value, width, color=OURS, alpha=0.35, zorder=1)
-        axes.bar(x + _SHIFT, thesis, width, color=THESIS, alpha=0.35, zorder=1)
-        _experiments(axes, x - _SHIFT, [scale * count for count in result.foods])
-        mark(axes, x - _SHIFT, food.value, food, OURS)
-        axes.plot(x + _SHIFT, thesis, "D", color=THESIS, ms=8, mec="white", zorder=4)
+        _food_mark(axes, x + ours, result, maximum, OURS)
+        _experiments(axes, x + ours, [scale * count for count in result.foods])
+        food = scale * result.thesis_food
+        axes.bar(x + thesis, food, _WIDTH, color=THESIS, alpha=0.35, zorder=1)
+        axes.plot(x + thesis, food, "D", color=THESIS, ms=8, mec="white", zorder=4)
         if scale != 1:
             note = f"of {result.cell.available},\ntimes {scale:g}"
-            axes.text(x + 0.55, 0.2, note, va="bottom", fontsize=8, color=GREY)
+            axes.text(x + thesis + 0.35, 0.2, note, va="bottom", fontsize=8, color=GREY)
     axes.set_ylim(0, maximum * 1.02)
     axes.set_yticks(range(0, maximum + 1, 4))
     axes.set_ylabel(f"food objects carried home (of {maximum})")
-    _legend(axes)
+    _legend(axes, v0_1=bool(v0_1_results))
     return figure
+
+
+def _in_arena(results: Sequence[CellResult], arena: str) -> list[CellResult]:
+    return [result for result in results if result.cell.arena == arena]
+
+
+def _food_mark(axes: "Axes", x: float, result: CellResult, maximum: int, colour: str) -> None:
+    """Draw the food of a cell, scaled to `maximum` available objects, as a bar with its interval."""
+    food = Estimate(*(maximum / result.cell.available * value for value in result.food))
+    axes.bar(x, food.value, _WIDTH, color=colour, alpha=0.35, zorder=1)
+    mark(axes, x, food.value, food, colour)
 
 
 def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
@@ -162,9 +188,11 @@ def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, leve
         axes.errorbar([x], [y], xerr=xerr, yerr=yerr, fmt="none", color=colour, capsize=4, lw=1.8, zorder=4)
 
 
-def _legend(axes: "Axes") -> None:
+def _legend(axes: "Axes", v0_1: bool) -> None:
     from matplotlib.lines import Line2D
 
+    label = "version 0.1, mean and 95 % interval"
+    old = Line2D([], [], marker="o", color=GREY, ls="-", ms=7, mec="white", label=label)
     axes.legend(
         handles=[
             Line2D([], [], marker="D", color=THESIS, ls="", ms=8, mec="white", label="thesis"),
@@ -179,10 +207,11 @@ def _legend(axes: "Axes") -> None:
                 label="ours, mean and 95 % interval",
             ),
             Line2D([], [], marker="o", color=OURS, ls="", ms=4, alpha=0.4, label="ours, single experiments"),
+            *([old] if v0_1 else ()),
         ],
         loc="upper center",
         bbox_to_anchor=(0.5, -0.14),
-        ncols=3,
+        ncols=2 if v0_1 else 3,
         frameon=False,
         fontsize=8,
     )

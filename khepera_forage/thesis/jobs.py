@@ -39,7 +39,7 @@ class JobCounts(NamedTuple):
         replications: Of the whole design under the laboratory's noise.
         noise_replications: Of `noise_cells` under each other noise condition.
         noise_conditions: Names of these conditions.
-        baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena.
+        baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena; may be 0.
         block_forages: Forages of the teacher in a block; a random policy has a fifth of them.
         noise_cells: Cells under each other noise condition; without any, only the training files.
     """
@@ -66,6 +66,16 @@ def job_counts(replications: int, backend: str, quick: bool = False) -> JobCount
     conditions = tuple(name for name in noise_conditions() if name != LABORATORY)
     divisor = 3 if backend == PYMUNK else 10
     return JobCounts(replications, max(MIN_REPLICATIONS, replications // divisor), conditions, 20, 25)
+
+
+def comparison_counts(replications: int) -> JobCounts:
+    """The repetitions of the thesis's cells under other decisions, to compare them with those of the whole design.
+
+    Args:
+        replications: Of the whole design. The comparison has a fifth of them, at least as many as an interval needs,
+            and never more than the design itself.
+    """
+    return JobCounts(min(replications, max(MIN_REPLICATIONS, replications // 5)), 0, (), 0, 0)
 
 
 def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
@@ -130,7 +140,7 @@ def compiled_jobs(
 
 
 def _baselines(counts: JobCounts) -> Iterator[tuple[str, str, int]]:
-    """Arena, policy and forages in a block of every baseline."""
-    for arena in ARENAS:
+    """Arena, policy and forages in a block of every baseline, if there are blocks."""
+    for arena in ARENAS if counts.baseline_blocks else ():
         yield arena, TEACHER, counts.block_forages
         yield arena, RANDOM, counts.block_forages // 5

@@ -8,7 +8,8 @@ import numpy as np
 
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decision_text import decisions_text, differences
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import figures, measured_tables, thesis_tables
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims import claims
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAGE = "thesis.md"
+SUMMARY = "summary.txt"
+V0_1_RECALLS = "recalls_v0.1.csv"
+"""File of the recalls under the decisions of version 0.1, which the reproduction writes."""
 
 
 def write_report(
@@ -36,8 +40,9 @@ def write_report(
     resamples: int = RESAMPLES,
     orient_rows: Sequence[OrientRow] = (),
     backend: str = "pymunk",
+    v0_1_recalls: Sequence[RecallRow] = (),
 ) -> list[Path]:
-    """Write the page and the tables, then the figures.
+    """Write the page, the summary and the tables, then the figures.
 
     Args:
         folder: Created if it does not exist.
@@ -50,22 +55,32 @@ def write_report(
         resamples: Resamples for each interval.
         orient_rows: The orient analysis, under the laboratory's noise; may be empty.
         backend: The backend that simulated the rows.
+        v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1, to show beside the
+            others; may be empty.
 
     Returns:
         The files written.
 
     Raises:
-        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
+        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions, or
+            `v0_1_recalls` have others than version 0.1.
         ImportError: matplotlib, which draws the figures, is not installed; the tables are written.
     """
     common_decisions(recalls, trainings, teachers, noise_rows, orient_rows)
-    for_cells, for_claims, for_tables, for_orient = rng.spawn(4)
+    v0_1_decisions = common_decisions(v0_1_recalls)
+    if v0_1_recalls and v0_1_decisions != Decisions.v0_1():
+        raise ValueError(
+            f"v0_1_recalls have other decisions: {differences(v0_1_decisions, Decisions.v0_1())}; "
+            "allowed: the decisions of version 0.1"
+        )
+    for_cells, for_claims, for_tables, for_orient, for_v0_1 = rng.spawn(5)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
+    v0_1_results = cell_results(v0_1_recalls, for_v0_1, cells, resamples) if v0_1_recalls else []
     noise = measured_tables.noise_table(noise_rows, evidence)
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
     tables = [
-        thesis_tables.cell_table(results),
+        thesis_tables.cell_table(results, v0_1_results),
         thesis_tables.claim_table(measured),
         thesis_tables.rule_table(measured),
         noise,
@@ -76,43 +91,53 @@ def write_report(
         orient_table(orient_rows, for_orient),
         thesis_tables.errata_table(),
     ]
-    written = [_write(folder / PAGE, _page(tables, evidence, backend))]
+    written = [_write(folder / PAGE, _page(tables, evidence, backend, v0_1_recalls))]
+    summary = thesis_tables.summary_table(results, v0_1_results)
+    written.append(_write(folder / SUMMARY, summary.text()))
     written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
-    for stem, figure in _figures(results, recalls, noise):
+    for stem, figure in _figures(results, v0_1_results, recalls, noise):
         written.append(folder / f"{stem}.png")
         figures.save(figure, written[-1])
     return written
 
 
 def _figures(
-    results: Sequence[CellResult], recalls: Sequence[RecallRow], noise: Table
+    results: Sequence[CellResult],
+    v0_1_results: Sequence[CellResult],
+    recalls: Sequence[RecallRow],
+    noise: Table,
 ) -> Iterator[tuple[str, "Figure"]]:
-    yield "figure_5_2", figures.fig_5_2(results)
-    yield "figure_5_3", figures.fig_5_3(results)
+    yield "figure_5_2", figures.fig_5_2(results, v0_1_results)
+    yield "figure_5_3", figures.fig_5_3(results, v0_1_results)
     yield "figure_5_4", fig_5_4(recalls)
-    yield "figure_5_5", figures.fig_5_5(results)
-    yield "figure_5_6", figures.fig_5_6(results)
+    yield "figure_5_5", figures.fig_5_5(results, v0_1_results)
+    yield "figure_5_6", figures.fig_5_6(results, v0_1_results)
     if noise.rows:
         yield "noise", figures.noise_figure(noise)
 
 
-def _page(tables: Sequence[Table], evidence: Evidence, backend: str) -> str:
+def _page(
+    tables: Sequence[Table], evidence: Evidence, backend: str, v0_1_recalls: Sequence[RecallRow]
+) -> str:
     """The Markdown page; each figure follows the table with its numbers."""
     pictures = {
         "cells": ("figure_5_2", "figure_5_3", "figure_5_5", "figure_5_6"),
         "rules": ("figure_5_4",),
         "noise": ("noise",),
     }
-    count = len(replications(evidence.recalls))
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
     decisions = decisions_text(evidence.decisions).replace(";", ", ")
+    comparison = ""
+    files = "`recalls.csv`, `trainings.csv` and `orient.csv`"
+    if v0_1_recalls:
+        comparison = f"For comparison: {_size(v0_1_recalls)}, decisions: {decisions_text(Decisions.v0_1())}. "
+        files = f"`recalls.csv`, `{V0_1_RECALLS}`, `trainings.csv` and `orient.csv`"
     parts = [
         "# The thesis's experiments, repeated\n\n"
-        f"{count} replication{'s' * (count != 1)}, {len(evidence.recalls)} recall episodes of the imitator, "
-        f"noise: {noise}, decisions: {decisions}, backend: {backend}. "
+        f"{_size(evidence.recalls)}, noise: {noise}, decisions: {decisions}, backend: {backend}. {comparison}"
         "A replication repeats the whole design with new training files. "
         f"Intervals are bootstrapped over replications; fewer than {MIN_REPLICATIONS} replications give none. "
-        "`recalls.csv`, `trainings.csv` and `orient.csv` hold one row for each episode or measurement, and "
+        f"{files} hold one row for each episode or measurement, and "
         "`table_*.csv` hold the tables of this page.\n"
     ]
     for table in tables:
@@ -120,6 +145,11 @@ def _page(tables: Sequence[Table], evidence: Evidence, backend: str) -> str:
             parts.append(table.markdown())
             parts += [f"![{name}]({name}.png)\n" for name in pictures.get(table.stem, ())]
     return "\n".join(parts)
+
+
+def _size(recalls: Sequence[RecallRow]) -> str:
+    count = len(replications(recalls))
+    return f"{count} replication{'s' * (count != 1)}, {len(recalls)} recall episodes of the imitator"
 
 
 def _write(path: Path, text: str) -> Path:

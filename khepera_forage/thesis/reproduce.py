@@ -1,7 +1,7 @@
 """All experiments of the thesis, in many replications and on all cores, and the report on them."""
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +15,14 @@ from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import refuse_other_decisions
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import LABORATORY
-from khepera_forage.thesis.jobs import Job, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.jobs import Job, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow
 from khepera_forage.thesis.replication import Outcome
-from khepera_forage.thesis.report import PAGE, write_report
+from khepera_forage.thesis.report import PAGE, V0_1_RECALLS, write_report
 
 REPLICATIONS = {PYMUNK: 24, COMPILED: 1000}
-"""Default number of replications: about two minutes on two cores with either backend."""
+"""Default number of replications: on two cores, one to two minutes with the compiled backend, compilation included, and
+about three minutes with pymunk."""
 QUICK_REPLICATIONS = 2
 
 
@@ -34,8 +35,11 @@ def reproduce(
     quick: bool = False,
     backend: str = PYMUNK,
     decisions: Decisions | None = None,
+    comparison: bool = True,
 ) -> Path:
     """Run all experiments, write their rows and the report.
+
+    Rows of different decisions are never in one file.
 
     Args:
         seed: The same seed gives the same rows on a backend, for any number of processes or threads.
@@ -45,6 +49,8 @@ def reproduce(
         quick: Run a small version of all experiments, in under a minute.
         backend: `pymunk`, one world at a time, or `compiled`, thousands of worlds at once.
         decisions: Of all experiments; the defaults by default.
+        comparison: Also repeat the thesis's cells under the decisions of version 0.1, in a fifth of the replications,
+            and show them beside the others. Without effect if `decisions` are those of version 0.1.
 
     Returns:
         The path of the report, a Markdown page.
@@ -57,30 +63,49 @@ def reproduce(
         raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
     counts = job_counts(replications, backend, quick)
     decisions = checked_decisions(decisions)
-    jobs = (pymunk_jobs if backend == PYMUNK else compiled_jobs)(seed, counts, decisions)
+    v0_1 = Decisions.v0_1()
+    comparison = comparison and decisions != v0_1
+    make_jobs = pymunk_jobs if backend == PYMUNK else compiled_jobs
+    jobs = make_jobs(seed, counts, decisions)
     paths = [out / name for name in ("recalls.csv", "trainings.csv", "orient.csv")]
     for path in paths:
         refuse_other_decisions(path, decisions)
+    if comparison:
+        refuse_other_decisions(out / V0_1_RECALLS, v0_1)
     outcomes: list[Outcome] = []
     with (
         RowWriter(paths[0], RecallRow) as recalls,
         RowWriter(paths[1], TrainingRow) as trainings,
         RowWriter(paths[2], OrientRow) as orient_rows,
     ):
-        # Both iterables keep the order of the jobs, so that the files are the same on every machine.
-        finished: Iterable[Outcome] = map(_run, jobs)
-        if backend == PYMUNK:
-            finished = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_run)(job) for job in jobs)
-        hide_progress = not sys.stderr.isatty()
-        for outcome in tqdm(finished, total=len(jobs), desc="thesis", unit="job", disable=hide_progress):
+        for outcome in _outcomes(jobs, "thesis", backend, n_jobs):
             recalls.write(*outcome.recalls)
             trainings.write(*outcome.trainings)
             orient_rows.write(*outcome.orient_rows)
             outcomes.append(outcome)
-    return _report(out, outcomes, seed, backend)
+    v0_1_recalls: list[RecallRow] = []
+    if comparison:
+        # Only the recalls are compared, so the other rows are not kept.
+        v0_1_jobs = make_jobs(seed, comparison_counts(replications), v0_1)
+        with RowWriter(out / V0_1_RECALLS, RecallRow) as recalls:
+            for outcome in _outcomes(v0_1_jobs, "version 0.1", backend, n_jobs):
+                recalls.write(*outcome.recalls)
+                v0_1_recalls += outcome.recalls
+    return _report(out, outcomes, v0_1_recalls, seed, backend)
 
 
-def _report(out: Path, outcomes: Sequence[Outcome], seed: int, backend: str) -> Path:
+def _outcomes(jobs: Sequence[Job], name: str, backend: str, n_jobs: int) -> Iterator[Outcome]:
+    """The outcomes of jobs in their order, so that the files are the same on every machine; with a progress bar."""
+    finished: Iterable[Outcome] = map(_run, jobs)
+    if backend == PYMUNK:
+        finished = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_run)(job) for job in jobs)
+    hide_progress = not sys.stderr.isatty()
+    yield from tqdm(finished, total=len(jobs), desc=name, unit="job", disable=hide_progress)
+
+
+def _report(
+    out: Path, outcomes: Sequence[Outcome], v0_1_recalls: Sequence[RecallRow], seed: int, backend: str
+) -> Path:
     """Write the report on the rows of all jobs."""
     recalls = [row for outcome in outcomes for row in outcome.recalls]
     write_report(
@@ -92,6 +117,7 @@ def _report(out: Path, outcomes: Sequence[Outcome], seed: int, backend: str) -> 
         orient_rows=[row for outcome in outcomes for row in outcome.orient_rows],
         rng=np.random.default_rng(seed),
         backend=backend,
+        v0_1_recalls=v0_1_recalls,
     )
     return out / PAGE
 

@@ -1,4 +1,4 @@
-"""Tables as Markdown, with intervals in brackets, and as CSV, with one number in each field."""
+"""Tables as Markdown or text, with intervals in brackets, and as CSV, with one number in each field."""
 
 import csv
 import io
@@ -53,12 +53,27 @@ class Table:
 
     def markdown(self) -> str:
         """Heading, note and table in Markdown."""
-        shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
-        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
-        lines = [[column.name for _, column in shown], ["---:" if right else "---" for right in numeric]]
-        lines += [[_shown(row[i], column) for i, column in shown] for row in self.rows]
+        numeric, (heading, *rows) = self._page_lines()
+        lines = [heading, ["---:" if right else "---" for right in numeric], *rows]
         body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
         return f"## {self.title}\n\n{self.note}\n\n{body}\n"
+
+    def text(self) -> str:
+        """Heading, note and table with aligned columns, for a terminal."""
+        numeric, lines = self._page_lines()
+        layout = [
+            f"{'>' if right else '<'}{max(map(len, cells))}"
+            for right, cells in zip(numeric, zip(*lines, strict=True), strict=True)
+        ]
+        body = "\n".join("  ".join(map(format, line, layout)).rstrip() for line in lines)
+        return f"{self.title}\n\n{self.note}\n\n{body}\n"
+
+    def _page_lines(self) -> tuple[list[bool], list[list[str]]]:
+        """Which columns of the page are numbers, and its lines with the names of the columns first."""
+        shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
+        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
+        lines = [[column.name for _, column in shown]]
+        return numeric, lines + [[_shown(row[i], column) for i, column in shown] for row in self.rows]
 
     def csv(self) -> str:
         """The table as CSV; an estimate has three columns: value, low and high."""

@@ -1,6 +1,7 @@
 """Tables that compare the thesis with our results: cells, claims and rules; and the thesis's errata."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import repeat
 
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.claims import Claim
@@ -8,11 +9,21 @@ from khepera_forage.thesis.errata import errata
 from khepera_forage.thesis.statistics import Estimate
 from khepera_forage.thesis.tables import Column, Table, Value
 
+_V0_1_NOTE = (
+    " The columns *v0.1* are of replications under the decisions of version 0.1, with the thesis's percentile among "
+    "them."
+)
 
-def cell_table(results: Sequence[CellResult]) -> Table:
-    """Mean score and food count of each cell, in the thesis and in our replications."""
+
+def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
+    """Mean score and food count of each cell, in the thesis and in our replications.
+
+    Args:
+        results: One for each cell.
+        v0_1_results: The same cells under the decisions of version 0.1. Without any, the table has no columns for them.
+    """
     rows: list[tuple[Value, ...]] = []
-    for r in results:
+    for r, old in _pairs(results, v0_1_results):
         score, food = r.score_rank, r.food_rank
         rows.append(
             (
@@ -23,10 +34,12 @@ def cell_table(results: Sequence[CellResult]) -> Table:
                 r.score,
                 score.percentile,
                 score.tail,
+                *((old.score, old.score_rank.percentile) if old else ()),
                 f"{r.thesis_food} of {r.cell.available}",
                 r.food,
                 food.percentile,
                 food.tail,
+                *((old.food, old.food_rank.percentile) if old else ()),
                 score.experiments,
                 r.recalls,
             )
@@ -38,7 +51,7 @@ def cell_table(results: Sequence[CellResult]) -> Table:
         "thesis's score as printed, and as the mean of the scores in the printed lines; the latter is compared with "
         "ours. Each replication contains one experiment of the thesis's size. *Percentile* is the rank of the "
         "thesis's value among these experiments. *Tail* is the probability that one more of our experiments is "
-        "at least as extreme, on either side.",
+        "at least as extreme, on either side." + (_V0_1_NOTE if v0_1_results else ""),
         (
             Column("arena"),
             Column("episodes"),
@@ -47,12 +60,65 @@ def cell_table(results: Sequence[CellResult]) -> Table:
             Column("ours: score (%)", 1, estimate=True),
             Column("score percentile", 0),
             Column("score tail", 2),
+            *(_v0_1_columns("score", "score (%)") if v0_1_results else ()),
             Column("thesis: food"),
             Column("ours: food", 1, estimate=True),
             Column("food percentile", 0),
             Column("food tail", 2),
+            *(_v0_1_columns("food", "food") if v0_1_results else ()),
             Column("experiments"),
             Column("recalls"),
+        ),
+        rows,
+    )
+
+
+def _pairs(
+    results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
+) -> Iterator[tuple[CellResult, CellResult | None]]:
+    """Each cell's result, and that of version 0.1 if there is any."""
+    return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
+
+
+def _v0_1_columns(name: str, heading: str) -> tuple[Column, ...]:
+    return Column(f"v0.1: {heading}", 1, estimate=True), Column(f"v0.1: {name} percentile", 0)
+
+
+def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
+    """The means of each cell in the thesis, in our replications, and in those of version 0.1 if there are any.
+
+    Args:
+        results: One for each cell.
+        v0_1_results: The same cells under the decisions of version 0.1; may be empty.
+    """
+    rows: list[tuple[Value, ...]] = [
+        (
+            r.cell.arena,
+            r.cell.episodes,
+            r.thesis_score,
+            r.score.value,
+            *((old.score.value,) if old else ()),
+            f"{r.thesis_food} of {r.cell.available}",
+            r.food.value,
+            *((old.food.value,) if old else ()),
+        )
+        for r, old in _pairs(results, v0_1_results)
+    ]
+    v0_1 = (Column("v0.1"),) if v0_1_results else ()
+    return Table(
+        "summary",
+        "Summary",
+        "Mean score, and food carried home in an experiment of the thesis's size."
+        + (" v0.1: under the decisions of version 0.1." if v0_1_results else ""),
+        (
+            Column("arena"),
+            Column("episodes"),
+            Column("score (%): thesis", 2),
+            Column("ours"),
+            *v0_1,
+            Column("food: thesis"),
+            Column("ours"),
+            *v0_1,
         ),
         rows,
     )

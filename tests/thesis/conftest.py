@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import (
     LABORATORY,
@@ -14,6 +15,12 @@ from khepera_forage.thesis.design import (
 from tests.thesis import synthetic
 
 REPLICATIONS = 6
+
+
+@pytest.fixture
+def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a reproduction on compiled worlds have one job of one row of each kind."""
+    monkeypatch.setattr(reproduction, "compiled_jobs", synthetic.one_row_jobs)
 
 
 @pytest.fixture(scope="module")

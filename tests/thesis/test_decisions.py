@@ -19,7 +19,7 @@ from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.design import Cell, Subset, training_distance
 from khepera_forage.thesis.jobs import compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
-from khepera_forage.thesis.replication import Baseline, Outcome, Replication
+from khepera_forage.thesis.replication import Baseline, Replication
 from khepera_forage.thesis.report import PAGE, write_report
 from tests.thesis.synthetic import recall, training
 
@@ -101,21 +101,6 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
 def test_claims_refuse_rows_of_different_decisions() -> None:
     with pytest.raises(ValueError, match=f"rows of different decisions: {DIFFERENCES}; allowed"):
         claims([recall(), recall(decisions=TEXT)], [], [], np.random.default_rng(1))
-
-
-class _Job:
-    """A job that leaves one row of each kind."""
-
-    decisions = TEXT
-
-    def run(self) -> Outcome:
-        orient = OrientRow(0, 10, "g1", 0, 1.0, 0.0, 0.0, self.decisions)
-        return Outcome((recall(decisions=self.decisions),), (training(decisions=self.decisions),), (orient,))
-
-
-@pytest.fixture
-def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reproduction, "compiled_jobs", lambda *arguments: [_Job()])
 
 
 def reproduce(out: Path, decisions: Decisions | None) -> Path:

@@ -64,7 +64,7 @@ def test_cell_table_has_printed_and_recomputed_scores(results: list[CellResult])
     assert [row[:2] for row in table.rows] == [(t.arena, t.episodes) for t in appendix_a.tables()]
 
 
-def test_table_as_markdown_and_csv() -> None:
+def test_table_as_markdown_csv_and_text() -> None:
     table = Table(
         "stem",
         "Title",
@@ -82,6 +82,12 @@ def test_table_as_markdown_and_csv() -> None:
     )
     assert (
         table.csv() == "what,share,share: low,share: high,hidden,count\na | b,0.5,0.25,0.75,x,3\nc,0.5,,,y,\n"
+    )
+    assert table.text() == (
+        "Title\n\nNote.\n\n"
+        "what               share  count\n"
+        "a | b  0.50 [0.25, 0.75]      3\n"
+        "c                   0.50      -\n"
     )
     with pytest.raises(ValueError, match="stem: a row has 1 values; allowed: 4"):
         Table("stem", "Title", "Note.", table.columns, [("a",)])

@@ -1,0 +1,43 @@
+"""The `khepera-forage reproduce` command, with one synthetic job for each set of decisions."""
+
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.thesis import reproduce as reproduction
+from tests.thesis.synthetic import one_row_jobs
+
+
+@pytest.fixture(autouse=True)
+def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reproduction, "compiled_jobs", one_row_jobs)
+
+
+def printed(out: Path, capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    decided = ["--decision", "next_to_food=22", "--decision", "close_to_food=31"]
+    command = ["reproduce", "--quick", "--out", str(out), *decided, *arguments]
+    assert main(command) == 0
+    return capsys.readouterr().out
+
+
+def test_reproduce_ends_with_a_summary_of_both_decisions(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, end = printed(tmp_path, capsys).split("\nSummary\n")
+    assert page.startswith("# The thesis's experiments, repeated")
+    assert "| v0.1: score (%) |" in page
+    lines = end.strip().splitlines()
+    assert lines[-1] == f"Tables, figures and rows are in {tmp_path}"
+    (last,) = (line.split() for line in lines if line.startswith("corridor") and "10" in line.split())
+    assert last == ["corridor", "10", "73.80", "80.0", "80.0", "7", "of", "10", "10.0", "10.0"]
+    assert (tmp_path / "recalls_v0.1.csv").exists()
+
+
+def test_reproduce_without_comparison_has_only_our_results(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, end = printed(tmp_path, capsys, "--no-comparison").split("\nSummary\n")
+    assert "v0.1: score" not in page
+    assert "v0.1" not in end
+    assert not (tmp_path / "recalls_v0.1.csv").exists()
