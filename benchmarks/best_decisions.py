@@ -31,7 +31,7 @@ from khepera_forage.thesis.inference.evolution import child, rounded
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.moments import Moments
 from khepera_forage.thesis.inference.posterior import infer
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, possible_decisions
 from khepera_forage.thesis.inference.simulate import Simulated, replicate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import (
@@ -148,7 +148,8 @@ def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tu
 
 def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> list[Final]:
     """The best sets with natural values, replicated again with other seeds; the best first."""
-    candidates = list(dict.fromkeys(rounded(one.decisions, PRIOR) for one in alive[: given.finalists]))
+    candidates = list(dict.fromkeys(filter(None, (_rounded(one.decisions) for one in alive))))
+    candidates = candidates[: given.finalists]
     done = Parallel(n_jobs=given.jobs, batch_size=1)(
         delayed(simulated)(decisions, (given.seed, given.generations + 1, k), given.replications)
         for k, decisions in enumerate(candidates)
@@ -160,6 +161,15 @@ def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> li
         misfit = moments.misfit(one.statistics) if fine else np.inf
         found.append(Final(one.laboratory.decisions, misfit, one.check.reason or "admissible", means))
     return sorted(found, key=lambda final: final.misfit)
+
+
+def _rounded(decisions: Decisions) -> Decisions | None:
+    """The set with natural values; None if these break a rule between decisions."""
+    natural = rounded(decisions, PRIOR)
+    try:
+        return possible_decisions({name: getattr(natural, name) for name in PRIOR.decisions})
+    except ValueError:
+        return None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

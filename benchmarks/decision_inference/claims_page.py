@@ -22,7 +22,7 @@ from khepera_forage.thesis.inference.weighted import sample
 from khepera_forage.thesis.statistics import wilson
 from khepera_forage.thesis.tables import Column, Table, Value
 
-LABORATORIES, QUICK_LABORATORIES = 100, 2
+LABORATORIES, QUICK_LABORATORIES = 80, 2
 """Drawn from the prior, and as many from the posterior."""
 REPLICATIONS, QUICK_REPLICATIONS = 50, 5
 """Of the thesis's design under each."""
