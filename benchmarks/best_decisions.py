@@ -29,7 +29,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.evolution import child, rounded
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
-from khepera_forage.thesis.inference.moments import Moments
+from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.posterior import infer
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, possible_decisions
 from khepera_forage.thesis.inference.simulate import Simulated, replicate
@@ -157,7 +157,7 @@ def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> li
     found = []
     for one in done:
         fine = not one.check.reason
-        means = np.nanmean(one.statistics, axis=0) if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
+        means = means_of(one.statistics[None])[0] if fine else np.full(len(NAMES) + len(SLOPES), np.nan)
         misfit = moments.misfit(one.statistics) if fine else np.inf
         found.append(Final(one.laboratory.decisions, misfit, one.check.reason or "admissible", means))
     return sorted(found, key=lambda final: final.misfit)
@@ -181,12 +181,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main() -> int:
     """Run the search."""
     counts = (
-        Count("generations", 15, 1, "generations after the first", adds_units=True),
-        Count("children", 200, 4, "sets in each"),
-        Count("population", 60, 4, "sets that live on"),
+        Count("generations", 10, 1, "generations after the first", adds_units=True),
+        Count("children", 120, 4, "sets in each"),
+        Count("population", 40, 4, "sets that live on"),
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
-        Count("finalists", 30, 2, "sets that are replicated again"),
-        Count("replications", 200, 3, "replications of each finalist"),
+        Count("finalists", 16, 2, "sets that are replicated again"),
+        Count("replications", 100, 3, "replications of each finalist"),
     )
     given = parse("best_decisions", __doc__, *counts, add=add_arguments)
     if given.fresh:

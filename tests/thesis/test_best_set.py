@@ -9,7 +9,7 @@ from khepera_forage import Decisions
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.inference.evolution import child, natural_step, rounded
 from khepera_forage.thesis.inference.individual_recalls import distance, of_thesis, p_value
-from khepera_forage.thesis.inference.moments import Moments
+from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 
@@ -139,3 +139,8 @@ def test_p_value_compares_whole_experiments() -> None:
     experiments = rng.normal(size=(200, 1)) + 0.1 * rng.normal(size=(200, 20))
     assert p_value(experiments[7] + 0.0, experiments) > 0.05
     assert p_value(np.full(20, 9.0), experiments) < 0.02
+
+
+def test_means_leave_out_what_is_missing() -> None:
+    own = np.array([[[1.0, np.nan], [3.0, np.nan]], [[np.nan, 2.0], [4.0, 6.0]]])
+    assert np.array_equal(means_of(own), [[2.0, np.nan], [4.0, 4.0]], equal_nan=True)

@@ -38,7 +38,7 @@ class Moments:
         self._is_mean = np.array([NAMES[k].endswith((" score", " food")) for k in self._columns])
         used = weights > 0
         own = statistics[used][:, :, self._columns].astype(np.float64)
-        off = own - _means(own)[:, None]
+        off = own - means_of(own)[:, None]
         off = np.where(np.isfinite(off), off, 0.0) * np.sqrt(weights[used])[:, None, None]
         rows = off.reshape(-1, len(self._columns))
         degrees = weights[used] @ np.maximum(np.isfinite(own).sum(axis=1) - 1, 0)
@@ -63,7 +63,7 @@ class Moments:
         surprise = self.surprise(statistics)
         if not math.isfinite(surprise):
             return math.inf
-        off = (_means(statistics[None, :, self._columns])[0] - self._thesis) / self.spread
+        off = (means_of(statistics[None, :, self._columns])[0] - self._thesis) / self.spread
         return float((off[self._is_mean] ** 2).sum() + max(surprise - len(off), 0.0))
 
     def surprise(self, statistics: Floats) -> float:
@@ -79,7 +79,7 @@ class Moments:
         known = np.isfinite(own)
         if (known.mean(axis=0) < 0.5).any():
             return math.inf
-        means = _means(own[None])[0]
+        means = means_of(own[None])[0]
         count = known.sum(axis=0)
         squares = np.where(known, (own - means) ** 2, 0.0).sum(axis=0) + _USUAL * self.spread**2
         spread = np.sqrt(squares / (count - 1 + _USUAL) * (1 + 1 / count))
@@ -87,7 +87,15 @@ class Moments:
         return float(off @ self._precision @ off)
 
 
-def _means(own: Floats) -> Floats:
-    """Means over experiments, without missing values; shape (sets, statistics)."""
+def means_of(own: Floats) -> Floats:
+    """Means over experiments, without missing values.
+
+    Args:
+        own: Statistics, shape (sets, experiments, statistics).
+
+    Returns:
+        Shape (sets, statistics); not a number if no experiment has the statistic.
+    """
     known = np.isfinite(own)
-    return np.asarray(np.where(known, own, 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1))
+    count = known.sum(axis=1)
+    return np.where(count > 0, np.where(known, own, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
