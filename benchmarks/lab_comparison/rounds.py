@@ -12,9 +12,9 @@ from unittest.mock import patch
 import numpy as np
 from harness.stopwatch import OUTSIDE, Sheet, Stopwatch
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.clock import SimulatedClock, WallClock
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.rollouts.training import train
@@ -109,9 +109,7 @@ class Timing(NamedTuple):
             for part, owner, name in _METHODS:
                 method = getattr(owner, name)
                 stack.enter_context(patch.object(owner, name, watch.timed(method, part)))
-            lab = stack.enter_context(
-                VirtualLaboratory.from_arena("corridor", 2, paced=paced, real_time=paced)
-            )
+            lab = stack.enter_context(virtual_laboratory("corridor", 2, paced=paced, real_time=paced))
             env = stack.enter_context(closing(TrainingEnv(noise=Noise.none(), world=lab)))
             late = 0
 

@@ -10,14 +10,13 @@ from scipy import stats
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import timing_of
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.arena import ARENAS
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
@@ -55,7 +54,9 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
     compiled = gym.make(
         f"khepera_forage/{name}-v1", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
     ).unwrapped
-    return compiled, kind(world=_KeyedWorld(ARENAS[arena], noise, timing=timing_of(Decisions())), **kwargs)
+    return compiled, kind(
+        world=_KeyedWorld(checked_arena(arena, Decisions()), noise, timing=timing_of(Decisions())), **kwargs
+    )
 
 
 def _close(one: Any, two: Any) -> bool:

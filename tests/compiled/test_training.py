@@ -17,10 +17,11 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
-from khepera_forage.sim.arena import CORRIDOR, Arena, Pose, copies
+from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import CORRIDOR
 
 ARENAS, DEFAULT = copies(CORRIDOR, 2), Decisions()
 

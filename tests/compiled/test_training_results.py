@@ -15,8 +15,8 @@ from khepera_forage.rollouts.compiled.records import HEARD
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.task.states import Behaviour, FoodType
+from tests.version_0_1 import CORRIDOR
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1, wheel_slip=0.2)

@@ -7,15 +7,16 @@ import pytest
 
 from khepera_forage import Decisions
 from khepera_forage.envs import paired_corridors_v1
-from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import ARENAS, CORRIDOR, Pose
+from khepera_forage.sim.arena import ARENAS, Pose, named_arena
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.states import Behaviour, State, classify
+from tests.version_0_1 import CORRIDOR
 
 IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 
@@ -94,7 +95,7 @@ def test_set_up_of_a_named_arena_follows_the_decisions(name: str) -> None:
     assert arena.home.x == 650 - 90
     assert arena.home_radius == 80
     assert {arena.home.x - food.x for food in arena.foods} == {200}
-    assert checked_arena(name, Decisions()) == ARENAS[name]
+    assert checked_arena(name, Decisions()) == named_arena(name, set_up_of(Decisions()))
     env = BehavioursEnv(arena=name, decisions=decisions)
     assert (env.arena, env.home_radius) == (arena, 16)
     assert TrainingEnv(arena=name, decisions=decisions).arenas[0] == arena

@@ -9,10 +9,10 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.rollouts.training import attempt, train
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.layout_checks import check_robot
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
+from tests.version_0_1 import CORRIDOR
 
 
 def test_robots_and_food_stand_on_the_given_marks() -> None:

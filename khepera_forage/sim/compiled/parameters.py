@@ -35,7 +35,8 @@ def parameters_of(
     noise: Noise | None = None,
     holes: int = 2,
     wheel_speed: float = 1.0,
-    timing: Timing | None = None,
+    *,
+    timing: Timing,
     anchor: tuple[float, float] | None = None,
 ) -> Parameters:
     """The parameters of worlds in one arena.
@@ -53,7 +54,7 @@ def parameters_of(
     _write_noise(constants, Noise.laboratory() if noise is None else noise, holes)
     constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
     constants["wheel_speed"] = wheel_speed
-    for name, value in (Timing() if timing is None else timing)._asdict().items():
+    for name, value in timing._asdict().items():
         constants[name] = value
     return Parameters(foods, _walls_of(arena), _corners_of(arena), constants)
 

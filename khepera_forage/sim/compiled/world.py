@@ -138,16 +138,14 @@ class CompiledWorld:
         ValueError: Another number of holes, or an arena that the camera does not see.
     """
 
-    def __init__(
-        self, arena: Arena, noise: Noise | None = None, holes: int = 2, timing: Timing | None = None
-    ) -> None:
+    def __init__(self, arena: Arena, noise: Noise | None = None, holes: int = 2, *, timing: Timing) -> None:
         if holes not in (1, 2):
             raise ValueError(f"holes is {holes!r}; allowed: 1 or 2")
         check_seen([arena])
         self.arenas = (arena,)
         self.markers = (holes,)
         self.noise = Noise.laboratory() if noise is None else noise
-        self._timing = Timing() if timing is None else timing
+        self._timing = timing
         self.round_duration = self._timing.round_duration
         self.robots: tuple[CompiledKhepera, ...] = ()
         self.camera = CompiledCamera(holes)
