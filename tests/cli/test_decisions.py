@@ -25,6 +25,10 @@ def command_line(command: str) -> list[str]:
     return [command, "recall"] if command == "watch" else [command]
 
 
+def default(name: str) -> str:
+    return f"{getattr(Decisions(), name):g}"
+
+
 def test_table_has_every_decision_with_default_range_section_and_reason(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -40,7 +44,7 @@ def test_table_has_every_decision_with_default_range_section_and_reason(
         for choice in field.choices:
             assert choice in line
     (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
-    assert next_to_food == ["next_to_food", "20", "pixels", "10", "to", "30", "4.2.1"]
+    assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "10", "to", "30", "4.2.1"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -139,14 +143,14 @@ def test_experience_of_other_decisions_is_refused_unless_allowed(
     Experience([vector], [0]).save("g1.csv")
     Experience([vector], [0], decisions=Decisions(separation=20)).save("g2.csv")
     for files, options, differences in (
-        (["g1.csv"], ["--decision", "separation=20"], "separation is 14, not 20"),
-        (["g2.csv"], [], "separation is 20, not 14"),
+        (["g1.csv"], ["--decision", "separation=20"], f"separation is {default('separation')}, not 20"),
+        (["g2.csv"], [], f"separation is 20, not {default('separation')}"),
         (
             ["g2.csv"],
             ["--decision", "next_to_food=22"],
-            "next_to_food is 20, not 22; separation is 20, not 14",
+            f"next_to_food is {default('next_to_food')}, not 22; separation is 20, not {default('separation')}",
         ),
-        (["g1.csv", "g2.csv"], [], "separation is 20, not 14"),
+        (["g1.csv", "g2.csv"], [], f"separation is 20, not {default('separation')}"),
     ):
         assert main([*command, "--experience", *files, *options]) == 2
         error = capsys.readouterr().err

@@ -1,5 +1,6 @@
 """Environments under other decisions: set-up, rules and markers."""
 
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -16,7 +17,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import ARENAS, Pose, named_arena
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.states import Behaviour, State, classify
-from tests.version_0_1 import CORRIDOR
+from tests.version_0_1 import CORRIDOR, V0_1
 
 IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 
@@ -146,7 +147,7 @@ def test_environment_applies_its_decisions_to_states_and_behaviours(decisions: D
 def test_next_to_food_moves_where_the_teacher_would_orient() -> None:
     states = []
     for threshold in (17, 18):
-        env = BehavioursEnv(noise=Noise.none(), decisions=Decisions(next_to_food=threshold))
+        env = BehavioursEnv(noise=Noise.none(), decisions=replace(V0_1, next_to_food=threshold))
         _, info = env.reset(seed=1, options={"start": (100, 115, 0), "foods": [(190, 115)]})
         states.append(info["state"])
     assert states == [State.CLOSE_TO_FOOD, State.NEXT_TO_FOOD]

@@ -21,7 +21,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
-from tests.version_0_1 import RECTANGLE
+from tests.version_0_1 import RECTANGLE, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -221,8 +221,8 @@ def test_world_needs_one_robot_in_each_arena(pair: VirtualLaboratory) -> None:
 
 
 def test_environment_has_the_arena_and_markers_of_its_world() -> None:
-    with virtual_laboratory(RECTANGLE.shifted(100, 50), 1) as lab:
-        env = BehavioursEnv(foods=2, world=lab)
+    with virtual_laboratory(RECTANGLE.shifted(100, 50), 1, V0_1) as lab:
+        env = BehavioursEnv(foods=2, world=lab, decisions=V0_1)
         assert env.arena == RECTANGLE.shifted(100, 50)
         env.reset(seed=1)
         assert env.forager.holes == 2
