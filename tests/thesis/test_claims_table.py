@@ -181,7 +181,8 @@ def test_damaged_or_foreign_file_is_an_error_that_names_it(tmp_path: Path, simul
     path = tmp_path / "claims_000000.npz"
     whole = path.read_bytes()
     flipped = bytearray(whole)
-    flipped[len(whole) // 3] ^= 0xFF
+    for place in range(len(whole) // 3, len(whole) // 3 + 100):
+        flipped[place] ^= 0xFF
     np.savez_compressed(tmp_path / "other.npz", contents=np.array("{}"), numbers=np.arange(2))
     np.save(tmp_path / "array.npy", np.arange(3))
     foreign = [(tmp_path / name).read_bytes() for name in ("other.npz", "array.npy")]
