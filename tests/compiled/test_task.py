@@ -20,6 +20,7 @@ from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 LOSSES = Noise(loss_rate_food=0.01)
@@ -54,9 +55,11 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
     compiled = gym.make(
         f"khepera_forage/{name}-v1", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
     ).unwrapped
-    return compiled, kind(
-        world=_KeyedWorld(checked_arena(arena, Decisions()), noise, timing=timing_of(Decisions())), **kwargs
+    decisions = Decisions()
+    world = _KeyedWorld(
+        checked_arena(arena, decisions), noise, decisions.recall_marker, timing=timing_of(decisions)
     )
+    return compiled, kind(world=world, **kwargs)
 
 
 def _close(one: Any, two: Any) -> bool:
@@ -152,8 +155,9 @@ def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     compiled = run_teacher("corridor", 4000, 7)
     assert stats.ks_2samp(single, compiled.steps).pvalue > 1e-3
     assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(250)
-    assert compiled.delivered.mean() > 0.998
-    assert compiled.score.mean() > 99.9
+    in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
+    assert in_0_1.delivered.mean() > 0.998
+    assert in_0_1.score.mean() > 99.9
 
 
 def test_wheels_two_percent_slower_change_the_steps() -> None:
