@@ -38,7 +38,7 @@ class CompiledBodies:
         self._lanes = np.arange(blocks * LANES) % worlds  # lanes beyond the last world repeat the first ones
         self._worlds = worlds
         self._bodies = empty_bodies(blocks, len(FOODS))
-        self._parameters = parameters_of(ARENA, len(FOODS), noise, _HOLES, timing=TIMING)
+        self._parameters = parameters_of(ARENA, len(FOODS), noise, holes=_HOLES, timing=TIMING)
         self._threads = threads_for(blocks // BLOCKS_A_THREAD)
 
     def reset(self, seed: int, starts: NDArray[np.float64]) -> None:

@@ -33,7 +33,7 @@ class ManyWorlds:
     ) -> None:
         self.worlds, self.foods = worlds, foods
         self._shape = -(-worlds // lanes), lanes
-        self._parameters = parameters_of(arena, foods, noise, timing=TIMING)
+        self._parameters = parameters_of(arena, foods, noise, holes=2, timing=TIMING)
         self.bodies = empty_bodies(self._shape[0], foods, lanes)
 
     def reset(self, seed: int, starts: Any, foods: Any) -> None:

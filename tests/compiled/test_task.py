@@ -57,7 +57,7 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
     ).unwrapped
     decisions = Decisions()
     world = _KeyedWorld(
-        checked_arena(arena, decisions), noise, decisions.recall_marker, timing=timing_of(decisions)
+        checked_arena(arena, decisions), noise, holes=decisions.recall_marker, timing=timing_of(decisions)
     )
     return compiled, kind(world=world, **kwargs)
 

@@ -44,12 +44,12 @@ def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ..
 
 
 def test_default_noise_is_the_laboratorys() -> None:
-    assert PymunkWorld([CORRIDOR], timing=TIMING).noise.wheel_slip > 0
+    assert PymunkWorld([CORRIDOR], (2,), timing=TIMING).noise.wheel_slip > 0
 
 
 def test_advance_before_reset_is_refused() -> None:
     with pytest.raises(RuntimeError, match="reset"):
-        PymunkWorld([CORRIDOR], timing=TIMING).advance()
+        PymunkWorld([CORRIDOR], (2,), timing=TIMING).advance()
 
 
 # ---------------------------------------------------------------- refused layouts

@@ -33,10 +33,10 @@ def parameters_of(
     arena: Arena,
     foods: int,
     noise: Noise | None = None,
-    holes: int = 2,
-    wheel_speed: float = 1.0,
     *,
+    holes: int,
     timing: Timing,
+    wheel_speed: float = 1.0,
     anchor: tuple[float, float] | None = None,
 ) -> Parameters:
     """The parameters of worlds in one arena.
@@ -46,8 +46,8 @@ def parameters_of(
         foods: Number of food objects in a world.
         noise: By default `Noise.laboratory()`.
         holes: Holes of the robots' marker, 1 or 2.
-        wheel_speed: Share of the commanded speed that wheels reach.
         timing: Duration of a round, and speeds of arm and jaw.
+        wheel_speed: Share of the commanded speed that wheels reach.
         anchor: Where the cable hangs from, mm; by default above the middle of the arena.
     """
     constants = np.zeros(1, constants_dtype)

@@ -113,4 +113,4 @@ def _example(lanes: int) -> tuple[Bodies, Parameters]:
     block = Bodies(
         bodies.robots[0], bodies.foods[0], bodies.tracks[0], bodies.scratch[0], bodies.detections[0]
     )
-    return block, parameters_of(arena, 1, timing=Timing(1.0, 1.0, 1.0))
+    return block, parameters_of(arena, 1, holes=1, timing=Timing(1.0, 1.0, 1.0))

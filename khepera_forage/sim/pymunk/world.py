@@ -43,7 +43,7 @@ class PymunkWorld:
     def __init__(
         self,
         arenas: Sequence[Arena],
-        markers: Sequence[int] = (2,),
+        markers: Sequence[int],
         noise: Noise | None = None,
         robot_parameters: Sequence[RobotParameters] | None = None,
         *,
