@@ -22,7 +22,7 @@ from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
-"""As fast as the machine allows; bytes at 38400 baud and rounds of 100 ms."""
+"""As fast as the machine allows; bytes at 38400 baud and rounds in real time."""
 _METHODS: tuple[tuple[str, type, str], ...] = (
     ("transmit", Fleet, "transmit"),
     ("wait", WallClock, "wait"),
@@ -52,13 +52,13 @@ class TimedRound:
         pace: `lock-step` or `wall clock`.
         number: Of the round, from 0; the first round of every attempt is left out.
         transmit: Commands to both robots.
-        wait: For the clock of 100 ms.
+        wait: For the clock.
         simulate: The simulated bodies.
         receive: Senses of both robots.
         render: The frame.
         track: The tracker on it.
         decide: The rest: perception of both robots, teacher, learner, following, records.
-        late: Whether the round took longer than 100 ms.
+        late: Whether the round took longer than it should.
     """
 
     pace: str
