@@ -5,6 +5,7 @@
 Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at the pace of the baud rate.
 """
 
+import math
 import sys
 import threading
 import time
@@ -20,10 +21,10 @@ from harness.page import Page, Picture, finish
 from harness.processes import collect
 from harness.tables import extremes, pick, quantiles
 
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,
-    CONTROL_PERIOD,
     JAW_CLOSED,
     JAW_OPEN,
     Motors,
@@ -37,6 +38,7 @@ from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.statistics import Estimate
 from khepera_forage.thesis.tables import Column, Table
 
@@ -46,9 +48,10 @@ if TYPE_CHECKING:
 FLEETS = (1, 2, 4, 8)
 """Numbers of robots."""
 FLEET_BAUD = 38400
-PERIOD_MS = 1000 * CONTROL_PERIOD
-_MOVEMENT_PERIOD = 20
-"""Rounds from one movement of the gripper to the next. An arm needs a second, so in half of the rounds it moves."""
+TIMING = timing_of(DEFAULT_DECISIONS)
+PERIOD_MS = 1000 * TIMING.round_duration
+_MOVEMENT_PERIOD = 2 * math.ceil(DEFAULT_DECISIONS.arm_travel_time / TIMING.round_duration)
+"""Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
@@ -145,11 +148,12 @@ class Drive(NamedTuple):
 @contextmanager
 def _fleet(baud: int, robots: int, seed: int) -> Iterator[tuple[Fleet, Callable[[], None]]]:
     """Robots behind virtual Kheperas, and a function that advances their simulated world by a round."""
-    world = PymunkWorld(copies(CORRIDOR, robots), [1 + number % 2 for number in range(robots)])
+    corridors = copies(checked_arena(CORRIDOR, DEFAULT_DECISIONS), robots)
+    world = PymunkWorld(corridors, [1 + number % 2 for number in range(robots)], timing=TIMING)
     starts = tuple(arena.start for arena in world.arenas)
     world.reset(np.random.default_rng(seed), Layout(starts, ()))
     lock = threading.RLock()
-    firmwares = [Firmware(robot, lock) for robot in world.robots]
+    firmwares = [Firmware(robot, lock, TIMING.round_duration) for robot in world.robots]
 
     def advance() -> None:
         with lock:

@@ -23,7 +23,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """The troubles of the laboratory, each with its size; a rate is a probability per round of 0.1 s."""
+    """The troubles of the laboratory, each with its size; a rate is a probability per round."""
 
     wheel_slip: float = 0.05
     """Standard deviation of each wheel's travel, as a share of it, drawn every round. KSIM2 draws +-10 %

@@ -19,15 +19,16 @@ from further_experiments.episodes import ARENAS, recall_all, recall_imitators, t
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS
 from further_experiments.rows import Row
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.sim.arena import ARENAS as ARENAS_BY_NAME
 from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims.claim import Above, Claim
 from khepera_forage.thesis.statistics import UNKNOWN
 
@@ -45,7 +46,9 @@ ROBOTS = {
 def run(trial: Trial) -> list[Row]:
     """Forage with the teacher's program on this robot; train this robot, and forage with what it recorded."""
     robot = ROBOTS[trial.condition]
-    pair = PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(), robot))
+    decisions, timing = DEFAULT_DECISIONS, timing_of(DEFAULT_DECISIONS)
+    corridors = copies(checked_arena(CORRIDOR, decisions), 2)
+    pair = PymunkWorld(corridors, (1, 2), robot_parameters=(RobotParameters(), robot), timing=timing)
     env = TrainingEnv(world=pair)
     rows: list[Row] = []
     files: list[Experience] = []
@@ -57,7 +60,12 @@ def run(trial: Trial) -> list[Row]:
         pass  # A result: training this robot hardly ever succeeds.
     env.close()
     for arena in ARENAS:
-        world = PymunkWorld([ARENAS_BY_NAME[arena]], (2,), robot_parameters=(robot,))
+        world = PymunkWorld(
+            [checked_arena(arena, decisions)],
+            (decisions.recall_marker,),
+            robot_parameters=(robot,),
+            timing=timing,
+        )
         alone = recall_env(arena, world=world)
         rows += recall_all(alone, Teacher.of(alone), trial, 0)
         rows += recall_imitators(alone, trial, files)

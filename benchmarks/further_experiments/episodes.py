@@ -15,6 +15,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import FoodType, behaviour_for, classify
 from khepera_forage.thesis.design import training_distance
 
@@ -95,7 +96,9 @@ def thesis_files(
 
 def imitator(files: Files, diagonal: int, threshold: float = 0.0) -> NearestNeighbourImitator:
     """The thesis's learner with the experience of these files."""
-    return NearestNeighbourImitator(diagonal=diagonal, threshold=threshold).fit(*arrays(list(files)))
+    # A threshold needs exact arithmetic.
+    arithmetic = "exact" if threshold else DEFAULT_DECISIONS.distance_arithmetic
+    return NearestNeighbourImitator(diagonal, threshold, arithmetic).fit(*arrays(list(files)))
 
 
 def recall_all(

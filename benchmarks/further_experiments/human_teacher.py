@@ -30,11 +30,13 @@ from khepera_forage.policies import Observation
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
 from khepera_forage.thesis.claims.claim import Claim, Within, points
 
 DELAYS = (0, 2, 3, 5)
-"""Rounds of 0.1 s by which a person reacts late: 0.2 to 0.5 s at the robots' own pace. An assumption, not measured."""
+"""Rounds by which a person reacts late: with rounds of 0.1 s, 0.2 to 0.5 s. An assumption, not measured."""
+ROUNDS_OF = f"rounds of {DEFAULT_DECISIONS.round_duration:g} s"
 WRONG = {"no wrong keys": 0.0, "2 % wrong keys": 0.02, "5 % wrong keys": 0.05}
 """Share of the rounds in which a wrong key is pressed. An assumption, not measured."""
 EPISODES = 5
@@ -121,7 +123,7 @@ def report(found: Analysis) -> Report:
         *(_claim(found, f"a delay of {DELAYS[2]} rounds and {keys}", keys, DELAYS[2]) for keys in wrong),
     ]
     note = (
-        f"Learners of {EPISODES} training episodes in the corridor. Delay: rounds of 0.1 s by which the simulated "
+        f"Learners of {EPISODES} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated "
         "person reacts late. Delay 0 without wrong keys is the hand-coded teacher. "
     )
     tables = (
@@ -138,7 +140,7 @@ def report(found: Analysis) -> Report:
     )
     figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
     corridor, rectangle = (pick(found.recalls, arena=arena) for arena in ARENAS)
-    label = "delay (rounds of 0.1 s)"
+    label = f"delay ({ROUNDS_OF})"
     curves(axes[0], found, corridor, SCORE, label, "corridor")
     curves(axes[1], found, corridor, DELIVERED, label, "corridor")
     curves(axes[2], found, rectangle, DELIVERED, label, "rectangle")

@@ -27,15 +27,17 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
 from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.sim.arena import CORRIDOR
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
 from khepera_forage.task.placement import layout_key
 from khepera_forage.thesis.claims.claim import Above, Claim, points
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 ONE, FOOD, ALL = "one set-up", "food moved", "start and food moved"
-_AHEAD = 160.0
+_AHEAD = DEFAULT_DECISIONS.close_to_food * MM_PER_PIXEL + 10.0
 """mm from the start of figure 5.1 to the nearest food: further than the close threshold, as in recall."""
 
 
@@ -47,15 +49,15 @@ def setups(condition: str, rng: np.random.Generator) -> Iterator[Mapping[str, An
             food at random, as in recall.
         rng: Draws the places.
     """
-    key, decisions = key_of(int(rng.integers(2**62))), Decisions().values()
+    key, corridor = key_of(int(rng.integers(2**62))), checked_arena(CORRIDOR, DEFAULT_DECISIONS)
     for number in count():
-        layout = random_layout(CORRIDOR, 1, layout_key(key, number), decisions)
+        layout = random_layout(corridor, 1, layout_key(key, number), DEFAULT_VALUES)
         start, foods = layout.starts[0], layout.foods
         if condition == ONE:
             yield {}
         elif condition == ALL:
             yield {"start": (start.x, start.y, math.degrees(start.heading)), "foods": foods}
-        elif foods[0].x > CORRIDOR.start.x + _AHEAD:
+        elif foods[0].x > corridor.start.x + _AHEAD:
             yield {"foods": foods}
 
 

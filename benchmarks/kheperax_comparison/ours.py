@@ -16,7 +16,7 @@ from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.start import stand_in_blocks
 from khepera_forage.sim.compiled.stepping import advance_all
 from kheperax_comparison.theirs import Timed
-from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, Work
+from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TIMING, Work
 
 EPISODES_A_WORLD = 4
 """Episodes of the whole task for each world in memory, so that all blocks of worlds end at about the same time."""
@@ -38,7 +38,7 @@ class CompiledBodies:
         self._lanes = np.arange(blocks * LANES) % worlds  # lanes beyond the last world repeat the first ones
         self._worlds = worlds
         self._bodies = empty_bodies(blocks, len(FOODS))
-        self._parameters = parameters_of(ARENA, len(FOODS), noise, _HOLES)
+        self._parameters = parameters_of(ARENA, len(FOODS), noise, holes=_HOLES, timing=TIMING)
         self._threads = threads_for(blocks // BLOCKS_A_THREAD)
 
     def reset(self, seed: int, starts: NDArray[np.float64]) -> None:

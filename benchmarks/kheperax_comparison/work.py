@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.robots.khepera import (
-    CONTROL_PERIOD,
     FINGER_TIP,
     FOOD_RADIUS,
     MAX_SPEED,
@@ -16,15 +16,18 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.proximity import REACH, SENSORS
 from khepera_forage.sim.arena import RECTANGLE
+from khepera_forage.task.decisions import Decisions
 
-ARENA = RECTANGLE
+DECISIONS = Decisions.v0_1()
+"""Fixed, so that both sides have the same steps of 0.1 s whatever the defaults are."""
+ARENA, TIMING = checked_arena(RECTANGLE, DECISIONS), timing_of(DECISIONS)
 FOODS = ((200.0, 200.0), (450.0, 200.0), (200.0, 400.0), (450.0, 400.0))
 """mm: centres of the cylinders; for Kheperax each is a square around the cylinder."""
 COMMANDS, HELD = 8, 8
 """Commands of an episode, drawn at random, and the rounds that each is held."""
 ROUNDS = COMMANDS * HELD
 """Rounds of an episode, after which robots go back to their starts."""
-TRAVEL = MAX_SPEED * SPEED_UNIT * CONTROL_PERIOD
+TRAVEL = MAX_SPEED * SPEED_UNIT * TIMING.round_duration
 """mm that a wheel rolls in a round at full speed."""
 WHEEL_NOISE = 0.05 * TRAVEL / 2
 """mm: Kheperax adds this to a wheel's travel (standard deviation). The laboratory's slip of 5 %, at half speed."""

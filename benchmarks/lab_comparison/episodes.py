@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.lab.operator import OperatorGaveUp
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.robots.khepera import RobotLost
@@ -152,7 +152,7 @@ class Replication(NamedTuple):
                     del work[0]
 
     def _world(self, arena: str, robots: int) -> World | None:
-        return VirtualLaboratory.from_arena(arena, robots) if self.world == VIRTUAL else None
+        return virtual_laboratory(arena, robots) if self.world == VIRTUAL else None
 
 
 def replications(count: int, files: int, recalls: int, seed: int) -> list[Replication]:

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.virtual.faults import FAULTS, Faults
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from lab_comparison.observed_training import AttemptRecord, ObservedTraining, Vector, moving
@@ -116,7 +116,7 @@ class DisturbedTrainings(NamedTuple):
         with (
             logging_off(),
             TemporaryDirectory() as folder,
-            VirtualLaboratory.from_arena("corridor", 2, fault_seed=self.seed) as lab,
+            virtual_laboratory("corridor", 2, fault_seed=self.seed) as lab,
             closing(ObservedTraining(lab, faults, count)) as env,
         ):
             number = 0

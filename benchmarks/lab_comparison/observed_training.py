@@ -97,7 +97,7 @@ class ObservedTraining(TrainingEnv):
             record.heard.append((shown, behaviour))
             teacher = super().observe(TEACHER)
             teacher[:5] = self._truth.vector(0)
-            called = Teacher(self.home_radius).act(teacher)
+            called = Teacher.of(self).act(teacher)
             record.wrong += (shown, behaviour) != (self._truth.vector(1), called)
         return observation
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from harness.tables import pick, quantiles
 
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.tables import Column, Table, Value
 from lab_comparison.comparison import Comparison
 from lab_comparison.episodes import REPEATED, UNPLACED, Exclusion
@@ -26,10 +27,11 @@ _RECALL_NOTE = (
 _TRAINING_NOTE = (
     f"{_WORLDS} One learner and the teacher in two corridors, until an episode is complete. {_INTERVALS}"
 )
+_ROUND_MS = 1000 * DEFAULT_DECISIONS.round_duration
 _ROUND_NOTE = (
     "Two robots in training: median [5th, 95th percentile]. Lock-step: without pace, as fast as the machine allows. "
-    "Wall clock: bytes at 38400 baud and rounds of 100 ms; a round that takes longer is late. Robots, camera and "
-    "everything else share one computer here; a real laboratory has neither simulation nor rendering."
+    f"Wall clock: bytes at 38400 baud and rounds of {_ROUND_MS:g} ms; a round that takes longer is late. Robots, "
+    "camera and everything else share one computer here; a real laboratory has neither simulation nor rendering."
 )
 _FAULT_NOTE = (
     "Trainings of two robots in lock-step, one after the other, for a fixed number of rounds; the last training is "

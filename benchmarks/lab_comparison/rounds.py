@@ -12,9 +12,9 @@ from unittest.mock import patch
 import numpy as np
 from harness.stopwatch import OUTSIDE, Sheet, Stopwatch
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.clock import SimulatedClock, WallClock
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.rollouts.training import train
@@ -22,7 +22,7 @@ from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
-"""As fast as the machine allows; bytes at 38400 baud and rounds of 100 ms."""
+"""As fast as the machine allows; bytes at 38400 baud and rounds in real time."""
 _METHODS: tuple[tuple[str, type, str], ...] = (
     ("transmit", Fleet, "transmit"),
     ("wait", WallClock, "wait"),
@@ -52,13 +52,13 @@ class TimedRound:
         pace: `lock-step` or `wall clock`.
         number: Of the round, from 0; the first round of every attempt is left out.
         transmit: Commands to both robots.
-        wait: For the clock of 100 ms.
+        wait: For the clock.
         simulate: The simulated bodies.
         receive: Senses of both robots.
         render: The frame.
         track: The tracker on it.
         decide: The rest: perception of both robots, teacher, learner, following, records.
-        late: Whether the round took longer than 100 ms.
+        late: Whether the round took longer than it should.
     """
 
     pace: str
@@ -109,9 +109,7 @@ class Timing(NamedTuple):
             for part, owner, name in _METHODS:
                 method = getattr(owner, name)
                 stack.enter_context(patch.object(owner, name, watch.timed(method, part)))
-            lab = stack.enter_context(
-                VirtualLaboratory.from_arena("corridor", 2, paced=paced, real_time=paced)
-            )
+            lab = stack.enter_context(virtual_laboratory("corridor", 2, paced=paced, real_time=paced))
             env = stack.enter_context(closing(TrainingEnv(noise=Noise.none(), world=lab)))
             late = 0
 

@@ -10,13 +10,10 @@ from khepera_forage.envs.arguments import food_odds
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.robots.khepera import Motors, Senses, applicable
+from khepera_forage.robots.khepera import PULSE, SPEED_UNIT, Motors, Senses, applicable
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import StateVector
-
-_PULSES_A_UNIT = 10
-"""Encoder pulses a round and speed unit."""
 
 
 class RoundFailures(NamedTuple):
@@ -60,6 +57,7 @@ class Truth:
 
     def __init__(self, lab: VirtualLaboratory, foragers: Sequence[Forager]) -> None:
         self._lab = lab
+        self._pulses_a_unit = SPEED_UNIT * lab.round_duration / PULSE
         self._reported = foragers
         self._foragers = []
         for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
@@ -82,7 +80,8 @@ class Truth:
             true.perceive(scene)
             reported_before, true_before = self._before[i]
             turned = _turned(true_before, true.senses)
-            halted = halted or turned != tuple(_PULSES_A_UNIT * speed for speed in reported.applied[:2])
+            wanted = tuple(round(self._pulses_a_unit * speed) for speed in reported.applied[:2])
+            halted = halted or turned != wanted
             miscounted = miscounted or _turned(reported_before, reported.senses) != turned
             misread = misread or _rest(reported.senses) != _rest(true.senses)
             self._before[i] = reported.senses, true.senses

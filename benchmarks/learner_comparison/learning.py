@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import Policy, Teacher
@@ -17,9 +18,10 @@ from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.reinforcement import reinforce
 from khepera_forage.rollouts.training import arrays, train
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
+from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
-ARENA_MAPS = {arena.name: arena_map_of(arena) for arena in (CORRIDOR, RECTANGLE)}
+ARENA_MAPS = {name: arena_map_of(checked_arena(name, DEFAULT_DECISIONS)) for name in ARENAS}
 """What is given of each arena from the beginning."""
 
 

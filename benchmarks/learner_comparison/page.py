@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from harness.page import Page, Picture
 
 from khepera_forage.policies.learners import FromSteps, Needs
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.tables import Column, Table, interval
 from learner_comparison.curves import SUCCESS, Curve
 from learner_comparison.learning import REFERENCES, Compared
@@ -14,7 +15,8 @@ from learner_comparison.rows import ARENAS
 from learner_comparison.units import settings_of
 
 SHARE = f"{100 * SUCCESS:.0f} %"
-METHOD = """## Method
+STEP = f"{DEFAULT_DECISIONS.round_duration:g} s"
+METHOD = f"""## Method
 
 Every learner learns in the corridor only, and then forages alone in the corridor and in the rectangle. The thesis has
 no pair of rectangles, so only reinforcement learning could learn there, and its rows would not be comparable. The
@@ -33,7 +35,7 @@ and after every amount of learning.
   for a delivery, -1 for poison, and a small cost for every step. They see no demonstration. Each is trained once and
   tested during the training. Algorithms may overshoot the requested number of steps.
 
-A step is 0.1 s of one robot's life. Seconds are wall time of one process, simulation included. The score counts steps
+A step is {STEP} of one robot's life. Seconds are wall time of one process, simulation included. The score counts steps
 in which a learner does what the teacher would have done (5.4). A learner that forages in a different way scores low and
 may still deliver all food, and with motor commands in place of behaviours hardly any step counts. All learners can be
 compared by the food that they deliver."""

@@ -10,6 +10,7 @@ from time import perf_counter
 
 import pymunk
 
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.robots.khepera import (
     FINGER_THICKNESS,
     FINGER_TIP,
@@ -24,8 +25,10 @@ from khepera_forage.robots.proximity import REACH
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.pymunk.food import FLOOR_FRICTION
 from khepera_forage.sim.pymunk.food import MASS as FOOD_MASS
+from khepera_forage.task.decisions import Decisions
 from timing.measures import Job, Measure, Values
 
+ARENA = checked_arena(CORRIDOR, Decisions.v0_1())
 PHYSICS_STEP = 0.02
 SUBSTEPS = 5
 RAYS = 8
@@ -54,7 +57,7 @@ class _Bare:
 
     def __init__(self) -> None:
         space = self.space = pymunk.Space()
-        for x1, y1, x2, y2 in CORRIDOR.segments:
+        for x1, y1, x2, y2 in ARENA.segments:
             space.add(pymunk.Segment(space.static_body, (x1, y1), (x2, y2), 0))
         robot = self.robot = pymunk.Body(MASS, MASS * RADIUS**2 / 2)
         robot.position = (150.0, 85.0)
@@ -68,7 +71,7 @@ class _Bare:
             shape.filter = self._others
         space.add(robot, *shapes)
         food = pymunk.Body(FOOD_MASS, pymunk.moment_for_circle(FOOD_MASS, 0, FOOD_RADIUS))
-        food.position = CORRIDOR.foods[0]
+        food.position = ARENA.foods[0]
         slide = pymunk.PivotJoint(space.static_body, food, (0, 0), (0, 0))
         spin = pymunk.GearJoint(space.static_body, food, 0, 1)
         slide.max_bias = spin.max_bias = 0

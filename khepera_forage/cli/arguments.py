@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from khepera_forage.sim.arena import ARENAS
+from khepera_forage.task.decision_text import VERSIONS, decisions_from_words
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
@@ -64,7 +65,8 @@ def add_decision_argument(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME=VALUE",
         help="decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
-        "('khepera-forage decisions' lists all names)",
+        f"('khepera-forage decisions' lists all names). The first one may be a version, {' or '.join(VERSIONS)}, "
+        "which the others then change",
     )
 
 
@@ -81,9 +83,9 @@ def decisions_of(arguments: argparse.Namespace) -> Decisions:
     """The decisions that `--decision` describes; the defaults without it.
 
     Raises:
-        ValueError: An unknown decision, or a value that is not allowed.
+        ValueError: An unknown version or decision, or a value that is not allowed.
     """
-    return Decisions.parse(arguments.decision)
+    return decisions_from_words(arguments.decision)
 
 
 def require_at_least_one(option: str, value: int) -> None:

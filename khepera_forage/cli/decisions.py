@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's description; it has no arguments."""
     parser.description = (
         "List the decisions: what the thesis leaves open, with our default and the reason for it. "
-        "Other commands take them as --decision NAME=VALUE."
+        "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION."
     )
 
 

@@ -4,7 +4,6 @@ import argparse
 from typing import Any
 
 from khepera_forage.cli.arguments import VIRTUAL_LAB, decisions_of
-from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
@@ -73,15 +72,15 @@ def _laboratory(lab: str, arena: str, robots: int, decisions: Decisions) -> Worl
         OSError: The file, a port or the camera cannot be opened, or a robot does not answer.
     """
     if lab == VIRTUAL_LAB:
-        from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+        from khepera_forage.envs.laboratories import virtual_laboratory
 
-        virtual = VirtualLaboratory.from_arena(arena, robots, set_up_of(decisions), timing_of(decisions))
+        virtual = virtual_laboratory(arena, robots, decisions)
         print(f"virtual laboratory: robots at {', '.join(virtual.port_urls)}, a tracker on rendered frames")
         return virtual
+    from khepera_forage.envs.laboratories import load_settings
     from khepera_forage.lab.laboratory import Laboratory
-    from khepera_forage.lab.settings_file import load
 
-    settings = load(lab, set_up_of(decisions), decisions.round_duration)
+    settings = load_settings(lab, decisions)
     if robots == 1:
         settings = settings.for_recall()
     elif len(settings.robots) < 2:

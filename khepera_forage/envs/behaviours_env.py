@@ -21,7 +21,7 @@ class BehavioursEnv(RecallEnv[int]):
     ## Description
     The recall phase of the thesis (4.6, 5.4): a Khepera with a gripper finds food, picks it up or pushes it, brings
     it home, and leaves poison where it is. The behaviours are given (4.2.1); what to do when is what is learned.
-    Robot and food stand at random places; the home is at one end. A step is a round of 0.1 s.
+    Robot and food stand at random places; the home is at one end. A step is a round.
 
     ## Action space
     `Discrete(10)`: 0 SEARCH FOR FOOD, 1 MOVE SLOWLY, 2 ORIENT WITH FOOD, 3 EXPLORE FOOD, 4 PICK UP FOOD,

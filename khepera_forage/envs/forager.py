@@ -5,7 +5,7 @@ import math
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.arena_map import ArenaMap, Floor
+from khepera_forage.task.arena_map import ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker, update_food
@@ -33,9 +33,9 @@ def arena_map_of(arena: Arena) -> ArenaMap:
     return ArenaMap(
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
-        round(arena.home_radius / MM_PER_PIXEL),
+        whole_pixels(arena.home_radius),
         math.degrees(math.atan2((y1 + y2) / 2 - arena.home.y, (x1 + x2) / 2 - arena.home.x)),
-        round(arena.diagonal / MM_PER_PIXEL),
+        whole_pixels(arena.diagonal),
         x1 / MM_PER_PIXEL,
         y1 / MM_PER_PIXEL,
         x2 / MM_PER_PIXEL,

@@ -31,7 +31,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour
@@ -43,7 +43,10 @@ ActionT = TypeVar("ActionT")
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     """What both kinds of recall environment share: the episode, its score and its pictures."""
 
-    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
+    metadata = {  # noqa: RUF012 (Gymnasium's own form)
+        "render_modes": list(RENDER_MODES),
+        "render_fps": 1 / DEFAULT_DECISIONS.round_duration,
+    }
 
     def __init__(
         self,
@@ -57,6 +60,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         decisions: Decisions | None = None,
     ) -> None:
         self.decisions = checked_decisions(decisions)
+        self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         if world is None:
             markers = (self.decisions.recall_marker,)
             world = PymunkWorld(
@@ -69,7 +73,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
-        self._screen = Screen(render_mode)
+        self._screen = Screen(render_mode, self.decisions.round_duration)
         self._odds = food_odds(food_types)
         self._map = arena_map_of(self.arena)
         self._values = self.decisions.values()
@@ -140,7 +144,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         return self._observation(self._forager), self._info(self._forager)
 
     def step(self, action: ActionT) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
-        """One round of 0.1 s.
+        """One round.
 
         Raises:
             ResetNeeded: Before the first reset, or after the end of an episode.

@@ -95,7 +95,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
         "name": "paired_corridors_v1",
         "render_modes": list(RENDER_MODES),
-        "render_fps": 10,
+        "render_fps": 1 / DEFAULT_DECISIONS.round_duration,
         "is_parallelizable": True,
     }
     default_decisions = DEFAULT_DECISIONS
@@ -116,9 +116,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         learners = whole_number("num_learners", num_learners, 1)
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
         self.decisions = checked_decisions(self.default_decisions if decisions is None else decisions)
+        self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
-        self._screen = Screen(render_mode)
+        self._screen = Screen(render_mode, self.decisions.round_duration)
         if world is None:
             world = PymunkWorld(
                 copies(checked_arena(arena, self.decisions), learners + 1),

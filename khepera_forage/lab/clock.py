@@ -1,11 +1,9 @@
-"""The clocks of a laboratory: the wall clock, in rounds of 0.1 s without drift, and simulated time."""
+"""The clocks of a laboratory: the wall clock, in rounds without drift, and simulated time."""
 
 import logging
 import time
 from collections.abc import Callable
 from typing import Protocol
-
-from khepera_forage.robots.khepera import CONTROL_PERIOD
 
 _LOG = logging.getLogger(__name__)
 _WARNING_INTERVAL = 100
@@ -65,7 +63,7 @@ class WallClock:
 
     def __init__(
         self,
-        period: float = CONTROL_PERIOD,
+        period: float,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:

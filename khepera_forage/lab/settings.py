@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
+from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -65,19 +65,19 @@ class LabSettings:
         arena: The arena, without the offsets of the robots.
         robots: The teacher first, then the learners; in a recall the last one forages.
         camera: Settings of the camera.
+        period: Duration of a round in seconds.
         tracker: Settings of the camera's tracker.
         tolerance: Allowed deviations of the operator's placement.
         safe_speed: Limit of all wheel speeds in speed units (8 mm/s).
-        period: Duration of a round in seconds.
     """
 
     arena: Arena
     robots: tuple[RobotSettings, ...]
     camera: CameraSettings
+    period: float
     tracker: TrackerSettings = field(default_factory=TrackerSettings)
     tolerance: Tolerance = Tolerance()
     safe_speed: int = MAX_SPEED
-    period: float = CONTROL_PERIOD
 
     @property
     def arenas(self) -> tuple[Arena, ...]:

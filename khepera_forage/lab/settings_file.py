@@ -21,7 +21,7 @@ from khepera_forage.lab.toml_table import (
     quoted,
     text,
 )
-from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED
+from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, SetUp, named_arena
 from khepera_forage.sim.layout_checks import check_seen
@@ -32,12 +32,12 @@ class LabFileError(ValueError):
     """An invalid `lab.toml`; the message names the file and the key."""
 
 
-def load(path: Path | str, set_up: SetUp | None = None, period: float = CONTROL_PERIOD) -> LabSettings:
+def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
     """Read a file.
 
     Args:
         path: The file.
-        set_up: Where start, food and home are in an arena that the file only names; figure 5.1 by default.
+        set_up: Where start, food and home are in an arena that the file only names.
         period: Duration of a round in seconds, if the file does not set it.
 
     Raises:
@@ -46,23 +46,21 @@ def load(path: Path | str, set_up: SetUp | None = None, period: float = CONTROL_
     """
     path = Path(path)
     try:
-        return parse(path.read_text(encoding="utf-8"), path.parent, set_up, period)
+        return parse(path.read_text(encoding="utf-8"), set_up, period, path.parent)
     except UnicodeDecodeError as error:
         raise LabFileError(f"{path}: not UTF-8 text: {error}") from None
     except LabFileError as error:
         raise LabFileError(f"{path}: {error}") from None
 
 
-def parse(
-    toml: str, folder: Path = Path(), set_up: SetUp | None = None, period: float = CONTROL_PERIOD
-) -> LabSettings:
+def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> LabSettings:
     """Parse the text of a file.
 
     Args:
         toml: The text.
-        folder: Folder of a calibration file with a relative path.
         set_up: As for `load`.
         period: As for `load`.
+        folder: Folder of a calibration file with a relative path.
 
     Raises:
         LabFileError: As `load`.
@@ -80,7 +78,7 @@ def sample() -> str:
     return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
-def _lab_settings(table: Table, folder: Path, set_up: SetUp | None, default_period: float) -> LabSettings:
+def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: float) -> LabSettings:
     arena = _arena(table.table("arena"), set_up)
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
@@ -97,7 +95,7 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp | None, default_peri
     safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
     period = table.take("period", number(0.05, 0.5, "seconds"), default_period)
     table.finish()
-    settings = LabSettings(arena, robots, camera, tracker, tolerance, safe_speed, period)
+    settings = LabSettings(arena, robots, camera, period, tracker, tolerance, safe_speed)
     _check_robots(settings)
     return settings
 
@@ -154,7 +152,7 @@ def _tracker(table: Table) -> TrackerSettings:
         raise TableError(str(error)) from None
 
 
-def _arena(table: Table, set_up: SetUp | None) -> Arena:
+def _arena(table: Table, set_up: SetUp) -> Arena:
     point = numbers("[x mm, y mm]")
     corners = list_of(lambda key, value: Point(*point(key, value)))
     name = table.take("name", text, "corridor")

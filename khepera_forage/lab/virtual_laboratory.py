@@ -1,6 +1,5 @@
 """A laboratory without hardware: the real driver and tracker, connected to a simulated world."""
 
-import math
 import threading
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -15,7 +14,7 @@ from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_SPEED, CONTROL_PERIOD, JAW_SPEED
+from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -42,7 +41,9 @@ class VirtualLaboratory(Laboratory):
     the driver's time limits. Encoder counters continue from one episode to the next, as those of a real robot do.
 
     Args:
-        settings: Arena, robots, tolerance and tracker; ports, camera source and calibration are replaced.
+        settings: Arena, robots, tolerance, tracker and period; ports, camera source and calibration are replaced.
+        arm_speed: Of all robots, positions a second.
+        jaw_speed: Of all robots, positions a second.
         noise: Noise of robots and operator (not of the camera); the laboratory's by default.
         appearance: Appearance and disturbances of the frames; the laboratory's by default.
         paced: Whether bytes take the transmission time of each robot's baud rate.
@@ -50,11 +51,9 @@ class VirtualLaboratory(Laboratory):
         fault_seed: Seed of the faults.
         real_time: Whether to keep real time, with the wall clock.
         operator: Replaces `virtual_operator`; for example, a person who directs it.
-        arm_speed: Positions a second.
-        jaw_speed: Positions a second.
 
     Raises:
-        ValueError: A period that is not a multiple of the simulation's 0.1 s, or a wrong number of faults.
+        ValueError: A wrong number of faults.
 
     Attributes:
         simulation: The simulated world, with the true poses.
@@ -67,6 +66,8 @@ class VirtualLaboratory(Laboratory):
         self,
         settings: LabSettings,
         *,
+        arm_speed: float,
+        jaw_speed: float,
         noise: Noise | None = None,
         appearance: CameraAppearance | None = None,
         paced: bool = False,
@@ -74,25 +75,21 @@ class VirtualLaboratory(Laboratory):
         fault_seed: int = 0,
         real_time: bool = False,
         operator: Operator | None = None,
-        arm_speed: float = ARM_SPEED,
-        jaw_speed: float = JAW_SPEED,
     ) -> None:
         noise = Noise.laboratory() if noise is None else noise
         appearance = CameraAppearance.laboratory() if appearance is None else appearance
         arenas = settings.arenas
-        self._rounds_per_period = round(settings.period / CONTROL_PERIOD)
-        if not math.isclose(self._rounds_per_period * CONTROL_PERIOD, settings.period):
-            raise ValueError(
-                f"period is {settings.period:g} s; allowed in a virtual laboratory: multiples of {CONTROL_PERIOD:g} s"
-            )
-        # Rounds of the simulation last as long as a control period of the firmware.
-        timing = Timing(CONTROL_PERIOD, arm_speed, jaw_speed)
+        # Rounds of the simulation last about as long as a control period of the firmware.
+        self._rounds_per_period = max(1, round(settings.period / CONTROL_PERIOD))
+        timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed)
         markers = [robot.holes for robot in settings.robots]
         self.simulation = PymunkWorld(arenas, markers, noise, timing=timing)
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
-        self._firmwares = [Firmware(body, self._lock) for body in self.simulation.robots]
+        self._firmwares = [
+            Firmware(body, self._lock, timing.round_duration) for body in self.simulation.robots
+        ]
         self._renderer = FrameRenderer(
             self.simulation.truth,
             appearance,
@@ -134,10 +131,11 @@ class VirtualLaboratory(Laboratory):
     @classmethod
     def from_arena(
         cls,
-        arena: Arena | str = "corridor",
-        robots: int = 2,
-        set_up: SetUp | None = None,
-        timing: Timing | None = None,
+        arena: Arena | str,
+        robots: int,
+        set_up: SetUp,
+        timing: Timing,
+        recall_marker: int,
         **options: object,
     ) -> Self:
         """A laboratory with copies of one arena side by side.
@@ -146,12 +144,12 @@ class VirtualLaboratory(Laboratory):
             arena: An arena, which is the first copy; or the name of one of the thesis's arenas. The copies of a named
                 arena are centred in the picture, whose border would cut off markers that extend over a wall.
             robots: Number of robots, the teacher first; a single robot is a learner.
-            set_up: Where start, food and home are in a named arena; figure 5.1 by default.
+            set_up: Where start, food and home are in a named arena.
             timing: How long a round lasts, and how fast arm and jaw move.
+            recall_marker: Holes of the marker of a single robot, 1 or 2.
             **options: Arguments of the class.
         """
         original = named_arena(arena, set_up) if isinstance(arena, str) else arena
-        timing = Timing() if timing is None else timing
         arenas = copies(original, robots)
         dx = dy = 0.0
         if isinstance(arena, str):
@@ -161,15 +159,15 @@ class VirtualLaboratory(Laboratory):
             RobotSettings(
                 port="virtual",
                 name="teacher" if i == 0 and robots > 1 else f"learner_{max(0, i - 1)}",
-                holes=1 if i == 0 and robots > 1 else 2,
+                holes=recall_marker if robots == 1 else 1 if i == 0 else 2,
                 offset=Point(copy.home.x - original.home.x + dx, copy.home.y - original.home.y + dy),
             )
             for i, copy in enumerate(arenas)
         )
         camera = CameraSettings("rendered frames")
         settings = LabSettings(original, entries, camera, period=timing.round_duration)
-        options = {"arm_speed": timing.arm_speed, "jaw_speed": timing.jaw_speed, **options}
-        return cls(settings, **options)  # type: ignore[arg-type] # the arguments of the class
+        speeds: dict[str, object] = {"arm_speed": timing.arm_speed, "jaw_speed": timing.jaw_speed}
+        return cls(settings, **speeds, **options)  # type: ignore[arg-type] # the arguments of the class
 
     @property
     def port_urls(self) -> tuple[str, ...]:

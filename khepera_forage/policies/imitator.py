@@ -18,7 +18,7 @@ from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.task.decision_fields import Field
 from khepera_forage.task.decision_readings import EXACT
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
 CACHE_SIZE = 32768
@@ -63,7 +63,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             appended to the list while the best is still being sought; its outcome depends on the order of the
             file, this one's does not.
         arithmetic: Of the distance between state vectors: "exact", "32-bit floats" or "64-bit floats", see the decision
-            `distance_arithmetic`. A threshold needs "exact".
+            `distance_arithmetic`, whose default it has. A threshold needs "exact".
 
     Attributes:
         classes_: The labels seen, sorted.
@@ -73,7 +73,12 @@ class NearestNeighbourImitator(ConfidenceClassifier):
     _index: NearestNeighbourIndex
     _cache: _Cache | None = None
 
-    def __init__(self, diagonal: int = 138, threshold: float = 0.0, arithmetic: str = "exact") -> None:
+    def __init__(
+        self,
+        diagonal: int = 138,
+        threshold: float = 0.0,
+        arithmetic: str = DEFAULT_DECISIONS.distance_arithmetic,
+    ) -> None:
         self.diagonal = diagonal
         self.threshold = threshold
         self.arithmetic = arithmetic

@@ -123,7 +123,7 @@ class FromSteps:
         settings: Keyword arguments of the algorithm.
         sample: Whether actions are drawn with their probabilities also in recall (PPO only).
         worlds: Number of compiled environments it trains in.
-        hold: Rounds of 0.1 s that an action holds, in training and in recall.
+        hold: Rounds that an action holds, in training and in recall.
     """
 
     title: str

@@ -19,7 +19,7 @@ MAX_SPEED = 20
 PULSE = 0.08
 """mm of wheel travel per encoder pulse (Khepera II manual)."""
 CONTROL_PERIOD = 0.1
-"""Seconds of one round: the default of the decision `round_duration` (docs/decisions.md)."""
+"""Seconds of a control period of programs that have no rounds: robot commands, and the virtual robot's firmware."""
 PULSES_PER_UNIT = round(SPEED_UNIT / PULSE * CONTROL_PERIOD)
 """Encoder pulses of a wheel in one control period at one speed unit: 10."""
 
@@ -29,12 +29,8 @@ ARM_RAISED = 215
 ARM_ON_FLOOR = 235
 """From this position on, the fingers are below the top of food (23 mm): by KIKS' angle law a tip 66 mm out from a pivot
 22 mm high is 23 mm above the floor near 240; rounded towards the raised arm."""
-ARM_SPEED = 40.0
-"""Positions per second: one second between raised and lowered (KNET and Webots wait 1 s for an arm)."""
 JAW_OPEN = 200
 JAW_CLOSED = 0
-JAW_SPEED = JAW_OPEN / 0.6
-"""Positions per second: 0.6 s from open to closed (KNET)."""
 JAW_ROOT = 38.0
 """mm from the robot's centre forward to the root of the fingers (Webots)."""
 FINGER_LENGTH = 37.0

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
-from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.sim.arena import CORRIDOR, Arena, copies
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -20,7 +21,7 @@ from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
 class RenderedTraining:
-    """A `FrameSource` of repeated attempts at a training episode (4.5), with one frame for each round of 0.1 s.
+    """A `FrameSource` of repeated attempts at a training episode (4.5), with one frame for each round.
 
     The robots use the simulated camera, not the frames, so that their behaviour does not depend on a tracker of the
     frames.
@@ -29,8 +30,9 @@ class RenderedTraining:
         seed: The same seed gives the same frames.
         look: Appearance of the frames.
         noise: Of the simulation.
-        paced: Deliver at most one frame every 0.1 s, as a real camera would.
+        paced: Deliver at most one frame in the duration of a round, as a real camera would.
         anchor: Place in mm, seen from above, from which the cables hang; None for the middle of the arenas.
+        decisions: Of the training; the defaults if left out.
 
     Attributes:
         world: The simulated world; `world.truth()` has the true poses of the newest frame.
@@ -45,13 +47,17 @@ class RenderedTraining:
         noise: Noise | None = None,
         paced: bool = False,
         anchor: tuple[float, float] | None = None,
+        decisions: Decisions = DEFAULT_DECISIONS,
     ) -> None:
-        self.world = PymunkWorld(copies(_in_the_middle(CORRIDOR, 2), 2), (1, 2), noise)
+        corridor = _in_the_middle(checked_arena(CORRIDOR, decisions), 2)
+        self.world = PymunkWorld(copies(corridor, 2), (1, 2), noise, timing=timing_of(decisions))
         self.anchor = cable_anchor(self.world.arenas) if anchor is None else anchor
         self.attempts = 0
-        self._env = TrainingEnv(noise=noise, world=self.world)
+        self._env = TrainingEnv(noise=noise, world=self.world, decisions=decisions)
         walls = [wall for arena in self.world.arenas for wall in arena.segments]
-        self._renderer = FrameRenderer(self.world.truth, look, self.anchor, walls=walls)
+        self._renderer = FrameRenderer(
+            self.world.truth, look, self.anchor, walls=walls, period=self.world.round_duration
+        )
         self._paced = paced
         self._due = 0.0
         self._rounds = self._train(np.random.default_rng(seed))
@@ -70,7 +76,8 @@ class RenderedTraining:
         self.advance()
         if self._paced:
             time.sleep(max(0.0, self._due - time.monotonic()))
-            self._due = max(self._due, time.monotonic() - CONTROL_PERIOD) + CONTROL_PERIOD
+            period = self.world.round_duration
+            self._due = max(self._due, time.monotonic() - period) + period
         return self._renderer.frame(), 0.0
 
     def close(self) -> None:

@@ -180,13 +180,13 @@ class SetUp(NamedTuple):
         home_aside: From the middle line to the centre of the home, likewise.
     """
 
-    start_to_wall: float = 90.0
-    food_to_home: float = 180.0
-    home_to_wall: float = 100.0
-    home_radius: float = 100.0
-    start_aside: float = 0.0
-    food_aside: float = 0.0
-    home_aside: float = 0.0
+    start_to_wall: float
+    food_to_home: float
+    home_to_wall: float
+    home_radius: float
+    start_aside: float
+    food_aside: float
+    home_aside: float
 
 
 class _Shape(NamedTuple):
@@ -197,20 +197,23 @@ class _Shape(NamedTuple):
     foods_aside: tuple[float, ...]
 
 
+CORRIDOR, RECTANGLE = "corridor", "rectangle"
 _SHAPES = {
     # The training corridor (3.1).
-    "corridor": _Shape(650.0, 230.0, (0.0,)),
+    CORRIDOR: _Shape(650.0, 230.0, (0.0,)),
     # The evaluation arena (3.1), with the corridor's home and two food objects (5.4.2).
-    "rectangle": _Shape(650.0, 600.0, (-100.0, 100.0)),
+    RECTANGLE: _Shape(650.0, 600.0, (-100.0, 100.0)),
 }
+ARENAS = tuple(_SHAPES)
+"""Names of the thesis's arenas."""
 
 
-def named_arena(name: str, set_up: SetUp | None = None) -> Arena:
+def named_arena(name: str, set_up: SetUp) -> Arena:
     """One of the thesis's arenas.
 
     Args:
-        name: A key of `ARENAS`.
-        set_up: Where start, food and home are; by default our reading of figure 5.1.
+        name: One of `ARENAS`.
+        set_up: Where start, food and home are (figure 5.1).
 
     Raises:
         ValueError: An unknown name, or a set-up that does not fit.
@@ -218,7 +221,6 @@ def named_arena(name: str, set_up: SetUp | None = None) -> Arena:
     if name not in _SHAPES:
         raise ValueError(f"arena is {name!r}; allowed: an Arena, or one of {', '.join(map(repr, _SHAPES))}")
     length, width, foods_aside = _SHAPES[name]
-    set_up = SetUp() if set_up is None else set_up
     middle, home = width / 2, length - set_up.home_to_wall
     return Arena(
         name=name,
@@ -230,8 +232,3 @@ def named_arena(name: str, set_up: SetUp | None = None) -> Arena:
             Point(home - set_up.food_to_home, middle + set_up.food_aside + aside) for aside in foods_aside
         ),
     )
-
-
-ARENAS = {name: named_arena(name) for name in _SHAPES}
-"""The thesis's arenas by name."""
-CORRIDOR, RECTANGLE = ARENAS["corridor"], ARENAS["rectangle"]

@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from khepera_forage.robots.khepera import ARM_SPEED, CONTROL_PERIOD, JAW_SPEED, Robot, RobotLost
+from khepera_forage.robots.khepera import Robot, RobotLost
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.vision.scene import Camera
 from khepera_forage.vision.video import CameraLost
@@ -35,9 +35,9 @@ class Timing(NamedTuple):
         jaw_speed: Positions of the jaw a second.
     """
 
-    round_duration: float = CONTROL_PERIOD
-    arm_speed: float = ARM_SPEED
-    jaw_speed: float = JAW_SPEED
+    round_duration: float
+    arm_speed: float
+    jaw_speed: float
 
 
 class FoodPlace(NamedTuple):

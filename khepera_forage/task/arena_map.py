@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
 _OUTSIDE = 4.0
 """Pixels by which a region may seem to lie outside its arena and still belong to it."""
 
@@ -56,6 +58,11 @@ class Floor(NamedTuple):
     home_y: float
     home_radius: float
     walls: Any
+
+
+def whole_pixels(length: float) -> int:
+    """A length in mm as robots know it: in whole pixels."""
+    return round(length / MM_PER_PIXEL)
 
 
 def is_within(x: float, y: float, arena: ArenaMap) -> bool:

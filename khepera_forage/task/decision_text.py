@@ -4,6 +4,7 @@ The text names a version and what differs from it, so it keeps its meaning when 
 version, which files had before there were versions, is relative to version 0.1.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 from khepera_forage.task.decision_versions import PRESENT
@@ -31,12 +32,8 @@ def decisions_from_text(text: str) -> Decisions:
     Raises:
         ValueError: Not of this form, an unknown version or field, or a value that is not allowed.
     """
-    version, assignments = _FIRST, text.split(_SEPARATOR) if text else []
-    if assignments and assignments[0].startswith("v") and "=" not in assignments[0]:
-        version = assignments.pop(0)
-        if version not in VERSIONS:
-            raise ValueError(f"version {version!r} of the decisions is unknown; allowed: {_ALLOWED}")
-    decisions = Decisions.parse(assignments, VERSIONS[version])
+    base, assignments = _split(text.split(_SEPARATOR) if text else [], _FIRST)
+    decisions = Decisions.parse(assignments, base)
     for assignment in assignments:
         name = assignment.partition("=")[0]
         expected = _assignment(name, getattr(decisions, name))
@@ -45,12 +42,34 @@ def decisions_from_text(text: str) -> Decisions:
     return decisions
 
 
+def decisions_from_words(words: Sequence[str]) -> Decisions:
+    """The decisions that a user wrote on a command line.
+
+    Args:
+        words: First the name of a version, or nothing for the defaults; then assignments such as `next_to_food=22`.
+
+    Raises:
+        ValueError: An unknown version, or as for `Decisions.parse`.
+    """
+    base, assignments = _split(words, PRESENT)
+    return Decisions.parse(assignments, base)
+
+
 def differences(decisions: Decisions, other: Decisions) -> str:
     """The fields in which two sets differ, with both values, for error messages."""
     return "; ".join(
         f"{name} is {_value_text(own)}, not {_value_text(others)}"
         for name, (own, others) in decisions.differing(other).items()
     )
+
+
+def _split(words: Sequence[str], version: str) -> tuple[Decisions, Sequence[str]]:
+    """The version that the first word names, by default another one, and the remaining words."""
+    if words and words[0].startswith("v") and "=" not in words[0]:
+        version, *words = words
+        if version not in VERSIONS:
+            raise ValueError(f"version {version!r} of the decisions is unknown; allowed: {_ALLOWED}")
+    return VERSIONS[version], words
 
 
 def _assignment(name: str, value: Any) -> str:

@@ -131,10 +131,10 @@ class CompiledReplications:
 
     def _orient_rows(self, trained: Trained) -> Iterator[OrientRow]:
         for cell in self.cells:
-            if cell.arena == CORRIDOR.name:
+            if cell.arena == CORRIDOR:
                 imitators = [(i, subset) for i in range(self.count) for subset in cell.subsets]
                 memories = memories_of([_experience(trained, i, subset) for i, subset in imitators])
-                diagonal = arena_map_of(CORRIDOR).diagonal
+                diagonal = arena_map_of(checked_arena(CORRIDOR, self.decisions)).diagonal
                 vectors: Any = arrival_vectors(self.decisions)
                 arithmetic: Any = self.decisions.values().distance_arithmetic
                 all_levels = confidence_levels(memories, vectors, diagonal, arithmetic)

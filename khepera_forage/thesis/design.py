@@ -17,7 +17,7 @@ FILES = 10
 
 def training_distance(decisions: Decisions) -> float:
     """Pixels between food and home in training, which is always in the corridor (figure 5.1)."""
-    corridor = checked_arena(CORRIDOR.name, decisions)
+    corridor = checked_arena(CORRIDOR, decisions)
     return math.dist(corridor.foods[0], corridor.home) / MM_PER_PIXEL
 
 

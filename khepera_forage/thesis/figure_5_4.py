@@ -36,7 +36,7 @@ def fig_5_4(recalls: Sequence[RecallRow]) -> "Figure":
         ValueError: Rows of different decisions.
     """
     decisions = common_decisions(recalls)
-    corridor = checked_arena(CORRIDOR.name, decisions)
+    corridor = checked_arena(CORRIDOR, decisions)
     foods = food_places(recalls)
     figure = new_figure(11.0, 3.9)
     left, right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
@@ -48,7 +48,7 @@ def fig_5_4(recalls: Sequence[RecallRow]) -> "Figure":
 
 def food_places(recalls: Sequence[RecallRow]) -> Floats:
     """One line for each food object in the imitator's recalls in the corridor: x, y in pixels, 1 if delivered."""
-    rows = [row for row in recalls if (row.learner, row.arena) == (IMITATOR, CORRIDOR.name)]
+    rows = [row for row in recalls if (row.learner, row.arena) == (IMITATOR, CORRIDOR)]
     foods = [food for r in rows for food in zip(r.food_x, r.food_y, r.food_delivered, strict=True)]
     return np.array(foods, dtype=np.float64).reshape(-1, 3)
 

@@ -4,6 +4,7 @@ No simulation is needed. The confidence levels (4.6.2) depend only on the imitat
 which follows from the place of the food.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -60,7 +61,9 @@ def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
     Returns:
         Shape (places of `PIXELS_BEYOND`, distances to the food, 5).
     """
-    next_to_food, food_to_home = round(decisions.next_to_food), round(training_distance(decisions))
+    food_to_home = round(training_distance(decisions))
+    farther = decisions.equal_distance == "farther state"
+    next_to_food = math.ceil(decisions.next_to_food) - 1 if farther else math.floor(decisions.next_to_food)
     return np.array(
         [
             [

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
@@ -126,9 +127,11 @@ class Replication:
 
     def _orient_rows(self, files: Sequence[Experience]) -> Iterator[OrientRow]:
         for cell in self.cells:
-            if cell.arena == CORRIDOR.name:
+            if cell.arena == CORRIDOR:
                 for subset in cell.subsets:
-                    imitator, _ = self._imitator(subset, files, arena_map_of(CORRIDOR).diagonal)
+                    imitator, _ = self._imitator(
+                        subset, files, arena_map_of(checked_arena(CORRIDOR, self.decisions)).diagonal
+                    )
                     levels = imitator_levels(imitator, arrival_vectors(self.decisions))
                     yield from orient_rows(levels, self.number, cell.episodes, subset.name, self.decisions)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from further_experiments import alternative_policies
 from further_experiments.alternative_policies import (
     PATIENCE,
     StateLabels,
@@ -17,6 +18,7 @@ from khepera_forage.task.states import Behaviour, StateVector
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import is_picture, read
 from tests.benchmarks.test_scripts import EXPERIMENTS
+from tests.version_0_1 import VALUES
 
 WITHOUT_RECALLS = {"several_learners"}
 Rows = list[dict[str, str]]
@@ -159,7 +161,8 @@ DONE = (
 )
 
 
-def test_each_goal_is_where_the_next_behaviour_begins() -> None:
+def test_each_goal_is_where_the_next_behaviour_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(alternative_policies, "DECISIONS", VALUES)
     for behaviour, here, there in zip(DONE, ROUTE[:-1], ROUTE[1:], strict=True):
         assert not goal_reached(behaviour, here, 20)
         assert goal_reached(behaviour, there, 20)

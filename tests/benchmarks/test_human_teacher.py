@@ -7,6 +7,7 @@ from further_experiments.human_teacher import SimulatedPerson
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import V0_1
 
 FAR, CLOSE, NEXT = (0, 90, 0, 215, 60), (0, 90, 0, 215, 25), (0, 90, 0, 215, 20)
 SEARCH, SLOWLY, ORIENT = (
@@ -18,7 +19,7 @@ SEARCH, SLOWLY, ORIENT = (
 
 @pytest.fixture
 def env() -> TrainingEnv:
-    env = TrainingEnv()
+    env = TrainingEnv(decisions=V0_1)
     env.reset(seed=1)
     return env
 
@@ -43,7 +44,7 @@ def test_without_faults_it_is_the_teacher(env: TrainingEnv) -> None:
     draws, person = np.random.default_rng(0), SimulatedPerson(env, delay=0, wrong=0.0)
     for vector in (FAR, CLOSE, NEXT, FAR):
         for separated in (0, 1):
-            assert person.act(seen(vector, separated), draws) == Teacher().act(seen(vector, separated))
+            assert person.act(seen(vector, separated), draws) == Teacher.of(env).act(seen(vector, separated))
 
 
 def test_wrong_keys_have_the_given_rate_and_equal_odds(env: TrainingEnv) -> None:

@@ -8,8 +8,8 @@ from lab_comparison.episodes import LabRecall, LabTraining
 from lab_comparison.observed_training import LEARNER, ObservedTraining, moving
 from lab_comparison.truth import RoundFailures, Truth
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.faults import FAULTS, Faults
@@ -158,7 +158,7 @@ def test_parts_of_a_round(out: Path) -> None:
 
 
 def test_a_robot_that_is_left_moving_is_detected() -> None:
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         arenas = lab.arenas
         lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in arenas), ()))
         assert moving(lab) == 0
@@ -170,7 +170,7 @@ def test_a_robot_that_is_left_moving_is_detected() -> None:
 
 
 def test_untrue_vectors_are_detected() -> None:
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         env = ObservedTraining(lab, Faults())
         env.reset(seed=1)
         record = env.records[-1]
@@ -198,7 +198,7 @@ def test_untrue_vectors_are_detected() -> None:
 
 
 def test_readings_that_differ_from_the_body_are_detected() -> None:
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         env.reset(seed=1)
         truth, learner = Truth(lab, env.foragers), env.foragers[1]

@@ -1,6 +1,6 @@
 """`--decision`, `--allow-other-decisions` and `khepera-forage decisions`."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +10,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decision_text import decisions_from_text, decisions_text
 from khepera_forage.task.decisions import Decisions
 
 COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
@@ -23,6 +23,10 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def command_line(command: str) -> list[str]:
     return [command, "recall"] if command == "watch" else [command]
+
+
+def default(name: str) -> str:
+    return f"{getattr(Decisions(), name):g}"
 
 
 def test_table_has_every_decision_with_default_range_section_and_reason(
@@ -40,7 +44,7 @@ def test_table_has_every_decision_with_default_range_section_and_reason(
         for choice in field.choices:
             assert choice in line
     (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
-    assert next_to_food == ["next_to_food", "20", "pixels", "10", "to", "30", "4.2.1"]
+    assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "10", "to", "30", "4.2.1"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -50,6 +54,7 @@ def test_help_explains_the_option(command: str, capsys: pytest.CaptureFixture[st
     out = " ".join(capsys.readouterr().out.split())
     assert "--decision NAME=VALUE" in out
     assert "'khepera-forage decisions' lists all names" in out
+    assert "The first one may be a version, v0.1 or v1, which the others then change" in out
     assert ("--allow-other-decisions" in out) == (command in ("recall", "watch"))
 
 
@@ -66,6 +71,8 @@ def test_help_explains_the_option(command: str, capsys: pytest.CaptureFixture[st
             ["equal_distance=either"],
             "decision equal_distance is 'either'; allowed: 'nearer state', 'farther state'",
         ),
+        (["v0.2"], "version 'v0.2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
+        (["next_to_food=22", "v0.1"], "decision 'v0.1'; allowed: NAME=VALUE, such as next_to_food=22"),
         (["next_to_food"], "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=22"),
         (["patience=5", "patience=6"], "decision patience is set twice; allowed: once"),
         (
@@ -99,6 +106,23 @@ def test_train_and_recall_store_their_decisions() -> None:
     assert (row.decisions, row.experience_size) == (text, len(experience))
 
 
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], Decisions()),
+        (["v1"], Decisions()),
+        (["v0.1"], Decisions.v0_1()),
+        (["v0.1", "patience=50"], replace(Decisions.v0_1(), patience=50)),
+        (["v1", "patience=50"], Decisions(patience=50)),
+    ],
+)
+def test_first_decision_may_be_a_version(words: list[str], expected: Decisions) -> None:
+    options = [option for word in words for option in ("--decision", word)]
+    assert main(["recall", "--episodes", "1", "--out", "rows.csv", *options]) == 0
+    (row,) = read_rows(Path("rows.csv"), RecallRow)
+    assert decisions_from_text(row.decisions) == expected
+
+
 def test_teacher_has_the_thresholds_of_the_decisions() -> None:
     decision = ["--decision", "next_to_food=25", "--decision", "close_to_food=45"]
     assert main(["recall", "--episodes", "2", "--out", "rows.csv", *decision]) == 0
@@ -119,14 +143,14 @@ def test_experience_of_other_decisions_is_refused_unless_allowed(
     Experience([vector], [0]).save("g1.csv")
     Experience([vector], [0], decisions=Decisions(separation=20)).save("g2.csv")
     for files, options, differences in (
-        (["g1.csv"], ["--decision", "separation=20"], "separation is 14, not 20"),
-        (["g2.csv"], [], "separation is 20, not 14"),
+        (["g1.csv"], ["--decision", "separation=20"], f"separation is {default('separation')}, not 20"),
+        (["g2.csv"], [], f"separation is 20, not {default('separation')}"),
         (
             ["g2.csv"],
             ["--decision", "next_to_food=22"],
-            "next_to_food is 20, not 22; separation is 20, not 14",
+            f"next_to_food is {default('next_to_food')}, not 22; separation is 20, not {default('separation')}",
         ),
-        (["g1.csv", "g2.csv"], [], "separation is 20, not 14"),
+        (["g1.csv", "g2.csv"], [], f"separation is 20, not {default('separation')}"),
     ):
         assert main([*command, "--experience", *files, *options]) == 2
         error = capsys.readouterr().err

@@ -18,9 +18,9 @@ from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from tests.version_0_1 import CORRIDOR, TIMING
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def port() -> Iterator[str]:
 @pytest.fixture
 def frozen() -> Iterator[VirtualKhepera]:
     """A virtual Khepera in a world without time, whose motors never move."""
-    world = PymunkWorld([CORRIDOR], (2,), Noise.none())
+    world = PymunkWorld([CORRIDOR], (2,), Noise.none(), timing=TIMING)
     world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
     with VirtualKhepera(Firmware(world.robots[0]), baud=None, rng=np.random.default_rng(0)) as khepera:
         yield khepera

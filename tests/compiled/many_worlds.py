@@ -14,6 +14,7 @@ from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.start import stand_in_blocks
 from khepera_forage.sim.compiled.stepping import advance_all
+from tests.version_0_1 import TIMING
 
 
 class ManyWorlds:
@@ -32,7 +33,7 @@ class ManyWorlds:
     ) -> None:
         self.worlds, self.foods = worlds, foods
         self._shape = -(-worlds // lanes), lanes
-        self._parameters = parameters_of(arena, foods, noise)
+        self._parameters = parameters_of(arena, foods, noise, holes=2, timing=TIMING)
         self.bodies = empty_bodies(self._shape[0], foods, lanes)
 
     def reset(self, seed: int, starts: Any, foods: Any) -> None:

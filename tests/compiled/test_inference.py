@@ -1,25 +1,28 @@
 """Simulated laboratories: which are admissible, and what the thesis's tables would be under them."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from khepera_forage import Decisions, Noise
+from khepera_forage import Noise
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
 from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
 from khepera_forage.thesis.inference.simulate import replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
+from tests.version_0_1 import V0_1
 
 
 def laboratory(**decisions: Any) -> Laboratory:
-    return Laboratory(Decisions(**decisions), Noise.laboratory())
+    """Version 0.1 with some changes."""
+    return Laboratory(replace(V0_1, **decisions), Noise.laboratory())
 
 
 def test_teacher_without_orienting_searches_beside_food() -> None:
     policies = np.array([TEACHER] * 20 + [WITHOUT_ORIENTING] * 20)
-    played = run_recalls("corridor", None, policies, np.tile(np.arange(20), 2))
+    played = run_recalls("corridor", None, policies, np.tile(np.arange(20), 2), decisions=V0_1)
     assert played.delivered[:20].all()
     assert not played.delivered[20:].any()
     wrong = played.wrong_by_state[20:].sum(axis=0)
@@ -27,7 +30,7 @@ def test_teacher_without_orienting_searches_beside_food() -> None:
     assert wrong.sum() == wrong[2], "only ORIENT is replaced"
 
 
-def test_default_laboratory_is_admissible() -> None:
+def test_laboratory_of_version_0_1_is_admissible() -> None:
     found = check(laboratory(), 1)
     assert found.reason == ""
     assert min(found.delivered) >= 0.98
@@ -46,7 +49,7 @@ def test_laboratory_is_not_admissible_for_a_reason(decisions: dict[str, Any], re
 
 
 def test_laboratory_in_which_learners_are_soon_given_up_is_not_admissible() -> None:
-    clumsy = Laboratory(Decisions(separation=5, patience=1), Noise(placement_error=20))
+    clumsy = Laboratory(replace(V0_1, separation=5, patience=1), Noise(placement_error=20))
     assert check(clumsy, 1).reason == "training is seldom complete"
 
 

@@ -1,5 +1,6 @@
 """Recalls in kernels: the imitators, the counts and the rows are those of Python."""
 
+from dataclasses import replace
 from typing import Any
 
 import numba
@@ -17,6 +18,7 @@ from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 from tests.compiled.rule_records import DECISIONS
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
@@ -185,10 +187,10 @@ def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:
 
 
 def test_recalls_follow_the_decisions() -> None:
-    usual = run_teacher("corridor", 300)
-    longer = run_teacher("corridor", 300, decisions=Decisions(round_duration=0.2))
-    slower = run_teacher("corridor", 300, decisions=Decisions(search_speed=6, home_speed=6))
-    farther = run_teacher("corridor", 300, decisions=Decisions(food_to_walls=80))
+    usual = run_teacher("corridor", 300, decisions=V0_1)
+    longer = run_teacher("corridor", 300, decisions=replace(V0_1, round_duration=0.2))
+    slower = run_teacher("corridor", 300, decisions=replace(V0_1, search_speed=6, home_speed=6))
+    farther = run_teacher("corridor", 300, decisions=replace(V0_1, food_to_walls=80))
     assert (longer.start == usual.start).all()
     assert 0.45 < longer.steps.mean() / usual.steps.mean() < 0.65
     assert slower.steps.mean() > 1.2 * usual.steps.mean()

@@ -18,7 +18,7 @@ from khepera_forage.envs.compiled.records import (
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts.compiled.records import decision_dtype, pair_dtype
-from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.arena import copies
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
@@ -40,6 +40,7 @@ from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector, classify
 from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
 from tests.task.raw_data import OPEN_FLOOR, placed
+from tests.version_0_1 import CORRIDOR
 
 
 @entrance

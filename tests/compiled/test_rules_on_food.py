@@ -16,7 +16,6 @@ from khepera_forage.envs.compiled.records import (
     tracker_dtype,
 )
 from khepera_forage.envs.forager import arena_map_of
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.decisions import Decisions
@@ -30,6 +29,7 @@ from khepera_forage.task.food_tracking import (
 )
 from khepera_forage.vision.association import Detection, Track, match, may_vanish, start_tracks
 from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
+from tests.version_0_1 import CORRIDOR
 
 
 @entrance

@@ -20,7 +20,7 @@ from khepera_forage.envs.compiled.records import (
     start_dtype,
 )
 from khepera_forage.envs.forager import floor_of
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
@@ -35,6 +35,7 @@ from khepera_forage.task.placement import (
     place_by_hand,
 )
 from tests.compiled.rule_records import check_same, task_of
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 BOX = Arena(
     name="box",

@@ -10,17 +10,17 @@ from scipy import stats
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import timing_of
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.arena import ARENAS
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 LOSSES = Noise(loss_rate_food=0.01)
@@ -55,7 +55,11 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
     compiled = gym.make(
         f"khepera_forage/{name}-v1", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
     ).unwrapped
-    return compiled, kind(world=_KeyedWorld(ARENAS[arena], noise, timing=timing_of(Decisions())), **kwargs)
+    decisions = Decisions()
+    world = _KeyedWorld(
+        checked_arena(arena, decisions), noise, holes=decisions.recall_marker, timing=timing_of(decisions)
+    )
+    return compiled, kind(world=world, **kwargs)
 
 
 def _close(one: Any, two: Any) -> bool:
@@ -151,8 +155,9 @@ def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     compiled = run_teacher("corridor", 4000, 7)
     assert stats.ks_2samp(single, compiled.steps).pvalue > 1e-3
     assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(250)
-    assert compiled.delivered.mean() > 0.998
-    assert compiled.score.mean() > 99.9
+    in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
+    assert in_0_1.delivered.mean() > 0.998
+    assert in_0_1.score.mean() > 99.9
 
 
 def test_wheels_two_percent_slower_change_the_steps() -> None:

@@ -17,12 +17,13 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
-from khepera_forage.sim.arena import CORRIDOR, Arena, Pose, copies
+from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import CORRIDOR, V0_1
 
-ARENAS, DEFAULT = copies(CORRIDOR, 2), Decisions()
+ARENAS = copies(CORRIDOR, 2)
 
 
 def _check_same(trained: Trained, experience: Experience, rows: list[TrainingRow]) -> None:
@@ -56,7 +57,7 @@ def _learner_beside_its_mark(
     return arenas
 
 
-def _on_pymunk(arenas: tuple[Arena, Arena], decisions: Decisions = DEFAULT, **kwargs: Any) -> TrainingEnv:
+def _on_pymunk(arenas: tuple[Arena, Arena], decisions: Decisions = V0_1, **kwargs: Any) -> TrainingEnv:
     world = PymunkWorld(arenas, (1, 2), Noise.none(), timing=timing_of(decisions))
     return TrainingEnv(noise=Noise.none(), world=world, decisions=decisions, **kwargs)
 
@@ -71,21 +72,21 @@ def test_a_learner_beside_its_mark_is_led_and_waited_for_as_on_pymunk(
     """Following and recovery: beyond 70 mm the teacher waits."""
     arenas = _learner_beside_its_mark(monkeypatch, ahead, aside, turned)
     experience, rows = train(_on_pymunk(arenas), np.random.SeedSequence(0), attempts=1)
-    _check_same(train_learners(1, noise=Noise.none(), attempts=1), experience, rows)
+    _check_same(train_learners(1, noise=Noise.none(), attempts=1, decisions=V0_1), experience, rows)
     assert rows[0].separations == separations
 
 
 @pytest.mark.parametrize(
     "decisions",
     [
-        Decisions(round_duration=0.2),
-        Decisions(arm_travel_time=0.5),
-        Decisions(jaw_travel_time=0.8),
-        Decisions(close_to_food=35),
-        Decisions(equal_distance="farther state"),
-        Decisions(home_speed=10),
+        replace(V0_1, round_duration=0.2),
+        replace(V0_1, arm_travel_time=0.5),
+        replace(V0_1, jaw_travel_time=0.8),
+        replace(V0_1, close_to_food=35),
+        replace(V0_1, equal_distance="farther state"),
+        replace(V0_1, home_speed=10),
     ],
-    ids=lambda decisions: "-".join(decisions.changed()),
+    ids=lambda decisions: "-".join(decisions.differing(V0_1)),
 )
 def test_decisions_change_training_as_on_pymunk(
     decisions: Decisions, monkeypatch: pytest.MonkeyPatch
@@ -95,8 +96,8 @@ def test_decisions_change_training_as_on_pymunk(
 
 @pytest.mark.parametrize(
     "decisions",
-    [Decisions(separation=20), Decisions(following_gain=0.2)],
-    ids=lambda d: "-".join(d.changed()),
+    [replace(V0_1, separation=20), replace(V0_1, following_gain=0.2)],
+    ids=lambda d: "-".join(d.differing(V0_1)),
 )
 def test_decisions_on_following_change_training_as_on_pymunk(
     decisions: Decisions, monkeypatch: pytest.MonkeyPatch
@@ -105,12 +106,12 @@ def test_decisions_on_following_change_training_as_on_pymunk(
 
 
 def _check_changed(arenas: tuple[Arena, Arena], decisions: Decisions) -> None:
-    """The same training on both backends, and another one than under the default decisions."""
+    """The same training on both backends, and another one than under those of version 0.1."""
     env = _on_pymunk(arenas, decisions)
     experience, rows = train(env, np.random.SeedSequence(0), attempts=1)
     compiled = train_learners(1, noise=Noise.none(), attempts=1, decisions=decisions)
     _check_same(compiled, experience, rows)
-    usual = train_learners(1, noise=Noise.none(), attempts=1)
+    usual = train_learners(1, noise=Noise.none(), attempts=1, decisions=V0_1)
     assert not np.array_equal(compiled.experience, usual.experience)
 
 
@@ -134,4 +135,4 @@ def test_an_attempt_ends_in_the_same_round_as_on_pymunk(monkeypatch: pytest.Monk
         with nullcontext() if complete else pytest.raises(RuntimeError, match="none of 1 attempts"):
             train(_on_pymunk(arenas, **terms), np.random.SeedSequence(0), attempts=1)
         with nullcontext() if complete else pytest.raises(RuntimeError, match="none of 1 attempts"):
-            train_learners(1, noise=Noise.none(), attempts=1, **terms)
+            train_learners(1, noise=Noise.none(), attempts=1, decisions=V0_1, **terms)

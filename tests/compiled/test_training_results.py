@@ -15,8 +15,8 @@ from khepera_forage.rollouts.compiled.records import HEARD
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.task.states import Behaviour, FoodType
+from tests.version_0_1 import CORRIDOR, V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1, wheel_slip=0.2)
@@ -64,7 +64,7 @@ def test_a_learner_does_not_depend_on_the_number_of_learners(monkeypatch: pytest
 
 def test_attempts_are_valid_training_rows() -> None:
     """Incomplete attempts are counted, and what they recorded is forgotten (5.2)."""
-    trained = train_learners(400, seed=1, noise=ROUGH, food_types=MIXED, episodes=2)
+    trained = train_learners(400, seed=1, noise=ROUGH, food_types=MIXED, episodes=2, decisions=V0_1)
     rows = [
         TrainingRow(0, learner + 1, attempt, trained.seed, "rough", complete, rounds, vectors, apart, reason)
         for learner, _, attempt, complete, rounds, vectors, apart, reason in zip(
@@ -120,7 +120,7 @@ def test_training_that_is_never_complete_raises_the_same_error_as_on_pymunk() ->
         ({"max_cycles": 1.5}, "max_cycles is 1.5"),
         ({"arena": "moon"}, "arena is 'moon'"),
         ({"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
-        ({"options": {"foods": [(90.0, 115.0)]}}, "overlaps"),
+        ({"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
         ({"options": {"place": 1}}, "reset option 'place'"),
         ({"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
         ({"decisions": 17}, "decisions is 17"),

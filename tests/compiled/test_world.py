@@ -19,7 +19,7 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.robots.proximity import clean_readings
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.numbers import MOST_FOODS
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -28,6 +28,7 @@ from khepera_forage.vision.association import Detection
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tracks import Tracks
 from tests.compiled.many_worlds import ManyWorlds
+from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 HALL = Arena(
     name="hall",
@@ -50,7 +51,7 @@ PILLAR = Arena(
 
 def compiled_world(arena: Arena, start: tuple[float, ...], *foods: tuple[float, ...]) -> CompiledWorld:
     """A world without noise, after a reset."""
-    world = CompiledWorld(arena, Noise.none())
+    world = CompiledWorld(arena, Noise.none(), holes=2, timing=TIMING)
     world.reset(np.random.default_rng(0), Layout((Pose(*start),), tuple(Point(*food) for food in foods)))
     return world
 
@@ -58,7 +59,7 @@ def compiled_world(arena: Arena, start: tuple[float, ...], *foods: tuple[float, 
 def test_free_driving_is_that_of_pymunk_to_rounding() -> None:
     rng = np.random.default_rng(0)
     pymunk, compiled = (
-        PymunkWorld([HALL], (2,), Noise.none()),
+        PymunkWorld([HALL], (2,), Noise.none(), timing=TIMING),
         compiled_world(HALL, HALL.start, *HALL.foods),
     )
     pymunk.reset(rng, Layout((HALL.start,), HALL.foods))
@@ -97,7 +98,10 @@ def test_rays_are_those_of_proximity_to_rounding(arena: Any) -> None:
 def test_picking_up_carrying_and_releasing_is_that_of_pymunk_within_3_mm() -> None:
     """The same commands in both, every round; arm, jaw and barrier read the same."""
     start, food = Pose(200, 115, 0.05), Point(330, 120)
-    pymunk, compiled = PymunkWorld([CORRIDOR], (2,), Noise.none()), compiled_world(CORRIDOR, start, food)
+    pymunk, compiled = (
+        PymunkWorld([CORRIDOR], (2,), Noise.none(), timing=TIMING),
+        compiled_world(CORRIDOR, start, food),
+    )
     pymunk.reset(np.random.default_rng(0), Layout((start,), (food,)))
     script = (
         [Motors(0, 0, 255, 200)] * 11  # lower
@@ -172,7 +176,7 @@ def test_arm_is_not_lowered_onto_food() -> None:
 
 
 def test_timing_sets_duration_of_a_round_and_speeds_of_arm_and_jaw() -> None:
-    world = CompiledWorld(HALL, Noise.none(), timing=Timing(0.2, 20.0, 100.0))
+    world = CompiledWorld(HALL, Noise.none(), holes=2, timing=Timing(0.2, 20.0, 100.0))
     world.reset(np.random.default_rng(0), Layout((HALL.start,), HALL.foods))
     world.robots[0].drive(Motors(10, 10, 255, 0))
     world.advance()
@@ -274,8 +278,8 @@ def test_tracks_are_those_of_the_association_of_frames() -> None:
 
 def test_bad_arguments_are_quoted() -> None:
     with pytest.raises(ValueError, match="holes is 3"):
-        CompiledWorld(CORRIDOR, holes=3)
-    world = CompiledWorld(RECTANGLE)
+        CompiledWorld(CORRIDOR, holes=3, timing=TIMING)
+    world = CompiledWorld(RECTANGLE, holes=2, timing=TIMING)
     with pytest.raises(RuntimeError, match="before reset"):
         world.advance()
     foods = tuple(Point(60 + 40 * (k % 5), 60 + 40 * (k // 5)) for k in range(MOST_FOODS + 1))

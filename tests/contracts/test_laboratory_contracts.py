@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
+from tests.version_0_1 import RECTANGLE, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -29,7 +31,7 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
         Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     )
     look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
-    with VirtualLaboratory.from_arena(RECTANGLE, 1, noise=noise, appearance=look) as world:
+    with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise, appearance=look) as world:
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
         world.reset(np.random.default_rng(3), layout)
         yield Stage(world, layout)

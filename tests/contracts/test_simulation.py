@@ -5,16 +5,17 @@ import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
-from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
+from tests.version_0_1 import RECTANGLE, TIMING
 
 
 @pytest.fixture(params=["none", "laboratory"])
 def stage(request: pytest.FixtureRequest) -> Stage:
     noise = Noise.none() if request.param == "none" else Noise.laboratory()
-    world = PymunkWorld([RECTANGLE], (2,), noise)
+    world = PymunkWorld([RECTANGLE], (2,), noise, timing=TIMING)
     layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
     world.reset(np.random.default_rng(3), layout)
     return Stage(world, layout)

@@ -1,5 +1,6 @@
 """Decisions have the same effect on both backends, in single and in vector environments."""
 
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -10,6 +11,7 @@ from khepera_forage import Decisions
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
 from khepera_forage.task.states import State
+from tests.version_0_1 import V0_1
 
 pytest.importorskip("numba")
 
@@ -35,10 +37,10 @@ def _states_ahead_of_food(env: Any) -> list[int]:
 @pytest.mark.parametrize(
     ("decisions", "next_to", "close_to"),
     [
-        (Decisions(), 20, 30),
-        (Decisions(next_to_food=17), 17, 30),
-        (Decisions(close_to_food=40), 20, 40),
-        (Decisions(next_to_food=17, close_to_food=40, equal_distance="farther state"), 16, 39),
+        (V0_1, 20, 30),
+        (replace(V0_1, next_to_food=17), 17, 30),
+        (replace(V0_1, close_to_food=40), 20, 40),
+        (replace(V0_1, next_to_food=17, close_to_food=40, equal_distance="farther state"), 16, 39),
     ],
 )
 @pytest.mark.parametrize("backend", ["pymunk", "compiled"])
@@ -53,28 +55,39 @@ def test_thresholds_of_the_decisions_bound_the_states(
 @pytest.mark.parametrize(
     "decisions",
     [
-        Decisions(next_to_food=17),
-        Decisions(search_speed=7, aimed=10),
-        Decisions(equal_distance="farther state", close_to_food=36),
-        Decisions(quick_turn_speed=5, astray=30),
+        replace(V0_1, next_to_food=17),
+        replace(V0_1, search_speed=7, aimed=10),
+        replace(V0_1, equal_distance="farther state", close_to_food=36),
+        replace(V0_1, quick_turn_speed=5, astray=30),
     ],
-    ids=lambda decisions: "-".join(decisions.changed()),
+    ids=lambda decisions: "-".join(decisions.differing(V0_1)),
 )
 def test_teacher_follows_the_decisions_alike_on_both_backends(decisions: Decisions) -> None:
+    compiled = _check_alike(decisions)
+    assert np.abs(_teacher_run("compiled", V0_1) - compiled).max() > 0.5
+
+
+def test_teacher_follows_the_default_decisions_alike_on_both_backends() -> None:
+    _check_alike(Decisions())
+
+
+def _check_alike(decisions: Decisions) -> Any:
     """Twenty steps without noise, before contacts differ: the same states, poses within a millimetre."""
-    runs: list[Any] = []
-    for backend, some in (("pymunk", decisions), ("compiled", decisions), ("compiled", Decisions())):
-        env, run = _corridor(backend, some), []
-        for seed in range(1, 7):
-            _, info = env.reset(seed=seed)
-            for _ in range(20):
-                _, _, _, _, info = env.step(info["correct_behaviour"])
-                run.append((info["state"], info["correct"], *info["pose"][:2]))
-        runs.append(np.array(run))
-    pymunk, compiled, usual = runs
+    pymunk, compiled = (_teacher_run(backend, decisions) for backend in ("pymunk", "compiled"))
     assert (pymunk[:, :2] == compiled[:, :2]).all()
     assert np.abs(pymunk[:, 2:] - compiled[:, 2:]).max() < 0.2
-    assert np.abs(usual - compiled).max() > 0.5
+    return compiled
+
+
+def _teacher_run(backend: str, decisions: Decisions) -> Any:
+    """State, correct decisions and place in every step."""
+    env, run = _corridor(backend, decisions), []
+    for seed in range(1, 7):
+        _, info = env.reset(seed=seed)
+        for _ in range(20):
+            _, _, _, _, info = env.step(info["correct_behaviour"])
+            run.append((info["state"], info["correct"], *info["pose"][:2]))
+    return np.array(run)
 
 
 def _senses_after(backend: str, decisions: Decisions, action: Any, rounds: int) -> Any:

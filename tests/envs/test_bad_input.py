@@ -13,7 +13,8 @@ import khepera_forage  # noqa: F401  (registers the environments)
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.sim.arena import CORRIDOR, Point
+from khepera_forage.sim.arena import Point
+from tests.version_0_1 import CORRIDOR
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Environments under other decisions: set-up, rules and markers."""
 
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -7,15 +8,16 @@ import pytest
 
 from khepera_forage import Decisions
 from khepera_forage.envs import paired_corridors_v1
-from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import ARENAS, CORRIDOR, Pose
+from khepera_forage.sim.arena import ARENAS, Pose, named_arena
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.states import Behaviour, State, classify
+from tests.version_0_1 import CORRIDOR, V0_1
 
 IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 
@@ -94,7 +96,7 @@ def test_set_up_of_a_named_arena_follows_the_decisions(name: str) -> None:
     assert arena.home.x == 650 - 90
     assert arena.home_radius == 80
     assert {arena.home.x - food.x for food in arena.foods} == {200}
-    assert checked_arena(name, Decisions()) == ARENAS[name]
+    assert checked_arena(name, Decisions()) == named_arena(name, set_up_of(Decisions()))
     env = BehavioursEnv(arena=name, decisions=decisions)
     assert (env.arena, env.home_radius) == (arena, 16)
     assert TrainingEnv(arena=name, decisions=decisions).arenas[0] == arena
@@ -145,7 +147,7 @@ def test_environment_applies_its_decisions_to_states_and_behaviours(decisions: D
 def test_next_to_food_moves_where_the_teacher_would_orient() -> None:
     states = []
     for threshold in (17, 18):
-        env = BehavioursEnv(noise=Noise.none(), decisions=Decisions(next_to_food=threshold))
+        env = BehavioursEnv(noise=Noise.none(), decisions=replace(V0_1, next_to_food=threshold))
         _, info = env.reset(seed=1, options={"start": (100, 115, 0), "foods": [(190, 115)]})
         states.append(info["state"])
     assert states == [State.CLOSE_TO_FOOD, State.NEXT_TO_FOOD]

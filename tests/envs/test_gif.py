@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View, save_gif
-from khepera_forage.sim.arena import CORRIDOR, Pose
+from khepera_forage.sim.arena import Pose
+from tests.version_0_1 import CORRIDOR
 
 
 def test_gif_has_the_frames(tmp_path: Path) -> None:

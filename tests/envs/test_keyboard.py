@@ -9,8 +9,8 @@ from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.caption import Caption
 from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
 from khepera_forage.envs.rendering.painter import Painter
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
 from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
 PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")

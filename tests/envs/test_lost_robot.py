@@ -10,6 +10,7 @@ import pytest
 
 from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
@@ -20,7 +21,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
-from khepera_forage.sim.arena import RECTANGLE
+from tests.version_0_1 import RECTANGLE, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -28,13 +29,13 @@ pytest.importorskip("cv2")
 
 @pytest.fixture
 def pair() -> Iterator[VirtualLaboratory]:
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         yield lab
 
 
 @pytest.fixture
 def alone() -> Iterator[VirtualLaboratory]:
-    with VirtualLaboratory.from_arena("corridor", 1) as lab:
+    with virtual_laboratory("corridor", 1) as lab:
         yield lab
 
 
@@ -153,7 +154,7 @@ def test_robot_lost_while_it_is_placed_ends_the_attempt() -> None:
             unplug(lab, 1)
         lab.virtual_operator(request)
 
-    with VirtualLaboratory.from_arena("corridor", 2, operator=operator) as lab:
+    with virtual_laboratory("corridor", 2, operator=operator) as lab:
         first = lab.virtual_kheperas[1]
         _, rows = training.train(TrainingEnv(world=lab, noise=Noise.none()), np.random.SeedSequence(1))
         assert [row.reason for row in rows[:2]] == [training.ROBOT_LOST] * 2
@@ -220,8 +221,8 @@ def test_world_needs_one_robot_in_each_arena(pair: VirtualLaboratory) -> None:
 
 
 def test_environment_has_the_arena_and_markers_of_its_world() -> None:
-    with VirtualLaboratory.from_arena(RECTANGLE.shifted(100, 50), 1) as lab:
-        env = BehavioursEnv(foods=2, world=lab)
+    with virtual_laboratory(RECTANGLE.shifted(100, 50), 1, V0_1) as lab:
+        env = BehavioursEnv(foods=2, world=lab, decisions=V0_1)
         assert env.arena == RECTANGLE.shifted(100, 50)
         env.reset(seed=1)
         assert env.forager.holes == 2
@@ -232,7 +233,7 @@ def test_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
         raise OperatorGaveUp("no time")
 
     path = tmp_path / "g1.csv"
-    with VirtualLaboratory.from_arena("corridor", 2, operator=nobody) as lab:
+    with virtual_laboratory("corridor", 2, operator=nobody) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         with pytest.raises(OperatorGaveUp):
             training.train(env, np.random.SeedSequence(1), path=path)

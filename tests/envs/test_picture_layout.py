@@ -3,7 +3,8 @@
 import pytest
 
 from khepera_forage.envs.rendering.layout import MAX_HEIGHT, MAX_WIDTH, arrange
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, copies
+from khepera_forage.sim.arena import Arena, copies
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 
 @pytest.mark.parametrize("robots", [1, 2, 3, 4, 5, 8])

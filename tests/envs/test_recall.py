@@ -10,6 +10,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.scoring import score
 from khepera_forage.task.states import Behaviour, FoodType
 
@@ -105,7 +106,7 @@ def action_of(motors: Motors) -> np.ndarray:
 
 
 def test_reset_options_place_start_and_food() -> None:
-    env = BehavioursEnv(noise=Noise.none())
+    env = BehavioursEnv(noise=Noise.none(), decisions=Decisions.v0_1())
     observation, info = env.reset(seed=0, options={"start": (100, 115, 90), "foods": [(400, 100)]})
     assert info["pose"].tolist() == [20.0, 23.0, 90.0]
     assert observation["robot_home_distance"].tolist() == [90]

@@ -20,7 +20,7 @@ def in_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]
 DRAW = """
 import sys
 from khepera_forage.envs.rendering import Renderer, View
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 """
 
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
 from khepera_forage.envs.rendering.layout import Layout, arrange
 from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 LEARNER = RobotView(
     pose=Pose(150.0, 115.0, 0.3),

@@ -60,8 +60,8 @@ def test_jaw_travel_time_is_how_long_the_jaw_takes(travel: float, duration: floa
     assert positions == pytest.approx([JAW_OPEN - step, JAW_CLOSED + step, JAW_CLOSED], abs=0.5)
 
 
-def test_timing_of_default_decisions_is_that_of_worlds() -> None:
-    timing = timing_of(Decisions())
+def test_timing_of_version_0_1_is_that_of_the_devices() -> None:
+    timing = timing_of(Decisions.v0_1())
     assert timing.round_duration == 0.1
     assert timing.arm_speed == 40.0
     assert timing.jaw_speed == pytest.approx(333.0, abs=0.5)

@@ -15,7 +15,7 @@ from khepera_forage.task.states import Behaviour, FoodType
 
 def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
     """Run teacher and learners; returns what every robot did, round by round."""
-    teacher, listener = Teacher(env.home_radius), Listener()
+    teacher, listener = Teacher.of(env), Listener()
     history = []
     for _ in range(rounds):
         if env.terminations[TEACHER] or env.truncations[TEACHER]:
@@ -31,7 +31,7 @@ def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
 
 @pytest.mark.parametrize("learners", [1, 3])
 def test_learners_do_what_they_hear_until_the_episode_is_complete(learners: int) -> None:
-    env = TrainingEnv(num_learners=learners)
+    env = TrainingEnv(num_learners=learners, decisions=Decisions.v0_1())
     complete = 0
     for seed in range(5):
         env.reset(seed=seed)
@@ -47,7 +47,7 @@ def test_learners_do_what_they_hear_until_the_episode_is_complete(learners: int)
 
 @pytest.mark.parametrize("food_type", ["PUSHABLE", "POISONOUS"])
 def test_training_with_other_food_is_completed_without_poison_brought_home(food_type: str) -> None:
-    env = TrainingEnv(food_types=food_type)
+    env = TrainingEnv(food_types=food_type, decisions=Decisions.v0_1())
     complete = 0
     for seed in range(4):
         env.reset(seed=seed)

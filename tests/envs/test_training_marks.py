@@ -9,17 +9,17 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.rollouts.training import attempt, train
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.layout_checks import check_robot
-from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
+from tests.version_0_1 import V0_1, VALUES
 
 
 def test_robots_and_food_stand_on_the_given_marks() -> None:
     env = TrainingEnv(num_learners=2, noise=Noise.none())
     env.reset(seed=1, options={"start": (110, 90, 45), "foods": [(300, 140)]})
     for arena, pose, food in zip(env.arenas, env.world.poses(), env.world.food_places(), strict=True):
-        dx, dy = arena.home.x - CORRIDOR.home.x, arena.home.y - CORRIDOR.home.y
+        home = env.arenas[0].home
+        dx, dy = arena.home.x - home.x, arena.home.y - home.y
         assert pose == pytest.approx((110 + dx, 90 + dy, np.pi / 4))
         assert food[:2] == pytest.approx((300 + dx, 140 + dy))
 
@@ -27,11 +27,11 @@ def test_robots_and_food_stand_on_the_given_marks() -> None:
 def test_start_or_food_that_is_not_given_stays_on_its_mark() -> None:
     env = TrainingEnv(noise=Noise.none())
     env.reset(seed=1, options={"foods": [(300, 115)]})
-    assert env.world.poses()[0] == pytest.approx(CORRIDOR.start)
+    assert env.world.poses()[0] == pytest.approx(env.arenas[0].start)
     env.reset(seed=1, options={"start": (110, 90, 45)})
-    assert env.world.food_places()[0][:2] == pytest.approx(CORRIDOR.foods[0])
+    assert env.world.food_places()[0][:2] == pytest.approx(env.arenas[0].foods[0])
     env.reset(seed=1)
-    assert env.world.poses()[0] == pytest.approx(CORRIDOR.start), "options hold for one episode only"
+    assert env.world.poses()[0] == pytest.approx(env.arenas[0].start), "options hold for one episode only"
 
 
 def test_placement_error_applies_to_given_marks() -> None:
@@ -93,7 +93,7 @@ def test_train_accepts_other_marks_and_another_teacher() -> None:
 
 
 def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:
-    env = TrainingEnv(food_types="POISONOUS")
+    env = TrainingEnv(food_types="POISONOUS", decisions=V0_1)
     for seed in range(4):
         heard: list[Behaviour] = []
 
@@ -107,4 +107,4 @@ def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:
         for forager in env.foragers:
             assert [food.known for food in forager.tracker.foods] == [FoodType.POISONOUS]
             assert not forager.vector.object_presence
-            assert is_raised(forager.vector.arms_height, DEFAULT_VALUES)
+            assert is_raised(forager.vector.arms_height, VALUES)

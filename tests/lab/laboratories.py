@@ -3,13 +3,15 @@
 import math
 from collections.abc import Callable
 
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import CORRIDOR, Pose, copies
+from khepera_forage.sim.arena import Pose, copies
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering.appearance import CameraAppearance
+from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
 LAYOUT = Layout(
@@ -35,9 +37,10 @@ class ClumsyOperator:
 
 
 def quiet_laboratory(operator: ClumsyOperator | None = None, real_time: bool = False) -> VirtualLaboratory:
-    lab = VirtualLaboratory.from_arena(
+    lab = virtual_laboratory(
         CORRIDOR,
         2,
+        V0_1,
         noise=Noise.none(),
         appearance=CameraAppearance.none(),
         operator=operator,

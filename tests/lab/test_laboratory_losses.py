@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
-from khepera_forage.lab.settings_file import load
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.virtual.faults import Faults
@@ -20,6 +20,7 @@ from tests.lab.laboratories import (
     is_stopped,
     quiet_laboratory,
 )
+from tests.version_0_1 import V0_1
 
 cv2 = pytest.importorskip("cv2")
 
@@ -95,7 +96,7 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
             + "".join(f'[[robots]]\nport = "{url}"\noffset = [0, {300 * i}]\n' for i, url in enumerate(ports))
         )
         requests: list[OperatorRequest] = []
-        with Laboratory(load(path), requests.append) as lab:
+        with Laboratory(load_settings(path, V0_1), requests.append) as lab:
             assert lab.arenas == ARENAS
             lab.reset(np.random.default_rng(0), LAYOUT)
             assert len(requests) == 1

@@ -10,9 +10,10 @@ from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import Tolerance
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
-from khepera_forage.sim.arena import CORRIDOR, Point, copies
+from khepera_forage.sim.arena import Point, copies
 from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.simulated_camera import OverheadCamera, Truth
+from tests.version_0_1 import CORRIDOR
 
 ARENAS = copies(CORRIDOR, 2)
 FOODS = tuple(food for arena in ARENAS for food in arena.foods)

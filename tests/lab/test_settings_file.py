@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.settings import LabSettings, RobotSettings
-from khepera_forage.lab.settings_file import LabFileError, load, parse, sample
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Point, SetUp, named_arena
+from khepera_forage.lab.settings_file import LabFileError, parse, sample
+from khepera_forage.sim.arena import Point, SetUp, named_arena
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP, V0_1
 
 MINIMAL = """
 [camera]
@@ -35,14 +37,18 @@ obstacles = [[[200, 20], [240, 20], [240, 60], [200, 60]]]
 """
 
 
+def parsed(toml: str, folder: Path = Path(), set_up: SetUp = SET_UP, period: float = 0.1) -> LabSettings:
+    return parse(toml, set_up, period, folder)
+
+
 def test_minimal_file_uses_the_defaults() -> None:
-    settings = parse(MINIMAL)
+    settings = parsed(MINIMAL)
     assert settings.robots == (
         RobotSettings("/dev/ttyUSB0", "teacher", 38400, 1),
         RobotSettings("/dev/ttyUSB1", "learner_0", 38400, 2, Point(0, 300)),
     )
     assert settings.arenas == (CORRIDOR, CORRIDOR.shifted(0, 300))
-    assert settings == LabSettings(settings.arena, settings.robots, settings.camera), (
+    assert settings == LabSettings(settings.arena, settings.robots, settings.camera, 0.1), (
         "the defaults are those of the dataclass"
     )
     assert settings.period == 0.1
@@ -50,7 +56,7 @@ def test_minimal_file_uses_the_defaults() -> None:
 
 
 def test_every_key_is_read() -> None:
-    settings = parse(
+    settings = parsed(
         'safe_speed = 12\nperiod = 0.2\n[arena]\nname = "rectangle"\n'
         '[[robots]]\nname = "Ada"\nport = "socket://127.0.0.1:5000"\nbaud = 9600\nholes = 2\noffset = [10.5, 20]\n'
         '[camera]\nsource = "rtsp://camera"\ncalibration = "c.toml"\noldest = 1\n'
@@ -70,21 +76,21 @@ def test_every_key_is_read() -> None:
 
 
 def test_set_up_and_period_of_the_caller_apply_where_the_file_has_none() -> None:
-    set_up = SetUp(start_to_wall=120, food_to_home=200, home_to_wall=90, home_radius=80)
-    settings = parse(MINIMAL, set_up=set_up, period=0.2)
+    set_up = SetUp(120, 200, 90, 80, start_aside=-10, food_aside=20, home_aside=5)
+    settings = parsed(MINIMAL, set_up=set_up, period=0.2)
     assert settings.arena == named_arena("corridor", set_up)
     assert settings.period == 0.2
-    own = parse("period = 0.3\n" + CUSTOM_ARENA + MINIMAL.replace("300", "600"), set_up=set_up, period=0.2)
-    assert own.arena == parse(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
+    own = parsed("period = 0.3\n" + CUSTOM_ARENA + MINIMAL.replace("300", "600"), set_up=set_up, period=0.2)
+    assert own.arena == parsed(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
     assert own.period == 0.3
 
 
 def test_one_robot_is_enough() -> None:
-    assert len(parse('[camera]\nsource = "film.avi"\n[[robots]]\nport = "COM3"').robots) == 1
+    assert len(parsed('[camera]\nsource = "film.avi"\n[[robots]]\nport = "COM3"').robots) == 1
 
 
 def test_custom_arena_is_read() -> None:
-    arena = parse(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
+    arena = parsed(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
     assert arena.name == "den"
     assert arena.start == (100, 250, math.pi / 2)
     assert arena.foods == ((350, 200), (350, 300))
@@ -92,16 +98,16 @@ def test_custom_arena_is_read() -> None:
 
 
 def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
-    settings = parse(sample())
+    settings = parsed(sample())
     assert len(settings.robots) == 2
     # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
     text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
-    assert parse(text) == settings
+    assert parsed(text) == settings
     keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
     assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
-    assert load(tmp_path / "lab.toml") == settings
+    assert load_settings(tmp_path / "lab.toml", V0_1) == settings
 
 
 @pytest.mark.parametrize(
@@ -141,7 +147,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
 def test_errors_name_the_key(old: str, new: str, message: str) -> None:
     assert old in MINIMAL
     with pytest.raises(LabFileError, match=re.escape(message)):
-        parse(MINIMAL.replace(old, new))
+        parsed(MINIMAL.replace(old, new))
 
 
 @pytest.mark.parametrize(
@@ -157,7 +163,7 @@ def test_errors_name_the_key(old: str, new: str, message: str) -> None:
 )  # fmt: skip
 def test_errors_in_an_arena_name_the_key(old: str, new: str, message: str) -> None:
     with pytest.raises(LabFileError, match=re.escape(message)):
-        parse(CUSTOM_ARENA.replace(old, new) + MINIMAL.replace("300", "600"))
+        parsed(CUSTOM_ARENA.replace(old, new) + MINIMAL.replace("300", "600"))
 
 
 @pytest.mark.parametrize(
@@ -175,19 +181,19 @@ def test_errors_name_the_file(content: bytes, message: str, tmp_path: Path) -> N
     path = tmp_path / "lab.toml"
     path.write_bytes(content)
     with pytest.raises(LabFileError, match=re.escape(message)) as failure:
-        load(path)
+        load_settings(path, V0_1)
     assert str(failure.value).startswith(f"{path}: ")
 
 
 def test_calibration_path_is_relative_to_the_file(tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
     path.write_text(MINIMAL.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
-    assert load(path).camera.calibration == tmp_path / "c.toml"
+    assert load_settings(path, V0_1).camera.calibration == tmp_path / "c.toml"
     with pytest.raises(OSError, match=r"none\.toml"):
-        load(tmp_path / "none.toml")
+        load_settings(tmp_path / "none.toml", V0_1)
 
 
 def test_example_in_the_documentation_is_valid() -> None:
     documentation = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```toml\n(.*?)```", documentation, flags=re.DOTALL)
-    assert len(parse(shown).robots) == 2
+    assert len(parsed(shown).robots) == 2

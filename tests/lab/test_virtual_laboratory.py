@@ -5,7 +5,6 @@ import os
 import signal
 import threading
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,8 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.lab.settings import LabSettings
@@ -27,15 +26,28 @@ from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.sim.arena import CORRIDOR, Pose
+from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
+from tests.version_0_1 import CORRIDOR, SET_UP, TIMING, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
+
+
+def quiet(settings: LabSettings, **options: Any) -> VirtualLaboratory:
+    """A virtual laboratory with these settings, without noise."""
+    return VirtualLaboratory(
+        settings,
+        arm_speed=TIMING.arm_speed,
+        jaw_speed=TIMING.jaw_speed,
+        noise=Noise.none(),
+        appearance=CameraAppearance.none(),
+        **options,
+    )
 
 
 def run_attempt(env: TrainingEnv, seed: int) -> list[Any]:
@@ -61,14 +73,14 @@ def run_attempt(env: TrainingEnv, seed: int) -> list[Any]:
 def test_same_seed_gives_the_same_rollout_bit_for_bit() -> None:
     """In the same laboratory after another episode, and in a new laboratory."""
     runs = []
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         runs.append(run_attempt(env, 5))
         env.reset(seed=9)
         for _ in range(33):
             env.step(2)
         runs.append(run_attempt(env, 5))
-    with VirtualLaboratory.from_arena("corridor", 2) as lab:
+    with virtual_laboratory("corridor", 2) as lab:
         runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 5))
         other = run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 6)
     assert runs[0] == runs[1] == runs[2]
@@ -82,7 +94,7 @@ def test_same_seed_gives_the_same_rollout_bit_for_bit() -> None:
     ids=["left wall", "lower wall", "right wall", "upper wall"],
 )
 def test_marker_that_extends_over_a_wall_is_located_correctly(x: float, y: float, heading: float) -> None:
-    with VirtualLaboratory.from_arena("corridor", 1) as lab:
+    with virtual_laboratory("corridor", 1) as lab:
         (arena,) = lab.arenas
         dx, dy = arena.bounds[:2]
         lab.reset(np.random.default_rng(60), Layout((Pose(x + dx, y + dy, heading),), arena.foods))
@@ -96,9 +108,7 @@ def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
     """Serial lines and camera frames change the number of rounds only a little."""
     options = {"start": (90, 115, 0), "foods": [(370, 115)]}
     counts = []
-    with VirtualLaboratory.from_arena(
-        CORRIDOR, 1, noise=Noise.none(), appearance=CameraAppearance.none()
-    ) as lab:
+    with virtual_laboratory(CORRIDOR, 1, noise=Noise.none(), appearance=CameraAppearance.none()) as lab:
         for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
             teacher = Teacher(env.home_radius)
             observation, info = env.reset(seed=1, options=options)
@@ -114,7 +124,7 @@ def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
 def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
     """The learner records what its robot senses in that round."""
     faults = Faults(drop=0.002, garble=0.005, duplicate=0.01)
-    with VirtualLaboratory.from_arena("corridor", 2, faults=faults, fault_seed=4) as lab:
+    with virtual_laboratory("corridor", 2, faults=faults, fault_seed=4) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
         recorded: list[tuple[int, int]] = []
         true: list[tuple[int, int]] = []
@@ -132,7 +142,7 @@ def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
 
 
 def test_training_with_several_learners() -> None:
-    with VirtualLaboratory.from_arena("corridor", 4) as lab:
+    with virtual_laboratory("corridor", 4) as lab:
         assert lab.markers == (1, 2, 2, 2)
         assert [robot.name for robot in lab.settings.robots] == [
             "teacher",
@@ -146,7 +156,7 @@ def test_training_with_several_learners() -> None:
 
 
 def test_close_closes_all_ports() -> None:
-    lab = VirtualLaboratory.from_arena("corridor", 2)
+    lab = virtual_laboratory("corridor", 2)
     ports = list(lab.virtual_kheperas)
     lab.close()
     assert not any(port.connected for port in ports)
@@ -220,11 +230,10 @@ def test_errors_in_the_file_are_reported_in_one_line(
 
 def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
     decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)
-    with VirtualLaboratory.from_arena(
+    with virtual_laboratory(
         "corridor",
         2,
-        set_up_of(decisions),
-        timing_of(decisions),
+        decisions,
         noise=Noise.none(),
         appearance=CameraAppearance.none(),
     ) as lab:
@@ -243,7 +252,7 @@ def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
 
 @pytest.mark.parametrize("kind", [BehavioursEnv, TrainingEnv])
 def test_rounds_of_another_duration_than_decided_are_refused(kind: Any) -> None:
-    with VirtualLaboratory.from_arena("corridor", 1 if kind is BehavioursEnv else 2) as lab:
+    with virtual_laboratory("corridor", 1 if kind is BehavioursEnv else 2, V0_1) as lab:
         with pytest.raises(
             ValueError,
             match=r"a round of this world lasts 0\.1 s, and decision round_duration is 0\.2 s; allowed: the same",
@@ -262,23 +271,16 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
 
     def laboratory(settings: LabSettings) -> VirtualLaboratory:
         opened.append(settings)
-        return VirtualLaboratory(settings, noise=Noise.none(), appearance=CameraAppearance.none())
+        return quiet(settings)
 
     monkeypatch.setattr("khepera_forage.lab.laboratory.Laboratory", laboratory)
     path = tmp_path / "lab.toml"
     file = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\noffset = [600, 600]\n'
     recall = ["recall", "--episodes", "1", "--out", str(tmp_path / "rows.csv"), "--lab", str(path)]
-    for period, decision, message in (
-        ("period = 0.2\n", [], "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s"),
-        (
-            "",
-            ["--decision", "round_duration=0.15"],
-            "period is 0.15 s; allowed in a virtual laboratory: multiples",
-        ),
-    ):
-        path.write_text(period + file)
-        assert main([*recall, *decision]) == 2
-        assert message in capsys.readouterr().err
+    path.write_text("period = 0.2\n" + file)
+    assert main([*recall, "--decision", "round_duration=0.1"]) == 2
+    message = "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s"
+    assert message in capsys.readouterr().err
     for period in ("period = 0.2\n", ""):
         path.write_text(period + file)
         decision = ["--decision", "round_duration=0.2", "--decision", "food_to_home=200"]
@@ -289,16 +291,16 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
         assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
 
 
-def test_longer_period_advances_the_simulation_further() -> None:
-    file = parse('period = 0.2\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n')
-    with VirtualLaboratory(file, noise=Noise.none(), appearance=CameraAppearance.none()) as lab:
+@pytest.mark.parametrize("period", [0.05, 0.1, 0.18, 0.2, 0.5])
+def test_simulation_advances_by_the_period(period: float) -> None:
+    file = parse('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n', SET_UP, period)
+    with quiet(file) as lab:
         start = lab.arenas[0].start
         lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
         lab.robots[0].drive(Motors(5, 5, 215, 200))
         for _ in range(5):
             lab.advance()
-        assert lab.simulation.poses()[0].x == pytest.approx(start.x + 40)
-    with pytest.raises(ValueError, match="multiples of"):
-        VirtualLaboratory(replace(file, period=0.15))
+        assert lab.simulation.poses()[0].x == pytest.approx(start.x + 5 * 5 * 8 * period)
+        assert lab.robots[0].request("E") == (5, 5)
     with pytest.raises(ValueError, match="2 faults for 1 robots"):
-        VirtualLaboratory(file, faults=[None, None])
+        quiet(file, faults=[None, None])

@@ -102,7 +102,7 @@ def test_cache_is_not_pickled() -> None:
 
 
 def test_clone_has_no_experience() -> None:
-    imitator = NearestNeighbourImitator(diagonal=177, threshold=0.25).fit(X, Y)
+    imitator = NearestNeighbourImitator(diagonal=177, threshold=0.25, arithmetic="exact").fit(X, Y)
     twin = clone(imitator)
     assert twin.get_params() == {"diagonal": 177, "threshold": 0.25, "arithmetic": "exact"}
     assert not hasattr(twin, "classes_")

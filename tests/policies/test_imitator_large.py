@@ -55,7 +55,7 @@ def test_neighbours_equal_brute_force(
 ) -> None:
     rng = np.random.default_rng(seed)
     rows, heard = vectors(rng, count, spread, arms), rng.integers(0, 10, count)
-    imitator = NearestNeighbourImitator(diagonal, float(threshold)).fit(rows, heard)
+    imitator = NearestNeighbourImitator(diagonal, float(threshold), "exact").fit(rows, heard)
     queries = np.concatenate((vectors(rng, 15, spread + 20, list(range(210, 260))), rows[:5]))
     for query in queries:
         votes, least = brute_force(rows, heard, query, diagonal, Fraction(threshold))
@@ -69,7 +69,7 @@ def test_ties_and_conflicts_are_common_in_random_experience() -> None:
     """Otherwise the test above would prove little."""
     rng = np.random.default_rng(0)
     rows, heard = vectors(rng, 3_000, 30, [215, 255]), rng.integers(0, 10, 3_000)
-    imitator = NearestNeighbourImitator().fit(rows, heard)
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
     found = [imitator.neighbours(query) for query in vectors(rng, 500, 50, [215, 255])]
     assert sum(neighbours.tie for neighbours in found) > 100
     assert sum(neighbours.conflict for neighbours in found) > 100
@@ -78,10 +78,10 @@ def test_ties_and_conflicts_are_common_in_random_experience() -> None:
 def test_learning_one_by_one_equals_learning_at_once() -> None:
     rng = np.random.default_rng(1)
     rows, heard = vectors(rng, 400, 40, [215, 219, 255]), rng.integers(0, 10, 400)
-    grown = NearestNeighbourImitator()
+    grown = NearestNeighbourImitator(arithmetic="exact")
     for row, label in zip(rows, heard, strict=True):
         grown.partial_fit(row[None], [label])
-    whole = NearestNeighbourImitator().fit(rows, heard)
+    whole = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
     queries = vectors(rng, 200, 60, [215, 217, 255])
     assert [grown.neighbours(query) for query in queries] == [whole.neighbours(query) for query in queries]
     again = pickle.loads(pickle.dumps(grown))
@@ -91,7 +91,7 @@ def test_learning_one_by_one_equals_learning_at_once() -> None:
 def test_one_more_vector_inserts_one_entry_and_rebuilds_nothing() -> None:
     rng = np.random.default_rng(2)
     rows, heard = vectors(rng, 5_000, 139, list(range(215, 256))), rng.integers(0, 9, 5_000)
-    imitator = NearestNeighbourImitator().fit(rows, heard)
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
     imitator.neighbours(rows[0])
     index = imitator._index
     memory = index.memory
@@ -116,7 +116,11 @@ def test_one_more_vector_inserts_one_entry_and_rebuilds_nothing() -> None:
 def test_vectors_added_later_equal_vectors_fitted_at_once(seed: int, count: int, spread: int) -> None:
     rng = np.random.default_rng(seed)
     rows, heard = vectors(rng, 300 + count, spread, [215, 219, 255]), rng.integers(0, 10, 300 + count)
-    grown = NearestNeighbourImitator().fit(rows[:300], heard[:300]).partial_fit(rows[300:], heard[300:])
-    whole = NearestNeighbourImitator().fit(rows, heard)
+    grown = (
+        NearestNeighbourImitator(arithmetic="exact")
+        .fit(rows[:300], heard[:300])
+        .partial_fit(rows[300:], heard[300:])
+    )
+    whole = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
     queries = vectors(rng, 50, spread + 20, [215, 217, 255])
     assert [grown.neighbours(query) for query in queries] == [whole.neighbours(query) for query in queries]

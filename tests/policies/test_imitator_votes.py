@@ -62,7 +62,7 @@ def imitator_of(
     experience: list[tuple[StateVector, int]], diagonal: int = CORRIDOR, threshold: float = 0.0
 ) -> NearestNeighbourImitator:
     vectors, behaviours = zip(*experience, strict=True)
-    return NearestNeighbourImitator(diagonal, threshold).fit(np.array(vectors), np.array(behaviours))
+    return NearestNeighbourImitator(diagonal, threshold, "exact").fit(np.array(vectors), np.array(behaviours))
 
 
 @settings(max_examples=300, deadline=None)
@@ -111,7 +111,7 @@ def test_partial_fit_equals_fit_on_all_of_it(
 ) -> None:
     shuffled = data.draw(st.permutations(experience))
     cuts = sorted(data.draw(st.sets(st.integers(1, len(shuffled)), max_size=4)) | {len(shuffled)})
-    imitator = NearestNeighbourImitator()
+    imitator = NearestNeighbourImitator(arithmetic="exact")
     for start, stop in zip([0, *cuts], cuts, strict=False):
         vectors, behaviours = zip(*shuffled[start:stop], strict=True)
         imitator.partial_fit(np.array(vectors), np.array(behaviours))
@@ -143,7 +143,7 @@ def test_whole_floats_count_as_whole_numbers(
 ) -> None:
     whole = imitator_of(experience)
     vectors, behaviours = zip(*experience, strict=True)
-    floats = NearestNeighbourImitator().fit(np.array(vectors, float), behaviours)
+    floats = NearestNeighbourImitator(arithmetic="exact").fit(np.array(vectors, float), behaviours)
     expected = whole.predict_proba(queries)
     np.testing.assert_array_equal(floats.predict_proba(queries), expected)
     np.testing.assert_array_equal(floats.predict_proba(np.array(queries, float)), expected)
@@ -151,7 +151,7 @@ def test_whole_floats_count_as_whole_numbers(
 
 def test_halves_of_pixels_are_compared_in_floats() -> None:
     rows = np.array([[0, 30, 0, 215, 40], [0, 33, 0, 215, 40], [1, 30, 0, 215, 40]])
-    imitator = NearestNeighbourImitator().fit(rows, [0, 1, 3])
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1, 3])
     assert imitator.predict(rows + np.array([0, 0.5, 0, 0, 0])).tolist() == [0, 1, 3]
     assert imitator.predict(rows + np.array([0, 2.5, 0, 0, 0])).tolist() == [1, 1, 3]
     assert imitator.predict_proba([[0, 31.5, 0, 215, 40]]).tolist() == [[0.5, 0.5, 0]]
@@ -167,7 +167,9 @@ def test_halves_of_pixels_are_compared_in_floats() -> None:
 
 @pytest.mark.parametrize("far", [2**40, 2**45])
 def test_numbers_far_beyond_any_arena_are_compared(far: int) -> None:
-    imitator = NearestNeighbourImitator().fit([[0, 30, 0, 215, 40], [0, 60, 0, 215, 40]], [0, 1])
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(
+        [[0, 30, 0, 215, 40], [0, 60, 0, 215, 40]], [0, 1]
+    )
     assert imitator.neighbours((0, 60, 0, 215, far)).votes == ((1, 1),)
     assert imitator.neighbours((0, 60, 0, 215, far)).distance == pytest.approx(far / CORRIDOR)
     imitator.partial_fit([[0, 30, 0, 215, far]], [7])

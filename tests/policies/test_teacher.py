@@ -32,7 +32,7 @@ def test_teacher_follows_the_tree_of_figure_4_2(vector: StateVector, radius: int
 
 
 def test_teacher_carries_food_home_step_by_step() -> None:
-    teacher = Teacher()
+    teacher = Teacher(decisions=Decisions.v0_1())
     for vector, behaviour in [
         ((0, 90, 0, 215, 60), Behaviour.SEARCH_FOR_FOOD),
         ((0, 70, 0, 215, 30), Behaviour.MOVE_SLOWLY),

@@ -16,6 +16,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from tests.version_0_1 import TIMING
 
 FIELD = Arena(
     name="field",
@@ -74,7 +75,7 @@ def make_rig(
     seed: int = 0,
 ) -> Iterator[Rig]:
     poses = [Pose(400 + 400 * (i % 4), 600 + 600 * (i // 4), 0.3 * i) for i in range(robots)]
-    world = PymunkWorld([FIELD], [1 + i % 2 for i in range(robots)], Noise.none())
+    world = PymunkWorld([FIELD], [1 + i % 2 for i in range(robots)], Noise.none(), timing=TIMING)
     world.reset(np.random.default_rng(seed), Layout(tuple(poses), ()))
     rig = Rig(world, [], [])
     with contextlib.ExitStack() as stack:

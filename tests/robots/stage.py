@@ -8,10 +8,11 @@ import numpy as np
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.sim.arena import RECTANGLE, Point, Pose
+from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from tests.version_0_1 import RECTANGLE, TIMING
 
 
 class Stage(NamedTuple):
@@ -44,7 +45,7 @@ class Stage(NamedTuple):
 
 def make_stage(noise: Noise | None = None, food_ahead: float | None = None) -> Stage:
     """A robot in the rectangle, heading along x; food far away, or `food_ahead` mm ahead of its centre."""
-    world = PymunkWorld([RECTANGLE], (2,), Noise.none() if noise is None else noise)
+    world = PymunkWorld([RECTANGLE], (2,), Noise.none() if noise is None else noise, timing=TIMING)
     food = Point(600.0, 560.0) if food_ahead is None else Point(200.0 + food_ahead, 300.0)
     assert RECTANGLE.clearance(food) > FOOD_RADIUS
     world.reset(np.random.default_rng(3), Layout((Pose(200.0, 300.0, 0.0),), (food,)))

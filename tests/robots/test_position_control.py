@@ -4,7 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.virtual.position_control import TOLERANCE, WheelPositionController
+from khepera_forage.robots.khepera import PULSES_PER_UNIT
+from khepera_forage.robots.virtual import position_control
+from khepera_forage.robots.virtual.position_control import WheelPositionController
+
+TOLERANCE = position_control.TOLERANCE * PULSES_PER_UNIT
 
 
 def driven(

@@ -13,11 +13,12 @@ from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.task.states import Behaviour, behaviour_for, classify
+from tests.version_0_1 import V0_1
 
 
 @pytest.fixture(scope="module")
 def env() -> BehavioursEnv:
-    return recall_env("corridor")
+    return recall_env("corridor", decisions=V0_1)
 
 
 def make() -> Any:

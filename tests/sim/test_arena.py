@@ -9,18 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.sim.arena import (
-    ARENAS,
-    CORRIDOR,
-    RECTANGLE,
-    Arena,
-    Point,
-    Pose,
-    SetUp,
-    copies,
-    named_arena,
-)
+from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, copies, named_arena
 from tests.sim.worlds import ELL, FIELD
+from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]
@@ -35,7 +26,7 @@ def test_arenas_have_the_sizes_of_section_3_1() -> None:
     assert RECTANGLE.bounds == (0, 0, 650, 600)
     assert CORRIDOR.diagonal == pytest.approx(math.hypot(650, 230))
     assert (len(CORRIDOR.foods), len(RECTANGLE.foods)) == (1, 2)
-    assert ARENAS == {"corridor": CORRIDOR, "rectangle": RECTANGLE}
+    assert ARENAS == (CORRIDOR.name, RECTANGLE.name) == ("corridor", "rectangle")
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE])
@@ -183,9 +174,9 @@ def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() ->
     with pytest.raises(
         ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle'"
     ):
-        named_arena("circle")
+        named_arena("circle", SET_UP)
     with pytest.raises(ValueError, match=r"corridor: home .* radius 100 mm reaches outside the walls"):
-        named_arena("corridor", SetUp(home_to_wall=90.0))
+        named_arena("corridor", SET_UP._replace(home_to_wall=90.0))
 
 
 @pytest.mark.parametrize(

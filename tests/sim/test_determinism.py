@@ -12,10 +12,11 @@ import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.sim.worlds import ELL
+from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 ROUNDS = 150
 LAYOUTS = {
@@ -31,7 +32,7 @@ LAYOUTS = {
 
 def world_for(name: str, noise: Noise | None = None) -> PymunkWorld:
     arenas: tuple[Arena, ...] = LAYOUTS[name][0]
-    return PymunkWorld(arenas, tuple(2 - i for i in range(len(arenas))), noise)
+    return PymunkWorld(arenas, tuple(2 - i for i in range(len(arenas))), noise, timing=TIMING)
 
 
 def rounds(world: PymunkWorld, name: str, seed: int, count: int = ROUNDS) -> Iterator[str]:

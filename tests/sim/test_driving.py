@@ -25,6 +25,7 @@ from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.sim.worlds import FIELD, NONE, apart, make_world, run
+from tests.version_0_1 import TIMING
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
@@ -187,7 +188,7 @@ def test_command_is_rounded_to_whole_speed_units() -> None:
 
 
 def test_robot_is_stopped_by_another_robot() -> None:
-    world = PymunkWorld([FIELD], (1, 2), NONE)
+    world = PymunkWorld([FIELD], (1, 2), NONE, timing=TIMING)
     layout = Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
     world.reset(np.random.default_rng(0), layout)
     for _ in range(40):

@@ -11,9 +11,10 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_VALUES
+from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 WITH_BLOCK = Arena(
     name="block",
@@ -43,7 +44,7 @@ def test_bodies_stay_inside_the_walls_apart_and_move_at_most_at_their_speed(
     layout = random_layout(
         arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, key_of(seed), DEFAULT_VALUES
     )
-    world = PymunkWorld([arena], (2,), Noise.laboratory())
+    world = PymunkWorld([arena], (2,), Noise.laboratory(), timing=TIMING)
     world.reset(np.random.default_rng(seed), layout)
     pose, places = layout.starts[0], list(layout.foods)
     for left, right, arm, jaw, rounds in commands:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import JAW_CLOSED
-from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
+from khepera_forage.sim.arena import Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.sim.worlds import NONE, holding, make_world, run
+from tests.version_0_1 import CORRIDOR, TIMING
 
 CENTRE = Pose(1000, 1000, 0)
 
@@ -38,7 +39,7 @@ def test_place_refuses_a_taken_or_impossible_pose() -> None:
 def test_place_refuses_another_arena() -> None:
     """Its food and its walls are those of the arena it was reset in."""
     arenas = copies(CORRIDOR, 2)
-    world = PymunkWorld(arenas, (1, 2), NONE)
+    world = PymunkWorld(arenas, (1, 2), NONE, timing=TIMING)
     starts = CORRIDOR.start, arenas[1].start
     world.reset(np.random.default_rng(0), Layout(starts, (Point(370, 115), Point(370, 415))))
     with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):

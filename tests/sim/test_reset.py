@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import RADIUS
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.sim.worlds import ELL, FIELD, NONE, apart, make_world, run
+from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 START = CORRIDOR.start
 FOOD = Point(370, 115)
 
 
 def pair() -> PymunkWorld:
-    return PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE)
+    return PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE, timing=TIMING)
 
 
 def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...] = (FOOD,)) -> None:
@@ -39,16 +40,16 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
 )
 def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
-        PymunkWorld(arenas, markers, NONE)
+        PymunkWorld(arenas, markers, NONE, timing=TIMING)
 
 
 def test_default_noise_is_the_laboratorys() -> None:
-    assert PymunkWorld([CORRIDOR]).noise.wheel_slip > 0
+    assert PymunkWorld([CORRIDOR], (2,), timing=TIMING).noise.wheel_slip > 0
 
 
 def test_advance_before_reset_is_refused() -> None:
     with pytest.raises(RuntimeError, match="reset"):
-        PymunkWorld([CORRIDOR]).advance()
+        PymunkWorld([CORRIDOR], (2,), timing=TIMING).advance()
 
 
 # ---------------------------------------------------------------- refused layouts
@@ -85,7 +86,7 @@ def test_reset_refuses_a_gripper_in_a_wall(start: Pose) -> None:
 
 
 def test_reset_refuses_overlapping_robots() -> None:
-    world = PymunkWorld([RECTANGLE], (1, 2), NONE)
+    world = PymunkWorld([RECTANGLE], (1, 2), NONE, timing=TIMING)
     with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at \(100, 300\)"):
         reset(world, (Pose(100, 300, 0), Pose(154, 300, 0)), (Point(400, 300),))
     reset(world, (Pose(100, 300, 0), Pose(155, 300, 0)), (Point(400, 300),))
@@ -107,7 +108,7 @@ def test_reset_refuses_food_off_the_free_floor_or_overlapping(food: Point, compl
 
 
 def test_reset_refuses_places_in_an_obstacle() -> None:
-    world = PymunkWorld([ELL], (2,), NONE)
+    world = PymunkWorld([ELL], (2,), NONE, timing=TIMING)
     with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
         reset(world, (ELL.start,), (Point(180, 120),))
     with pytest.raises(ValueError, match=r"ell: robot.* 20 mm from a wall"):
@@ -150,7 +151,7 @@ def test_robot_drives_around_a_corner() -> None:
 
 
 def test_reset_leaves_nothing_of_the_last_episode() -> None:
-    world = PymunkWorld([FIELD], (2,), NONE)
+    world = PymunkWorld([FIELD], (2,), NONE, timing=TIMING)
     layout = Layout((Pose(1000, 1000, 0.3),), (Point(1057 * 1.0, 1018),))
     world.reset(np.random.default_rng(3), layout)
     fresh = world.robots[0].sense(), world.camera.look(), world.poses(), world.food_places()

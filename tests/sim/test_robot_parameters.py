@@ -19,10 +19,11 @@ from khepera_forage.robots.khepera import (
     Senses,
 )
 from khepera_forage.robots.parameters import RobotParameters
-from khepera_forage.sim.arena import CORRIDOR, Point, Pose, copies
+from khepera_forage.sim.arena import Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.sim.worlds import FIELD, NONE
+from tests.version_0_1 import CORRIDOR, TIMING
 
 HERE = Pose(1000, 1000, 0)
 FAR_AWAY = Point(100, 100)
@@ -31,7 +32,7 @@ FAR_AWAY = Point(100, 100)
 def stand(
     parameters: RobotParameters, start: Pose = HERE, food: Point = FAR_AWAY, arena: Any = FIELD
 ) -> PymunkWorld:
-    world = PymunkWorld([arena], (2,), NONE, robot_parameters=(parameters,))
+    world = PymunkWorld([arena], (2,), NONE, robot_parameters=(parameters,), timing=TIMING)
     world.reset(np.random.default_rng(0), Layout((start,), (food,)))
     return world
 
@@ -91,7 +92,7 @@ def test_default_parameters_equal_no_parameters() -> None:
     )
     histories = []
     for robot_parameters in (None, (RobotParameters(), RobotParameters())):
-        world = PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=robot_parameters)
+        world = PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=robot_parameters, timing=TIMING)
         world.reset(np.random.default_rng(3), layout)
         history = []
         for turn in range(40):
@@ -120,4 +121,4 @@ def test_values_out_of_range_are_rejected(change: dict[str, float], message: str
 
 def test_wrong_number_of_parameters_is_rejected() -> None:
     with pytest.raises(ValueError, match="1 robot_parameters given; allowed: 2, one per robot"):
-        PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(),))
+        PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=(RobotParameters(),), timing=TIMING)

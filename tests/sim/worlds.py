@@ -7,9 +7,10 @@ import numpy as np
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, Senses
-from khepera_forage.sim.arena import CORRIDOR, Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import FoodPlace, Layout
+from tests.version_0_1 import CORRIDOR, TIMING
 
 NONE = Noise.none()
 
@@ -55,14 +56,14 @@ def make_world(
     seed: int = 0,
 ) -> PymunkWorld:
     """A world with one robot, after its reset."""
-    world = PymunkWorld([arena], (2,), noise)
+    world = PymunkWorld([arena], (2,), noise, timing=TIMING)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
 
 def make_robots(arena: Arena, *starts: Pose) -> PymunkWorld:
     """Several robots in one arena, without food."""
-    world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE)
+    world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE, timing=TIMING)
     world.reset(np.random.default_rng(0), Layout(starts, ()))
     return world
 

@@ -8,27 +8,44 @@ from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.task.behaviours import command
-from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 from tests.task.raw_data import OPEN_FLOOR, placed, raw_data
+from tests.version_0_1 import VALUES
 
 B = Behaviour
 
 
-def motors_for(behaviour: Behaviour, raw: RawData) -> Motors:
-    """What a behaviour commands under the default decisions."""
-    return command(behaviour, raw, DEFAULT_VALUES)
+def motors_for(behaviour: Behaviour, raw: RawData, decisions: DecisionValues = DEFAULT_VALUES) -> Motors:
+    """What a behaviour commands under the default decisions, or others."""
+    return command(behaviour, raw, decisions)
+
+
+def motors_in_0_1(behaviour: Behaviour, raw: RawData) -> Motors:
+    """What a behaviour commands under the decisions of version 0.1."""
+    return motors_for(behaviour, raw, VALUES)
+
+
+@pytest.mark.parametrize("decisions", [VALUES, DEFAULT_VALUES], ids=["v0.1", "default"])
+@given(raw=raw_data, behaviour=st.sampled_from(list(Behaviour)))
+def test_every_command_is_executable_and_repeatable(
+    decisions: DecisionValues, raw: RawData, behaviour: Behaviour
+) -> None:
+    motors = motors_for(behaviour, raw, decisions)
+    assert all(math.isfinite(value) for value in motors)
+    assert 215 <= motors.arm <= 255
+    assert motors.jaw in (0, 200)
+    assert motors_for(behaviour, raw, decisions) == motors
 
 
 @given(raw=raw_data, behaviour=st.sampled_from(list(Behaviour)))
-def test_every_command_is_within_a_robots_limits_and_repeatable(raw: RawData, behaviour: Behaviour) -> None:
-    motors = motors_for(behaviour, raw)
-    assert all(math.isfinite(value) for value in motors)
+def test_commands_of_version_0_1_are_within_the_limit_of_the_wheels(
+    raw: RawData, behaviour: Behaviour
+) -> None:
+    """Robots limit the speeds of other versions, whose curves may ask for more."""
+    motors = motors_in_0_1(behaviour, raw)
     assert max(abs(motors.left), abs(motors.right)) <= MAX_SPEED
-    assert 215 <= motors.arm <= 255
-    assert motors.jaw in (0, 200)
-    assert motors_for(behaviour, raw) == motors
 
 
 @given(raw_data)
@@ -68,8 +85,8 @@ def test_pick_up_without_an_object_creeps_ahead_with_an_open_jaw(raw: RawData) -
 
 
 def test_search_drives_straight_to_food_ahead_faster_than_move_slowly() -> None:
-    assert motors_for(B.SEARCH_FOR_FOOD, OPEN_FLOOR)[:2] == (12.0, 12.0)
-    assert motors_for(B.MOVE_SLOWLY, OPEN_FLOOR)[:2] == (8.0, 8.0)
+    assert motors_in_0_1(B.SEARCH_FOR_FOOD, OPEN_FLOOR)[:2] == (12.0, 12.0)
+    assert motors_in_0_1(B.MOVE_SLOWLY, OPEN_FLOOR)[:2] == (8.0, 8.0)
 
 
 @pytest.mark.parametrize(("orientation", "sign"), [(30, -1), (330, 1), (120, -1), (240, 1)])
@@ -107,22 +124,22 @@ def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
 
 def test_orient_lowers_the_arm_aims_and_creeps_until_the_barrier_is_interrupted() -> None:
     next_to = placed(OPEN_FLOOR, food_x=69.5)
-    lowering = motors_for(B.ORIENT_WITH_FOOD, next_to)
+    lowering = motors_in_0_1(B.ORIENT_WITH_FOOD, next_to)
     assert lowering == Motors(0.0, 0.0, 255, 200)
     down = placed(next_to, arm=255)
-    creeping = motors_for(B.ORIENT_WITH_FOOD, down)
+    creeping = motors_in_0_1(B.ORIENT_WITH_FOOD, down)
     assert creeping[:2] == (4.0, 4.0)
-    askew = motors_for(B.ORIENT_WITH_FOOD, placed(down, orientation=350))
+    askew = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, orientation=350))
     assert askew.left == -askew.right < 0, "the food is on the left"
-    assert motors_for(B.ORIENT_WITH_FOOD, placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
+    assert motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
 
 
 def test_orient_backs_off_after_a_missed_try() -> None:
     missed = placed(OPEN_FLOOR, food_x=59.0, arm=255)
-    backing = motors_for(B.ORIENT_WITH_FOOD, missed)
+    backing = motors_in_0_1(B.ORIENT_WITH_FOOD, missed)
     assert backing.left == backing.right < 0
     assert backing.jaw == 0
-    still = motors_for(B.ORIENT_WITH_FOOD, placed(missed, food_x=65.0, jaw=100))
+    still = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(missed, food_x=65.0, jaw=100))
     assert still.left < 0, "a closed jaw marks the missed try"
 
 

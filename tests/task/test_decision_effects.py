@@ -14,6 +14,7 @@ from khepera_forage.task.following import follow, recover, separated
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, State, StateVector, classify
 from tests.task.raw_data import OPEN_FLOOR, placed
+from tests.version_0_1 import V0_1
 
 B = Behaviour
 HOME_RADIUS = 20
@@ -21,7 +22,8 @@ ARM_DOWN_RAW = OPEN_FLOOR._replace(arm=255)
 
 
 def changed_to(**changes: Any) -> DecisionValues:
-    return Decisions.from_changes(changes).values()
+    """Version 0.1 with some changes: what the others decide matters, too."""
+    return Decisions.from_changes(changes, V0_1).values()
 
 
 def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:

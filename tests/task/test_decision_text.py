@@ -7,7 +7,12 @@ import pytest
 
 from khepera_forage.task import decision_text
 from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decision_text import decisions_from_text, decisions_text, differences
+from khepera_forage.task.decision_text import (
+    decisions_from_text,
+    decisions_from_words,
+    decisions_text,
+    differences,
+)
 from khepera_forage.task.decisions import Decisions
 
 FIELDS = [Field.of(field) for field in dataclasses.fields(Decisions)]
@@ -50,6 +55,24 @@ def test_text_names_version_and_changed_decisions_and_is_read_back(decisions: De
 def test_text_keeps_its_meaning_under_other_defaults(decisions: Decisions, text: str) -> None:
     assert decisions_text(decisions) == text
     assert decisions_from_text(text) == decisions
+
+
+@pytest.mark.usefixtures("other_defaults")
+@pytest.mark.parametrize(
+    ("words", "decisions"),
+    [
+        ([], OTHER_DEFAULTS),
+        (["v1"], OTHER_DEFAULTS),
+        (["next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
+        (["v1", "next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
+        (["v0.1"], V0_1),
+        (["v0.1", "patience=7", "next_to_food=22"], replace(V0_1, patience=7, next_to_food=22)),
+    ],
+)
+def test_first_word_may_name_the_version_that_the_others_change(
+    words: list[str], decisions: Decisions
+) -> None:
+    assert decisions_from_words(words) == decisions
 
 
 @pytest.mark.usefixtures("other_defaults")

@@ -107,11 +107,11 @@ def test_unknown_choice_is_refused(name: str) -> None:
             "decision close_to_food is 24.0; allowed: at least next_to_food, 25.0",
         ),
         (
-            {"home_radius": 101.0},
+            {"home_radius": 101.0, "home_to_wall": 100.0},
             "decision home_radius is 101.0; allowed: at most home_to_wall, 100.0",
         ),
         (
-            {"home_to_wall": 99.0},
+            {"home_radius": 100.0, "home_to_wall": 99.0},
             "decision home_radius is 100.0; allowed: at most home_to_wall, 99.0",
         ),
     ],
@@ -171,7 +171,7 @@ def test_values_are_numbers_in_the_order_of_the_fields() -> None:
 
 def test_changed_contains_only_what_differs_from_the_defaults() -> None:
     assert Decisions().changed() == {}
-    changes = {"next_to_food": 17.0, "equal_distance": "farther state", "patience": 7}
+    changes = {"next_to_food": 17.0, "no_food_distance": "last one known", "patience": 7}
     assert Decisions.from_changes(changes).changed() == changes
     assert Decisions(next_to_food=Decisions().next_to_food).changed() == {}
 
@@ -234,8 +234,8 @@ def test_differing_gives_both_values_of_each_field_that_differs() -> None:
 
 
 def test_parse_reads_assignments() -> None:
-    parsed = Decisions.parse(["next_to_food=17", "patience=7", "equal_distance=farther state"])
-    assert parsed.changed() == {"next_to_food": 17.0, "patience": 7, "equal_distance": "farther state"}
+    parsed = Decisions.parse(["next_to_food=17", "patience=7", "no_food_distance=last one known"])
+    assert parsed.changed() == {"next_to_food": 17.0, "patience": 7, "no_food_distance": "last one known"}
     assert type(parsed.next_to_food) is float
     assert type(parsed.patience) is int
     assert Decisions.parse([]) == Decisions()

@@ -20,6 +20,7 @@ from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 
 LIMIT = 50
 HOME_RADIUS = 20
+CLOSE_TO_FOOD = DEFAULT_VALUES.close_to_food
 OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
 
 
@@ -151,10 +152,10 @@ def test_count_decision_counts_steps_and_mistakes_by_state() -> None:
 @pytest.mark.parametrize(
     ("state", "behaviour", "distance", "expected"),
     [
-        (State.SEARCH, Behaviour.ORIENT_WITH_FOOD, 31, 1),
-        (State.CLOSE_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 30, 0),
-        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 31, 0),
-        (State.SEARCH, Behaviour.MOVE_SLOWLY, 31, 0),
+        (State.SEARCH, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD + 1, 1),
+        (State.CLOSE_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD, 0),
+        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD + 1, 0),
+        (State.SEARCH, Behaviour.MOVE_SLOWLY, CLOSE_TO_FOOD + 1, 0),
     ],
 )
 def test_orienting_without_food_is_a_mistake_beyond_the_close_threshold(

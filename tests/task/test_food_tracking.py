@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import is_collected, is_finished
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
+from tests.version_0_1 import CORRIDOR, RECTANGLE, V0_1
 
 ODDS = {
     FoodType.PICKABLE: (1.0, 0.0),
@@ -35,19 +37,23 @@ class Forage:
 
     def __init__(
         self,
-        arena: Arena,
+        arena: Arena | str,
         odds: tuple[float, float],
         noise: Noise | None = None,
         seed: int = 0,
         foods: tuple[Point, ...] = (),
+        decisions: Decisions = V0_1,
     ) -> None:
+        arena, marker = checked_arena(arena, decisions), decisions.recall_marker
         self.arena = arena
         foods = foods or arena.foods
-        self.world = PymunkWorld([arena], (2,), Noise.none() if noise is None else noise)
+        self.world = PymunkWorld([arena], (marker,), noise or Noise.none(), timing=timing_of(decisions))
         self.world.reset(np.random.default_rng(seed), Layout((arena.start,), foods))
         self.tracker = tracker_of(foods)
         draw_food_types(self.tracker.foods, key_of(seed), (*odds, 1 - sum(odds)))
-        self.robot = Forager(self.world.robots[0], arena_map_of(arena), 2, self.tracker, DEFAULT_VALUES)
+        self.robot = Forager(
+            self.world.robots[0], arena_map_of(arena), marker, self.tracker, decisions.values()
+        )
         self.robot.perceive(self.world.camera.look())
 
     def step(self, behaviour: int | None = None) -> None:
@@ -128,9 +134,10 @@ def test_type_is_known_from_exploring_until_delivery(kind: FoodType) -> None:
     assert (forage.tracker.delivered, forage.tracker.poison_home) == (1, 0)
 
 
+@pytest.mark.parametrize("decisions", [V0_1, Decisions()], ids=["v0.1", "default"])
 @pytest.mark.parametrize("seed", range(12))
-def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int) -> None:
-    forage = Forage(RECTANGLE, (0.4, 0.4), Noise.laboratory(), seed)
+def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int, decisions: Decisions) -> None:
+    forage = Forage("rectangle", (0.4, 0.4), Noise.laboratory(), seed, decisions=decisions)
 
     def check(forage: Forage) -> None:
         links_are_right(forage)

@@ -8,7 +8,7 @@ import pytest
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.sim.arena import RECTANGLE, Point
+from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
@@ -21,6 +21,7 @@ from khepera_forage.task.identification import explored
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
+from tests.version_0_1 import RECTANGLE, V0_1
 
 ARENA = arena_map_of(RECTANGLE)
 FIRST, SECOND = (74.0, 40.0), (74.0, 80.0)
@@ -39,7 +40,7 @@ class Story:
     """Rounds as camera and robot would report them; the robot looks along the x axis."""
 
     def __init__(self, food_type: FoodType = FoodType.PICKABLE, **decisions: Any) -> None:
-        self.decisions = Decisions(**decisions).values()
+        self.decisions = Decisions.from_changes(decisions, V0_1).values()
         self.tracker = tracker_of([Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)])
         for food in self.tracker.foods:
             food.type = food_type

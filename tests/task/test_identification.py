@@ -4,9 +4,9 @@ import pytest
 
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.task.identification import at_home, drawn_type, explored
 from khepera_forage.task.states import FoodType
+from tests.version_0_1 import CORRIDOR
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.following import follow, recover
 from khepera_forage.task.pairing import (
@@ -19,6 +19,7 @@ from khepera_forage.task.pairing import (
     update_pairing,
 )
 from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import CORRIDOR
 
 TEACHER_ARENA, ARENA = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
 OFFSET = ARENA.home_y - TEACHER_ARENA.home_y

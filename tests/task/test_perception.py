@@ -8,12 +8,13 @@ from hypothesis import strategies as st
 
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Senses
-from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import Region, Scene
+from tests.version_0_1 import CORRIDOR
 
 ARENA, NEXT_ARENA = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
 OFFSET = NEXT_ARENA.home_y - ARENA.home_y

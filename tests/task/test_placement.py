@@ -12,7 +12,7 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.forager import floor_of
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.layout_checks import check_layout, check_robot
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
@@ -29,6 +29,7 @@ from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.geometry.shapes import star
 from tests.sim.worlds import ELL, FIELD
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD, RECTANGLE.shifted(700.0, 400.0)]

@@ -11,11 +11,12 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.forager import floor_of
 from khepera_forage.envs.layouts import no_room_on_marks, training_layout
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import CORRIDOR, RECTANGLE, Arena, Point, Pose, copies
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.placement import Place, Start, layout_is_free, place_by_hand
 from tests.sim.worlds import ELL, FIELD
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]

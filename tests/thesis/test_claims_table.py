@@ -1,5 +1,6 @@
 """Claims under many laboratories: the table on disk, the shares of verdicts, and the table of a page."""
 
+import json
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -158,12 +159,30 @@ def test_another_laboratory_of_the_same_number_is_an_error(tmp_path: Path, simul
         list(measure(tmp_path, {1: laboratories(9)[9]}, CONTENTS))
 
 
+def test_laboratory_of_a_file_may_leave_out_what_is_as_in_version_0_1(
+    tmp_path: Path, simulation: Simulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def short(laboratory: Laboratory) -> str:
+        changed = laboratory.decisions.differing(Decisions.v0_1())
+        parts = json.loads(laboratory_text(laboratory))
+        return json.dumps({**parts, "decisions": {name: own for name, (own, _) in changed.items()}})
+
+    with monkeypatch.context() as patch:
+        patch.setattr(claims_table, "laboratory_text", short)
+        measured(tmp_path, 0, 1)
+    (known,) = measure(tmp_path, laboratories(0, 1), CONTENTS)
+    assert known.numbers.tolist() == [0, 1]
+    with pytest.raises(ValueError, match="laboratory 1 is another one"):
+        list(measure(tmp_path, {1: laboratories(9)[9]}, CONTENTS))
+
+
 def test_damaged_or_foreign_file_is_an_error_that_names_it(tmp_path: Path, simulation: Simulation) -> None:
     measured(tmp_path, 0)
     path = tmp_path / "claims_000000.npz"
     whole = path.read_bytes()
     flipped = bytearray(whole)
-    flipped[len(whole) // 3] ^= 0xFF
+    for place in range(len(whole) // 3, len(whole) // 3 + 100):
+        flipped[place] ^= 0xFF
     np.savez_compressed(tmp_path / "other.npz", contents=np.array("{}"), numbers=np.arange(2))
     np.save(tmp_path / "array.npy", np.arange(3))
     foreign = [(tmp_path / name).read_bytes() for name in ("other.npz", "array.npy")]

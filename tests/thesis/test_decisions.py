@@ -13,7 +13,7 @@ from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task import decision_text
 from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.design import Cell, Subset, training_distance
@@ -31,7 +31,7 @@ SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
 
 
 def test_training_distance_follows_the_decisions() -> None:
-    assert training_distance(DEFAULT_DECISIONS) == 36
+    assert training_distance(V0_1) == 36
     assert training_distance(OTHER) == 40
 
 

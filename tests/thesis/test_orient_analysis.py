@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from khepera_forage.policies import NearestNeighbourImitator
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import Behaviour, State, StateVector, classify
 from khepera_forage.thesis.orient_analysis import (
     PIXELS_BEYOND,
     arrival_vectors,
@@ -13,6 +13,7 @@ from khepera_forage.thesis.orient_analysis import (
     orient_rows,
     orient_table,
 )
+from tests.version_0_1 import V0_1
 
 TRAINING = [((0, 36 + food, 0, 215, food), Behaviour.SEARCH_FOR_FOOD) for food in range(56, 30, -1)]
 TRAINING += [((0, 36 + food, 0, 215, food), Behaviour.MOVE_SLOWLY) for food in range(30, 20, -1)]
@@ -23,11 +24,13 @@ TRAINING += [((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD)]
 @pytest.fixture(scope="module")
 def imitator() -> NearestNeighbourImitator:
     vectors, behaviours = zip(*TRAINING, strict=True)
-    return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array(behaviours))
+    return NearestNeighbourImitator(diagonal=138, arithmetic="exact").fit(
+        np.array(vectors), np.array(behaviours)
+    )
 
 
 def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImitator) -> None:
-    vectors = arrival_vectors(DEFAULT_DECISIONS)
+    vectors = arrival_vectors(V0_1)
     levels = imitator_levels(imitator, vectors)
     assert levels.shape == (*vectors.shape[:-1], 10)
     for place in np.ndindex(vectors.shape[:-1]):
@@ -37,9 +40,23 @@ def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImi
         )
 
 
+@pytest.mark.parametrize("equal_distance", ["nearer state", "farther state"])
+@pytest.mark.parametrize("next_to_food", [Decisions().next_to_food, 12.5, 13.5, 17.0])
+def test_robot_arrives_at_the_largest_distances_next_to_food(
+    next_to_food: float, equal_distance: str
+) -> None:
+    decisions = Decisions(next_to_food=next_to_food, equal_distance=equal_distance)
+    arrival = arrival_vectors(decisions)[-1].tolist()
+    last = arrival[-1][-1]
+    farther = [*arrival[-1][:-1], last + 1]
+    states = [classify(StateVector(*vector), 20, decisions.values()) for vector in (*arrival, farther)]
+    assert states == [*[State.NEXT_TO_FOOD] * 3, State.CLOSE_TO_FOOD]
+    assert [vector[-1] for vector in arrival] == [last - 2, last - 1, last]
+
+
 def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestNeighbourImitator) -> None:
-    levels = imitator_levels(imitator, arrival_vectors(DEFAULT_DECISIONS))
-    rows = {row.beyond: row for row in orient_rows(levels, 0, 1, "g1", DEFAULT_DECISIONS)}
+    levels = imitator_levels(imitator, arrival_vectors(V0_1))
+    rows = {row.beyond: row for row in orient_rows(levels, 0, 1, "g1", V0_1)}
     assert set(rows) == set(PIXELS_BEYOND)
     assert rows[-10].orient == rows[0].orient == 1.0
     for beyond in (10, 20, 40, 60):
@@ -53,10 +70,8 @@ def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestN
 def test_orient_table_has_a_line_per_place_and_a_column_per_amount_of_training(
     imitator: NearestNeighbourImitator,
 ) -> None:
-    levels = imitator_levels(imitator, arrival_vectors(DEFAULT_DECISIONS))
-    rows = [
-        row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1", DEFAULT_DECISIONS)
-    ]
+    levels = imitator_levels(imitator, arrival_vectors(V0_1))
+    rows = [row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1", V0_1)]
     table = orient_table(rows, np.random.default_rng(0))
     assert len(table.rows) == len(PIXELS_BEYOND)
     assert [column.name for column in table.columns] == ["pixels beyond", "1 episodes", "3 episodes"]

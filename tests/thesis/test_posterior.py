@@ -1,12 +1,13 @@
 """Posteriors by forests and their calibration, on simulators whose true posterior is known."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from khepera_forage import Decisions, Noise
+from khepera_forage import Noise
 from khepera_forage.thesis.inference.calibration import Determined, calibrate
 from khepera_forage.thesis.inference.forest import SetForest
 from khepera_forage.thesis.inference.parameters import Parameter, parameters_of
@@ -14,6 +15,7 @@ from khepera_forage.thesis.inference.posterior import fitted_columns, infer
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 from khepera_forage.thesis.inference.weighted import effective_number, quantiles, rank, sample
+from tests.version_0_1 import V0_1
 
 pytest.importorskip("numba")
 SETS, EXPERIMENTS, SPREAD = 3000, 4, 0.5
@@ -119,8 +121,8 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
         {"placement_error": Range(0, 5, "-")},
     )
     laboratories = [
-        Laboratory(Decisions(next_to_food=17), Noise.none()),
-        Laboratory(Decisions(orienting="lowered over food"), Noise(placement_error=3.0)),
+        Laboratory(replace(V0_1, next_to_food=17), Noise.none()),
+        Laboratory(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
     ]
     found = parameters_of(prior, laboratories)
     assert [(p.name, p.readings, p.values.tolist()) for p in found] == [

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims.evidence import gather
 from khepera_forage.thesis.design import training_distance
@@ -32,7 +32,7 @@ def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     near, far = success_by_distance(food_places(rows + ignored))
     assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 0.5)
     assert (far[1], far[2].value) == (1, 0.0)
-    assert BIN * 4 <= training_distance(DEFAULT_DECISIONS) < BIN * 5
+    assert BIN * 4 <= training_distance(Decisions.v0_1()) < BIN * 5
 
 
 def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from khepera_forage.cli.arguments import require_at_least_one
 from khepera_forage.cli.camera.source import VIRTUAL, add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
-from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -130,8 +130,8 @@ def _save(preview: _Preview, out: Path, simulated: bool) -> None:
         if out.suffix.lower() == ".png":
             pictures.clear()
         pictures.append(picture)
-    # A virtual camera without a window is not paced; its film shows one frame for each round of 0.1 s.
-    fps = 1 / CONTROL_PERIOD if simulated else min(50.0, max(1.0, preview.rate))
+    # A virtual camera without a window is not paced; its film shows one frame for each round.
+    fps = 1 / DEFAULT_DECISIONS.round_duration if simulated else min(50.0, max(1.0, preview.rate))
     save_pictures(pictures, out, fps)
     print(f"{out}: {len(pictures)} {'picture' if len(pictures) == 1 else 'pictures'}")
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from khepera_forage.cli.arguments import add_seed_argument
+from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
@@ -18,6 +19,7 @@ from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,8 +64,12 @@ def run(arguments: argparse.Namespace) -> int:
         **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
     )
     world_rng, fault_rng = np.random.default_rng(arguments.seed).spawn(2)
-    world = PymunkWorld([CORRIDOR])
-    world.reset(world_rng, Layout((CORRIDOR.start,), CORRIDOR.foods))
+    decisions = DEFAULT_DECISIONS
+    arena = checked_arena(CORRIDOR, decisions)
+    # A robot has no rounds: its firmware has a control period.
+    timing = timing_of(decisions)._replace(round_duration=CONTROL_PERIOD)
+    world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing)
+    world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
     firmware = Firmware(world.robots[0], lock)
     with (

@@ -82,9 +82,10 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.arena, self.decisions, bodies, task = recall_parameters(
             arena, foods, limit, noise, food_types, decisions
         )
+        self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.foods, self.limit = foods, limit
         self.render_mode = render_mode
-        self._screen = Screen(render_mode)
+        self._screen = Screen(render_mode, self.decisions.round_duration)
         like = self._like(arena=self.arena, foods=foods, limit=limit, decisions=self.decisions)
         self.diagonal, self.home_radius = like.diagonal, like.home_radius
         self.action_space, self.observation_space = like.action_space, like.observation_space

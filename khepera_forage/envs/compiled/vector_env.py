@@ -118,7 +118,7 @@ class RecallVectorEnv(VectorEnv):
     def step(
         self, actions: ArrayLike
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]:
-        """One round of 0.1 s in every world.
+        """One round in every world.
 
         Raises:
             ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.

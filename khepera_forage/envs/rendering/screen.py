@@ -15,15 +15,17 @@ class Screen:
 
     Args:
         mode: One of `RENDER_MODES`, or None for an environment without pictures.
+        round_duration: Seconds from one picture to the next in a window.
 
     Raises:
         ValueError: Another mode.
     """
 
-    def __init__(self, mode: str | None) -> None:
+    def __init__(self, mode: str | None, round_duration: float) -> None:
         if mode is not None and mode not in RENDER_MODES:
             raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(map(repr, RENDER_MODES))}")
         self._mode = mode
+        self._fps = 1 / round_duration
         self._renderer: Renderer | None = None
 
     def show(self, view: Callable[[], View]) -> NDArray[np.uint8] | None:
@@ -38,7 +40,7 @@ class Screen:
             )
             return None
         if self._renderer is None:
-            self._renderer = Renderer(self._mode)
+            self._renderer = Renderer(self._mode, self._fps)
         return self._renderer.draw(view())
 
     def close(self) -> None:

@@ -23,7 +23,7 @@ class Fleet:
     """Robots on one port each, served in parallel.
 
     When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
-    a robot needs one round more than the transmission time (it is lost, or its line is disturbed and requests are
+    a robot needs 0.1 s more than the transmission time (it is lost, or its line is disturbed and requests are
     repeated), the others are held: their wheels are stopped until the next `transmit`.
 
     Args:
@@ -38,7 +38,7 @@ class Fleet:
         if not ports or len(set(ports)) < len(ports):
             raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
         self.robots = tuple(robots)
-        # One round, plus the transmission time on the slowest line.
+        # One control period, plus the transmission time on the slowest line.
         self._hold_after = CONTROL_PERIOD + max(
             seconds_on_wire(_MAX_ROUND_BYTES, robot.baud) for robot in robots
         )

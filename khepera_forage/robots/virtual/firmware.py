@@ -8,7 +8,16 @@ import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
-from khepera_forage.robots.khepera import JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN, PULSES_PER_UNIT, Motors, Robot
+from khepera_forage.robots.khepera import (
+    CONTROL_PERIOD,
+    JAW_CLOSED,
+    JAW_ON_FOOD,
+    JAW_OPEN,
+    PULSE,
+    SPEED_UNIT,
+    Motors,
+    Robot,
+)
 from khepera_forage.robots.serial.command_table import PWM, RESTART, SPEED, wrap_counter
 from khepera_forage.robots.serial.protocol import (
     BANNER,
@@ -53,14 +62,21 @@ class Firmware:
         robot: The robot to drive and sense.
         lock: Held by others while they advance the robot's world; reentrant (`threading.RLock`) if `tick` is called
             with the lock held. A new one by default.
+        period: Seconds of a control period, from one `tick` to the next.
 
     Attributes:
         registers: Settings that have no effect here: the simulated motors need no gains.
     """
 
-    def __init__(self, robot: Robot, lock: AbstractContextManager[object] | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        lock: AbstractContextManager[object] | None = None,
+        period: float = CONTROL_PERIOD,
+    ) -> None:
         self._robot = robot
         self._lock = threading.RLock() if lock is None else lock
+        self._pulses_per_unit = SPEED_UNIT / PULSE * period
         self._last_pulses = 0, 0
         with self._lock:
             senses = robot.sense()
@@ -99,7 +115,7 @@ class Firmware:
             senses = self._robot.sense()
             pulses = senses.left_pulses, senses.right_pulses
             left, right = self._last_pulses
-            self._measured_speeds = _speed(pulses[0] - left), _speed(pulses[1] - right)
+            self._measured_speeds = self._speed(pulses[0] - left), self._speed(pulses[1] - right)
             self._last_pulses = pulses
             if self._position_control:
                 left_count, right_count = self._counters()
@@ -135,7 +151,10 @@ class Firmware:
         """Set the state at power-on."""
         self._command = self._command._replace(left=0, right=0)
         self._position_control = False
-        self._wheels = WheelPositionController(), WheelPositionController()
+        self._wheels = (
+            WheelPositionController(self._pulses_per_unit),
+            WheelPositionController(self._pulses_per_unit),
+        )
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
@@ -224,7 +243,6 @@ class Firmware:
             for value in (int(wheel.reached(count)), _POSITION_MODE, wrap_counter(wheel.target - count))
         )
 
-
-def _speed(pulses: int) -> int:
-    """The speed, in speed units, of a wheel that turned by `pulses` in one control period."""
-    return max(SPEED.low, min(SPEED.high, round(pulses / PULSES_PER_UNIT)))
+    def _speed(self, pulses: int) -> int:
+        """The speed, in speed units, of a wheel that turned by `pulses` in one control period."""
+        return max(SPEED.low, min(SPEED.high, round(pulses / self._pulses_per_unit)))

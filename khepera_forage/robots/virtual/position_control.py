@@ -10,19 +10,23 @@ from khepera_forage.robots.khepera import PULSES_PER_UNIT
 DEFAULT_SPEED = 20
 DEFAULT_ACCELERATION = 64
 """1/256 speed unit in 10 ms; both defaults are KNET's and KH2PY's, 160 mm/s and 200 mm/s2."""
-TOLERANCE = PULSES_PER_UNIT // 2
-"""Pulses, 0.4 mm: the accuracy of wheels that take whole speed units for whole control periods."""
+TOLERANCE = 0.5
+"""In pulses of one control period at one speed unit: the accuracy of wheels that take whole speed units."""
 
 
 class WheelPositionController:
     """Drives one wheel to a target count.
+
+    Args:
+        pulses_per_unit: Pulses of a wheel in one control period at one speed unit.
 
     Attributes:
         max_speed: Limit of the speed, in speed units.
         target: The count to reach.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, pulses_per_unit: float = PULSES_PER_UNIT) -> None:
+        self._pulses_per_unit = pulses_per_unit
         self.max_speed = DEFAULT_SPEED
         self.target = 0
         self._acceleration = 0.0
@@ -37,7 +41,7 @@ class WheelPositionController:
             acceleration: In 1/256 speed unit in 10 ms.
         """
         self.max_speed = max_speed
-        self._acceleration = acceleration / 256 * PULSES_PER_UNIT
+        self._acceleration = acceleration / 256 * self._pulses_per_unit
 
     def set_target(self, target: int, count: int, speed: float) -> None:
         """Start moving to a target.
@@ -56,12 +60,12 @@ class WheelPositionController:
 
     def reached(self, count: int) -> bool:
         """Whether a wheel at this count has reached the target."""
-        return abs(self.target - count) <= TOLERANCE
+        return abs(self.target - count) <= TOLERANCE * self._pulses_per_unit
 
     def speed(self, count: int) -> int:
         """The speed for the next control period, in whole units, of a wheel at this count."""
         remaining = self.target - self._planned
-        distance = abs(remaining) / PULSES_PER_UNIT
+        distance = abs(remaining) / self._pulses_per_unit
         # From `braking_speed` the wheel stops within the distance at the given deceleration; the last step, shorter
         # than one period, may be slower still.
         half = self._acceleration / 2
@@ -70,5 +74,5 @@ class WheelPositionController:
         if distance > self._acceleration or abs(self._speed) > 2 * self._acceleration:
             wanted = max(self._speed - self._acceleration, min(self._speed + self._acceleration, wanted))
         self._speed = wanted
-        self._planned += wanted * PULSES_PER_UNIT
-        return math.floor((self._planned - count) / PULSES_PER_UNIT + 0.5)
+        self._planned += wanted * self._pulses_per_unit
+        return math.floor((self._planned - count) / self._pulses_per_unit + 0.5)

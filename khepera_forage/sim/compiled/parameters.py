@@ -33,9 +33,10 @@ def parameters_of(
     arena: Arena,
     foods: int,
     noise: Noise | None = None,
-    holes: int = 2,
+    *,
+    holes: int,
+    timing: Timing,
     wheel_speed: float = 1.0,
-    timing: Timing | None = None,
     anchor: tuple[float, float] | None = None,
 ) -> Parameters:
     """The parameters of worlds in one arena.
@@ -45,15 +46,15 @@ def parameters_of(
         foods: Number of food objects in a world.
         noise: By default `Noise.laboratory()`.
         holes: Holes of the robots' marker, 1 or 2.
-        wheel_speed: Share of the commanded speed that wheels reach.
         timing: Duration of a round, and speeds of arm and jaw.
+        wheel_speed: Share of the commanded speed that wheels reach.
         anchor: Where the cable hangs from, mm; by default above the middle of the arena.
     """
     constants = np.zeros(1, constants_dtype)
     _write_noise(constants, Noise.laboratory() if noise is None else noise, holes)
     constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
     constants["wheel_speed"] = wheel_speed
-    for name, value in (Timing() if timing is None else timing)._asdict().items():
+    for name, value in timing._asdict().items():
         constants[name] = value
     return Parameters(foods, _walls_of(arena), _corners_of(arena), constants)
 

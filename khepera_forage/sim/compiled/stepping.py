@@ -10,7 +10,7 @@ from khepera_forage.compilation.decorators import entrance
 from khepera_forage.compilation.separate import address_of, compile_for, is_on_disk, meanwhile
 from khepera_forage.compilation.threads import share_out
 from khepera_forage.compilation.work_queue import take
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
 from khepera_forage.sim.compiled.broad_phase import find_food_contacts, find_near, find_wall_contacts
 from khepera_forage.sim.compiled.camera import expose
@@ -19,6 +19,7 @@ from khepera_forage.sim.compiled.drive import begin_round, move_freely, predict
 from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.compiled.sensing import cast, end_round, measure
 from khepera_forage.sim.compiled.tracking import track
+from khepera_forage.sim.world import Timing
 
 _ONE = np.uint64(1)
 
@@ -105,9 +106,11 @@ def compile_advance(lanes: int) -> None:
 
 
 def _example(lanes: int) -> tuple[Bodies, Parameters]:
-    """The records of one block, and parameters."""
+    """The records of one block, and parameters; only their types matter."""
+    walls = Point(0, 0), Point(300, 0), Point(300, 300), Point(0, 300)
+    arena = Arena("example", walls, Point(200, 200), 50.0, Pose(50, 50, 0.0), (Point(50, 200),))
     bodies = empty_bodies(1, 1, lanes)
     block = Bodies(
         bodies.robots[0], bodies.foods[0], bodies.tracks[0], bodies.scratch[0], bodies.detections[0]
     )
-    return block, parameters_of(CORRIDOR, 1)
+    return block, parameters_of(arena, 1, holes=1, timing=Timing(1.0, 1.0, 1.0))

@@ -138,16 +138,14 @@ class CompiledWorld:
         ValueError: Another number of holes, or an arena that the camera does not see.
     """
 
-    def __init__(
-        self, arena: Arena, noise: Noise | None = None, holes: int = 2, timing: Timing | None = None
-    ) -> None:
+    def __init__(self, arena: Arena, noise: Noise | None = None, *, holes: int, timing: Timing) -> None:
         if holes not in (1, 2):
             raise ValueError(f"holes is {holes!r}; allowed: 1 or 2")
         check_seen([arena])
         self.arenas = (arena,)
         self.markers = (holes,)
         self.noise = Noise.laboratory() if noise is None else noise
-        self._timing = Timing() if timing is None else timing
+        self._timing = timing
         self.round_duration = self._timing.round_duration
         self.robots: tuple[CompiledKhepera, ...] = ()
         self.camera = CompiledCamera(holes)
@@ -172,7 +170,7 @@ class CompiledWorld:
             arena_of(self.arenas, "food", food, FOOD_RADIUS)
         check_apart(layout)
         self._bodies = bodies = empty_bodies(1, foods, lanes=1)
-        self._parameters = parameters_of(arena, foods, self.noise, self.markers[0], timing=self._timing)
+        self._parameters = parameters_of(arena, foods, self.noise, holes=self.markers[0], timing=self._timing)
         self.robots = (CompiledKhepera(bodies.robots[0]),)
         self.camera.reset(bodies.robots[0], bodies.tracks[0, 0])
         bodies.robots["key"] = rng.spawn(1)[0].integers(2**64, dtype=np.uint64)

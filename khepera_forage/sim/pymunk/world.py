@@ -43,10 +43,11 @@ class PymunkWorld:
     def __init__(
         self,
         arenas: Sequence[Arena],
-        markers: Sequence[int] = (2,),
+        markers: Sequence[int],
         noise: Noise | None = None,
         robot_parameters: Sequence[RobotParameters] | None = None,
-        timing: Timing | None = None,
+        *,
+        timing: Timing,
     ) -> None:
         if not arenas:
             raise ValueError("a world with no arena; allowed: at least 1")
@@ -61,7 +62,7 @@ class PymunkWorld:
             (RobotParameters(),) * len(markers) if robot_parameters is None else tuple(robot_parameters)
         )
         self.arenas = tuple(arenas)
-        self._timing = Timing() if timing is None else timing
+        self._timing = timing
         self.round_duration = self._timing.round_duration
         self.noise = Noise.laboratory() if noise is None else noise
         self.foods: tuple[PymunkFood, ...] = ()
@@ -126,7 +127,7 @@ class PymunkWorld:
         self.camera.reset(rng)
 
     def advance(self) -> None:
-        """One round of 0.1 s."""
+        """One round."""
         if not self.robots:
             raise RuntimeError("advance() before reset()")
         robots = self.robots

@@ -13,7 +13,7 @@ from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.inference.chunks import SUFFIX, read_arrays, write_arrays
 from khepera_forage.thesis.inference.laboratory_claims import RESAMPLES, claims_of
-from khepera_forage.thesis.inference.laboratory_text import laboratory_text
+from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text, laboratory_text
 from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.statistics import Estimate, wilson
 from khepera_forage.thesis.tables import Column, Table, Value
@@ -226,7 +226,7 @@ def _known(path: Path, laboratories: Mapping[int, Laboratory], contents: ClaimsC
     measured = MeasuredClaims(*arrays)
     numbers = measured.numbers.tolist()
     for number, text in zip(numbers, measured.laboratories.tolist(), strict=True):
-        if number in laboratories and text != laboratory_text(laboratories[number]):
+        if number in laboratories and laboratory_from_text(text) != laboratories[number]:
             raise ValueError(
                 f"{path}: laboratory {number} is another one; allowed: the same laboratories as in this run, another "
                 "folder (--out), or --fresh, which deletes the file"

@@ -44,8 +44,9 @@ def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Clai
     try:
         outcomes = [job.run() for job in compiled_jobs(seed, counts, decisions, noise)]
     except IncompleteTrainingError as error:
-        text = decisions_text(decisions) or "the defaults"
-        raise IncompleteTrainingError(f"{error}; seed {seed}, decisions: {text}") from error
+        raise IncompleteTrainingError(
+            f"{error}; seed {seed}, decisions: {decisions_text(decisions)}"
+        ) from error
     recalls = [row for outcome in outcomes for row in outcome.recalls]
     return claims(
         recalls=[row for row in recalls if row.learner != TEACHER],

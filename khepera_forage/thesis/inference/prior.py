@@ -1,7 +1,7 @@
 """The prior: which laboratories a builder in 2001 could have had, before the thesis's results are looked at.
 
-Every range and every share has a source. Values that are not here keep the default of `Decisions`, or the laboratory's
-of `Noise`.
+Every range and every share has a source. Values that are not here are those of version 0.1, under which the
+prior was written, or the laboratory's of `Noise`.
 """
 
 import math
@@ -118,13 +118,13 @@ def possible_decisions(values: Mapping[str, Any]) -> Decisions:
     """Decisions with these values, rounded if they are counts.
 
     Args:
-        values: By the name of the field; other fields have their defaults.
+        values: By the name of the field; other fields are as in version 0.1.
 
     Raises:
         ValueError: A rule between decisions is broken: start, food and home do not fit the arenas, or the robot would
             move slowly faster than it searches.
     """
-    decisions = Decisions.from_changes(_whole_counts(values))
+    decisions = Decisions.from_changes(_whole_counts(values), Decisions.v0_1())
     for name in ARENAS:
         checked_arena(name, decisions)
     if decisions.slow_speed > decisions.search_speed:
