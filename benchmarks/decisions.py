@@ -41,7 +41,7 @@ from khepera_forage.thesis.inference.weighted import sample
 
 ARENAS = ("corridor", "rectangle")
 EXPERIMENTS, QUICK_EXPERIMENTS = 500, 4
-"""Replications under the decisions of version 0.1, and under the defaults."""
+"""Replications under the decisions of version 0.1, and under the defaults if they are others."""
 SAMPLED, QUICK_SAMPLED = 200, 3
 """Sets drawn from the posterior, of which an experiment's individual recalls are shown."""
 
@@ -78,14 +78,16 @@ def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
     """All pages, by the name of their files."""
     posterior = infer(drawn.parameters, drawn.statistics, given.seed)
     old = predictions_under("version 0.1", GREY, Decisions.v0_1(), given)
-    default = predictions_under("default", COLOURS[2], Decisions(), given)
+    known = [old]
+    if Decisions() != Decisions.v0_1():
+        known.append(predictions_under("default", COLOURS[2], Decisions(), given))
     inferred = predictions_of_posterior(given, drawn, posterior)
     thesis = {arena: individual_recalls.of_thesis(arena) for arena in ARENAS}
     return {
         "prior": prior_page.page(drawn),
         "validation": validation_page.page(posterior),
         "posterior": posterior_page.page(drawn, posterior, given.seed),
-        "cells": cells_page.page([old, inferred, default], thesis),
+        "cells": cells_page.page([*known, inferred], thesis),
         "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, old.experiments),
         "claims": claims_page.page(given, drawn, posterior),
         "questions": questions_page.page(posterior, drawn.statistics, given.seed),

@@ -65,7 +65,7 @@ def test_cells_stand_beside_the_thesis(out: Path) -> None:
     assert rows["corridor 1 food"]["use"] == "fitted"
     assert rows["rectangle 10 score"]["use"] == "test"
     for row in rows.values():
-        for name in ("version 0.1", "posterior", "default"):
+        for name in ("version 0.1", "posterior"):
             rank = row[f"percentile ({name})"]
             assert rank == "" or 0 <= float(rank) <= 100
     fit = {row["measure"]: row for row in read(out / "table_fit.csv")}
