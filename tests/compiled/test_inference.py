@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage import Noise
+from khepera_forage import Decisions, Noise
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
 from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
@@ -28,6 +28,10 @@ def test_teacher_without_orienting_searches_beside_food() -> None:
     wrong = played.wrong_by_state[20:].sum(axis=0)
     assert wrong[2] == played.rounds_by_state[20:, 2].sum() > 0
     assert wrong.sum() == wrong[2], "only ORIENT is replaced"
+
+
+def test_laboratory_of_the_defaults_is_admissible() -> None:
+    assert check(Laboratory(Decisions(), Noise.laboratory()), 1).reason == ""
 
 
 def test_laboratory_of_version_0_1_is_admissible() -> None:

@@ -98,9 +98,10 @@ def test_wrong_prior_is_an_error(
     assert message in str(error.value)
 
 
-def test_prior_that_no_set_satisfies_is_an_error() -> None:
+def test_prior_that_no_set_satisfies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("khepera_forage.thesis.inference.prior._TRIES", 50)
     prior = Prior({"home_radius": Range(110, 110, ""), "home_to_wall": Range(60, 70, "")}, {})
     with pytest.raises(
-        ValueError, match=r"none of 10000 draws of this prior is possible; the last one: decision home"
+        ValueError, match=r"none of 50 draws of this prior is possible; the last one: decision home"
     ):
         prior.draw(np.random.default_rng(0))
