@@ -203,7 +203,11 @@ def main() -> int:
         alive, generations = evolve(given, first, moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
-    return finish(given, page(finals(given, alive, moments), generations), f"--start {given.start}")
+    return finish(
+        given,
+        page(finals(given, alive, moments), generations, len(drawn.admissible)),
+        f"--start {given.start}",
+    )
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ from harness.figures import COLOURS, GREY, OURS
 from harness.page import Page, write
 
 from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import THESIS
 from khepera_forage.thesis.inference import individual_recalls
@@ -39,7 +40,6 @@ from khepera_forage.thesis.inference.simulate import recalls_under
 from khepera_forage.thesis.inference.summary import of_recalls, with_slopes
 from khepera_forage.thesis.inference.weighted import sample
 
-ARENAS = ("corridor", "rectangle")
 EXPERIMENTS, QUICK_EXPERIMENTS = 500, 4
 """Replications under the decisions of version 0.1, and under the defaults if they are others."""
 SAMPLED, QUICK_SAMPLED = 200, 3

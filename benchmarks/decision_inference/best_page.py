@@ -31,13 +31,14 @@ class Final(NamedTuple):
     means: Floats
 
 
-def page(found: Sequence[Final], generations: Table) -> Page:
-    """The best set, the others, and how they were found."""
+def page(found: Sequence[Final], generations: Table, started_from: int) -> Page:
+    """The best set, the others, and how they were found from a number of admissible sets."""
     chosen = found[0].decisions
     return Page(
         "The best single set of decisions",
         [
-            "Every value lies in the prior's range and is rounded. Only tables A.1 to A.4 were looked at.",
+            f"Every value lies in the prior's range and is rounded. The search began with {started_from} "
+            "admissible sets of `benchmarks/decisions.py`. Only tables A.1 to A.4 were looked at.",
             "```python\n" + _as_code(chosen) + "\n```",
             _fields(chosen),
             _means(found[0]),

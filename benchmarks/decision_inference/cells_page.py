@@ -51,7 +51,7 @@ class Predictions(NamedTuple):
         known = np.isfinite(values)
         if not self.weights[known].sum() > 0:
             return Estimate(np.nan, np.nan, np.nan)
-        return Estimate(*quantiles(values[known], self.weights[known], CENTRAL).tolist())
+        return Estimate(*quantiles(values[known], self.weights[known], CENTRAL))
 
     def means(self, columns: list[int]) -> Floats:
         """Means of some statistics over the experiments that have them."""

@@ -48,7 +48,7 @@ def _numbers(posterior: Posterior) -> Table:
     for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True):
         if not parameter.readings:
             before, after = (
-                Estimate(*quantiles(parameter.values, weights, INTERVAL).tolist())
+                Estimate(*quantiles(parameter.values, weights, INTERVAL))
                 for weights in (even, posterior.weights)
             )
             rows.append((parameter.name, before, after, str(calibration.determined)))

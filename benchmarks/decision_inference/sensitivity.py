@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.inference.parameters import Parameter
 from khepera_forage.thesis.inference.summary import NAMES
 from khepera_forage.thesis.statistics import Estimate
 
 Floats = NDArray[np.float64]
-OUTCOMES = tuple((arena, measure) for arena in ("corridor", "rectangle") for measure in ("score", "food"))
+OUTCOMES = tuple((arena, measure) for arena in ARENAS for measure in ("score", "food"))
 RESAMPLES = 100
 
 

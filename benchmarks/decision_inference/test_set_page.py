@@ -114,7 +114,7 @@ def _counts(counts: Floats, weights: Floats, before: int, number: int) -> Table:
     even = np.full(len(counts), 1 / len(counts))
     rows: list[tuple[Value, ...]] = []
     for name, own in (("posterior", weights), ("admissible, at random", even)):
-        middle = Estimate(*quantiles(counts, own, (0.5, 0.025, 0.975)).tolist())
+        middle = Estimate(*quantiles(counts, own, (0.5, 0.025, 0.975)))
         rows.append((name, middle, *(100 * float(own @ (counts >= least)) for least in (before, number - 1))))
     rows.append(("version 0.1", Estimate(before, np.nan, np.nan), np.nan, np.nan))
     return Table(

@@ -8,7 +8,7 @@ import pytest
 from khepera_forage import Decisions
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.inference.evolution import child, natural_step, rounded
-from khepera_forage.thesis.inference.individual_recalls import distance, of_thesis, p_value
+from khepera_forage.thesis.inference.individual_recalls import of_thesis, p_value
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
@@ -125,12 +125,6 @@ def test_individual_recalls_of_the_thesis() -> None:
     assert 55 < corridor.steps.shape[1] <= 70
     assert corridor.score.max() < 100
     assert (corridor.right >= corridor.score).all()
-
-
-def test_distance_of_distributions() -> None:
-    assert distance(np.array([1.0, 2.0]), np.array([1.0, 2.0, 1.0, 2.0])) == 0.0
-    assert distance(np.array([1.0, 1.0]), np.array([2.0])) == 1.0
-    assert distance(np.array([1.0, 3.0]), np.array([2.0, 4.0])) == 0.5
 
 
 def test_p_value_compares_whole_experiments() -> None:

@@ -1,4 +1,4 @@
-"""Claims under many laboratories: the table on disk, the shares of verdicts, and the table of a page."""
+"""Claims under many laboratories: the table on disk, and the table of a page."""
 
 import json
 from collections.abc import Iterable
@@ -19,7 +19,6 @@ from khepera_forage.thesis.inference.claims_table import (
     MeasuredClaims,
     delete_claims,
     measure,
-    shares,
     verdict_table,
 )
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text, laboratory_text
@@ -194,26 +193,6 @@ def test_damaged_or_foreign_file_is_an_error_that_names_it(tmp_path: Path, simul
             measured(tmp_path, 0)
     delete_claims(tmp_path)
     assert measured(tmp_path, 0).numbers.tolist() == [0]
-
-
-def test_shares_of_verdicts() -> None:
-    found = by_hand([SUPPORTED, NOT, SUPPORTED, UNDECIDED, ""])
-    assert shares(found).shape == (len(CLAIMS), 3)
-    assert shares(found)[4].tolist() == [0.5, 0.25, 0.25]
-    assert shares(found, [1, 2, 0, 1, 9])[0].tolist() == [0.25, 0.5, 0.25]
-
-
-@pytest.mark.parametrize("weights", [[1], [1, -1, 1], [1, np.nan, 1], [1, np.inf, 1]])
-def test_wrong_weights_are_an_error(weights: list[float]) -> None:
-    with pytest.raises(
-        ValueError, match=r"allowed: a finite number of at least 0 for each of 3 laboratories"
-    ):
-        shares(by_hand([SUPPORTED, NOT, ""]), weights)
-
-
-def test_no_laboratory_with_weight_and_claims_is_an_error() -> None:
-    with pytest.raises(ValueError, match="none of 3 laboratories has both a weight and claims"):
-        shares(by_hand([SUPPORTED, NOT, ""]), [0, 0, 1])
 
 
 def test_verdict_table_has_shares_with_intervals_and_the_median_effect() -> None:

@@ -165,11 +165,13 @@ def test_too_few_sets_are_refused() -> None:
 
 def test_weighted_quantiles_ranks_and_samples() -> None:
     values = np.array([3.0, 1.0, 2.0])
-    weights = np.array([[1.0, 1.0, 2.0], [0.0, 1.0, 0.0]])
-    assert quantiles(values, weights, (0.0, 0.25, 0.5, 0.75, 1.0)).tolist() == [[1, 1, 2, 2, 3], [1] * 5]
-    assert rank(values, weights[0], 2.0) == 50.0
-    assert rank(values, weights[0], 9.0) == 100.0
+    weights = np.array([1.0, 1.0, 2.0])
+    shares = (0.0, 0.25, 0.5, 0.75, 1.0)
+    assert quantiles(values, weights, shares) == [1, 1, 2, 2, 3]
+    assert quantiles(values, np.array([0.0, 1.0, 0.0]), shares) == [1] * 5
+    assert rank(values, weights, 2.0) == 50.0
+    assert rank(values, weights, 9.0) == 100.0
     assert np.isnan(rank(np.array([np.nan]), np.ones(1), 1.0))
-    drawn = sample(weights[0] / 4, 400, np.random.default_rng(0))
+    drawn = sample(weights / 4, 400, np.random.default_rng(0))
     assert np.bincount(drawn).tolist() == pytest.approx([100, 100, 200], abs=1)
     assert effective_number(np.array([1.0, 1.0, 0.0])) == 2.0

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.thesis.claims import Claim, Verdict, claims
@@ -122,32 +122,6 @@ def delete_claims(folder: Path) -> None:
     """Delete all files of a folder that `measure` has written."""
     for path in _paths(folder):
         path.unlink()
-
-
-def shares(measured: MeasuredClaims, weights: ArrayLike | None = None) -> NDArray[np.float64]:
-    """The share of laboratories by claim and verdict, shape (claims, verdicts), in the order of `Verdict`.
-
-    Laboratories whose claims could not be measured do not count.
-
-    Args:
-        measured: Claims under some laboratories.
-        weights: One a laboratory, at least 0; equal by default.
-
-    Raises:
-        ValueError: A missing, negative or infinite weight, or no laboratory that has both a weight and claims.
-    """
-    count = len(measured.numbers)
-    given = np.ones(count) if weights is None else np.asarray(weights, dtype=np.float64)
-    if given.shape != (count,) or not np.isfinite(given).all() or (given < 0).any():
-        raise ValueError(
-            f"weights are {weights!r}; allowed: a finite number of at least 0 for each of {count} laboratories"
-        )
-    own = np.where(measured.reasons == "", given, 0.0)
-    if not own.sum() > 0:
-        raise ValueError(f"none of {count} laboratories has both a weight and claims; allowed: one or more")
-    found = measured.verdicts[:, :, None] == np.array(list(Verdict))
-    result: NDArray[np.float64] = np.tensordot(own / own.sum(), found, axes=1)
-    return result
 
 
 def verdict_table(prior: MeasuredClaims, posterior: MeasuredClaims) -> Table:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall, PrintedTable
 from khepera_forage.thesis.design import THESIS, Cell
@@ -38,9 +39,7 @@ class CellSummary(NamedTuple):
 STATISTICS = CellSummary._fields
 NAMES = tuple(f"{cell.arena} {cell.episodes} {statistic}" for cell in THESIS for statistic in STATISTICS)
 """Names of the statistics of all cells, in their order."""
-SLOPES = tuple(
-    f"{arena} slope of {statistic}" for arena in ("corridor", "rectangle") for statistic in ("score", "food")
-)
+SLOPES = tuple(f"{arena} slope of {statistic}" for arena in ARENAS for statistic in ("score", "food"))
 """From the fewest training episodes of an arena to the most."""
 FITTED = tuple(name for name in (*NAMES, *SLOPES) if name.startswith("corridor"))
 """Tables A.1 to A.4. The others are the test set."""
@@ -135,7 +134,7 @@ def with_slopes(cells: Sequence[CellSummary]) -> Floats:
         cells: One summary for each cell of `THESIS`, in order.
     """
     columns = [value for summary in cells for value in summary]
-    for arena in ("corridor", "rectangle"):
+    for arena in ARENAS:
         own = [summary for cell, summary in zip(THESIS, cells, strict=True) if cell.arena == arena]
         columns += [own[-1].score - own[0].score, own[-1].food - own[0].food]
     return np.stack(columns, axis=1)

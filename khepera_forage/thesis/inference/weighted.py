@@ -9,22 +9,16 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> Floats:
+def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[float]:
     """Smallest values that at least a share of the weight does not exceed.
 
     Args:
         values: One a set.
-        weights: Shape (..., sets); of each row, the sum need not be 1.
+        weights: One a set; their sum need not be 1.
         shares: 0 to 1.
-
-    Returns:
-        Shape (..., shares).
     """
-    order = np.argsort(values, kind="stable")
-    reached = np.cumsum(weights[..., order], axis=-1)
-    total = reached[..., -1:]
-    places = [(reached < share * total - 1e-12).sum(axis=-1) for share in shares]
-    return np.asarray(values[order][np.minimum(np.stack(places, axis=-1), len(values) - 1)])
+    found: list[float] = np.quantile(values, shares, weights=weights, method="inverted_cdf").tolist()
+    return found
 
 
 def rank(values: Floats, weights: Floats, value: float, percent: float = 100.0) -> float:
