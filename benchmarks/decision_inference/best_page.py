@@ -1,5 +1,6 @@
 """The page of the best single set: its values, its means beside the thesis, and how it was found."""
 
+import json
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -50,7 +51,9 @@ def page(found: Sequence[Final], generations: Table, started_from: int) -> Page:
 
 def _as_code(decisions: Decisions) -> str:
     changes = decisions.differing(Decisions.v0_1())
-    return "\n".join(["Decisions(", *(f"    {name}={new!r}," for name, (new, _) in changes.items()), ")"])
+    return "\n".join(
+        ["Decisions(", *(f"    {name}={json.dumps(new)}," for name, (new, _) in changes.items()), ")"]
+    )
 
 
 def _fields(chosen: Decisions) -> Table:
