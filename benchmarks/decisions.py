@@ -30,9 +30,8 @@ from harness.figures import COLOURS, GREY, OURS
 from harness.page import Page, write
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.design import THESIS
+from khepera_forage.thesis.design import ARENAS, THESIS
 from khepera_forage.thesis.inference import individual_recalls
 from khepera_forage.thesis.inference.posterior import Posterior, infer
 from khepera_forage.thesis.inference.prior import Laboratory

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.thesis.design import ARENAS
 from khepera_forage.thesis.inference.parameters import Parameter
 from khepera_forage.thesis.inference.summary import NAMES
 from khepera_forage.thesis.statistics import Estimate

@@ -87,6 +87,8 @@ THESIS = (
     _rectangle(10, 12, _ALL),
 )
 """Tables A.1 to A.7, in order. A replication is all of them, ten new training files included."""
+ARENAS = tuple(dict.fromkeys(cell.arena for cell in THESIS))
+"""Names of the thesis's arenas, in the order of its tables."""
 
 
 def files_needed(cells: Sequence[Cell]) -> int:

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall, PrintedTable
-from khepera_forage.thesis.design import THESIS, Cell
+from khepera_forage.thesis.design import ARENAS, THESIS, Cell
 
 Floats = NDArray[np.float64]
 
