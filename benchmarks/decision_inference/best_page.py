@@ -8,6 +8,7 @@ import numpy as np
 from harness.page import Page
 from numpy.typing import NDArray
 
+from decision_inference.simpler import TOLERANCE, Trial
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.posterior import fitted_columns
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
@@ -32,17 +33,19 @@ class Final(NamedTuple):
     means: Floats
 
 
-def page(found: Sequence[Final], generations: Table, started_from: int) -> Page:
-    """The best set, the others, and how they were found from a number of admissible sets."""
-    chosen = found[0].decisions
+def page(
+    chosen: Final, trials: Sequence[Trial], found: Sequence[Final], generations: Table, started_from: int
+) -> Page:
+    """The chosen set, and how it was found from a number of admissible sets."""
     return Page(
         "The best single set of decisions",
         [
             f"Every value lies in the prior's range and is rounded. The search began with {started_from} "
-            "admissible sets of `benchmarks/decisions.py`. Only tables A.1 to A.4 were looked at.",
-            "```python\n" + _as_code(chosen) + "\n```",
-            _fields(chosen),
-            _means(found[0]),
+            "admissible sets of `benchmarks/decisions.py`. Only tables A.1 to A.4 were looked at. The best of all sets "
+            "then lost every change from version 0.1 that the tables do not ask for.",
+            "```python\n" + _as_code(chosen.decisions) + "\n```",
+            _means(chosen),
+            _trials(found[0], trials),
             _others(found),
             generations,
         ],
@@ -56,28 +59,47 @@ def _as_code(decisions: Decisions) -> str:
     )
 
 
-def _fields(chosen: Decisions) -> Table:
-    rows = [(name, *map(str, pair)) for name, pair in chosen.differing(Decisions.v0_1()).items()]
-    return Table(
-        "fields",
-        "What differs from version 0.1",
-        "Fields that are not here have the values of version 0.1.",
-        (Column("decision"), Column("best set"), Column("version 0.1")),
-        rows,
-    )
-
-
 def _means(final: Final) -> Table:
     thesis, fitted = thesis_statistics(), set(fitted_columns().tolist())
     return Table(
         "means",
-        "Means of the best set",
-        "Beside the thesis. `test`: not looked at.",
-        (Column("statistic"), Column("use"), Column("thesis", 2), Column("best set", 2)),
+        "Its means",
+        "Beside the thesis, in new replications. `test`: not looked at.",
+        (Column("statistic"), Column("use"), Column("thesis", 2), Column("this set", 2)),
         [
             (name, "fitted" if k in fitted else "test", float(thesis[k]), float(final.means[k]))
             for k, name in enumerate((*NAMES, *SLOPES))
             if np.isfinite(thesis[k])
+        ],
+    )
+
+
+def _trials(start: Final, trials: Sequence[Trial]) -> Table:
+    changes = start.decisions.differing(Decisions.v0_1())
+    return Table(
+        "trials",
+        "Which changes the tables ask for",
+        f"The best of the finalists differs from version 0.1 in {len(changes)} fields. Each in turn was given the "
+        "value of version 0.1 or, failing that, a rounder one. The set kept it if it remained admissible, with a "
+        f"misfit at most {TOLERANCE:g} above that of the start.",
+        (
+            Column("decision"),
+            Column("value"),
+            Column("tried"),
+            Column("misfit"),
+            Column("outcome"),
+            Column("kept"),
+        ),
+        [
+            (
+                trial.name,
+                str(trial.value),
+                str(trial.simpler),
+                trial.judgement.misfit,
+                trial.judgement.outcome,
+                "yes" if trial.accepted else "no",
+            )
+            for trial in trials
         ],
     )
 

@@ -23,6 +23,8 @@ def test_generations_and_finalists_are_reported(out: Path) -> None:
     assert [row["generation"] for row in rows] == ["0", "1"]
     assert float(rows[1]["best misfit"]) <= float(rows[0]["best misfit"]), "the best live on"
     assert 1 <= len(read(out / "table_finalists.csv")) <= 2
+    for row in read(out / "table_trials.csv"):
+        assert row["kept"] == "no" or row["outcome"] == "admissible"
     assert "```python\nDecisions(" in (out / "best_decisions.md").read_text()
     assert {row["use"] for row in read(out / "table_means.csv")} == {"fitted", "test"}
 

@@ -7,7 +7,7 @@ import pytest
 
 from khepera_forage import Decisions
 from khepera_forage.sim.arena import ARENAS
-from khepera_forage.thesis.inference.evolution import child, natural_step, rounded
+from khepera_forage.thesis.inference.evolution import child, natural_step, rounded, simpler_values
 from khepera_forage.thesis.inference.individual_recalls import of_thesis, p_value
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
@@ -107,6 +107,19 @@ def test_rounded_sets_have_natural_values_in_the_prior() -> None:
 @pytest.mark.parametrize(("most", "step"), [(15.0, 1.0), (0.3, 0.02), (90.0, 5.0), (29.0, 1.0), (30.0, 2.0)])
 def test_natural_steps(most: float, step: float) -> None:
     assert natural_step(Range(0.0, most, "-")) == pytest.approx(step)
+
+
+def test_simpler_values_begin_with_version_0_1_and_stay_in_the_prior() -> None:
+    drawn = PRIOR.draw(np.random.default_rng(2)).decisions
+    for name, part in PRIOR.decisions.items():
+        values, old = simpler_values(drawn, name, PRIOR), getattr(Decisions.v0_1(), name)
+        assert simpler_values(Decisions.v0_1(), name, PRIOR) == []
+        assert getattr(drawn, name) not in values
+        if isinstance(part, Range):
+            assert all(part.least <= value <= part.most for value in values)
+        elif getattr(drawn, name) != old:
+            assert values == [old]
+    assert simpler_values(Decisions(slow_speed=5.2), "slow_speed", PRIOR) == [8.0, 5.0]
 
 
 def test_rules_between_decisions_are_checked() -> None:

@@ -18,6 +18,8 @@ STEP = 0.15
 """Standard deviation of a change, as a share of the prior's range."""
 STEPS_OF_A_RANGE = 15
 """A range has at least this many natural values."""
+COARSE_STEPS_OF_A_RANGE = (4, 8)
+"""The same for values that are simpler still."""
 _TRIES = 10_000
 
 
@@ -63,14 +65,37 @@ def rounded(decisions: Decisions, prior: Prior) -> Decisions:
     changes: dict[str, Any] = {}
     for name, part in prior.decisions.items():
         if isinstance(part, Range):
-            step = natural_step(part)
-            value = round(getattr(decisions, name) / step) * step
-            changes[name] = type(getattr(decisions, name))(round(min(max(value, part.least), part.most), 6))
+            changes[name] = _nearest(part, getattr(decisions, name), natural_step(part))
     return replace(decisions, **changes)
 
 
-def natural_step(part: Range) -> float:
-    """The largest of 1, 2 and 5 times a power of ten that divides a range into enough steps."""
-    finest = (part.most - part.least) / STEPS_OF_A_RANGE
+def simpler_values(decisions: Decisions, name: str, prior: Prior) -> list[Any]:
+    """What a field could be instead, the simplest first: the value of version 0.1, then rounder numbers.
+
+    Args:
+        decisions: A set.
+        name: Of a field that the prior draws.
+        prior: Its ranges are kept.
+
+    Returns:
+        No values if the field has that of version 0.1 already.
+    """
+    value, part = getattr(decisions, name), prior.decisions[name]
+    values = [getattr(Decisions.v0_1(), name)]
+    if isinstance(part, Range):
+        rounder = [_nearest(part, value, natural_step(part, steps)) for steps in COARSE_STEPS_OF_A_RANGE]
+        values = [one for one in (*values, *rounder) if part.least <= one <= part.most]
+    values = list(dict.fromkeys(values))
+    return values[: values.index(value)] if value in values else values
+
+
+def _nearest(part: Range, value: Any, step: float) -> Any:
+    """The multiple of a step that is nearest to a value, within the range, as the same type."""
+    return type(value)(round(min(max(round(value / step) * step, part.least), part.most), 6))
+
+
+def natural_step(part: Range, steps: int = STEPS_OF_A_RANGE) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that divides a range into at least so many steps."""
+    finest = (part.most - part.least) / steps
     power = 10.0 ** math.floor(math.log10(finest))
     return max(factor * power for factor in (1, 2, 5) if factor * power <= finest * (1 + 1e-9))

@@ -1,0 +1,92 @@
+"""The best set without changes that the tables do not ask for."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.thesis.inference.evolution import simpler_values
+from khepera_forage.thesis.inference.prior import Prior, possible_decisions
+
+TOLERANCE = 0.3
+"""Misfit that a simpler set may have more than the set from which it began."""
+PASSES = 3
+"""Through all fields, at most."""
+
+
+class Judgement(NamedTuple):
+    """How well a set fits.
+
+    Attributes:
+        misfit: Infinity if the set is not admissible.
+        outcome: Why it is not admissible, or `admissible`.
+    """
+
+    misfit: float
+    outcome: str
+
+
+class Trial(NamedTuple):
+    """A field that was given a simpler value.
+
+    Attributes:
+        name: Of the field.
+        value: Before.
+        simpler: The value that was tried.
+        judgement: Of the set with it.
+        accepted: Whether the set keeps it.
+    """
+
+    name: str
+    value: Any
+    simpler: Any
+    judgement: Judgement
+    accepted: bool
+
+
+def simplify(
+    start: Decisions, prior: Prior, judge: Callable[[Decisions, int], Judgement]
+) -> tuple[Decisions, list[Trial]]:
+    """Give each field in turn the value of version 0.1, or a rounder one, unless the set then fits worse.
+
+    Fields are tried again, at most `PASSES` times, because one change can make room for another.
+
+    Args:
+        start: The best set.
+        prior: Its ranges and rules are kept.
+        judge: Takes a set and the number of the trial, 0 for the start.
+
+    Returns:
+        The simpler set, and all trials.
+    """
+    most = judge(start, 0).misfit + TOLERANCE
+    current, trials = start, list[Trial]()
+    for _ in range(PASSES):
+        before = current
+        for name in prior.decisions:
+            current = _simplify_field(current, name, prior, judge, most, trials)
+        if current == before:
+            break
+    return current, trials
+
+
+def _simplify_field(
+    current: Decisions,
+    name: str,
+    prior: Prior,
+    judge: Callable[[Decisions, int], Judgement],
+    most: float,
+    trials: list[Trial],
+) -> Decisions:
+    """The set with the simplest value of a field that fits, after these trials; they are added."""
+    for simpler in simpler_values(current, name, prior):
+        values = {field: getattr(current, field) for field in prior.decisions}
+        try:
+            candidate = possible_decisions(values | {name: simpler})
+        except ValueError:
+            continue
+        judgement = judge(candidate, len(trials) + 1)
+        accepted = judgement.misfit <= most
+        trials.append(Trial(name, values[name], simpler, judgement, accepted))
+        if accepted:
+            return candidate
+    return current
