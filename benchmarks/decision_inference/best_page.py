@@ -117,8 +117,9 @@ def _others(found: Sequence[Final]) -> Table:
         "finalists",
         "The finalists",
         "The best sets with natural values, replicated with other seeds than those that chose them. Misfit is the "
-        "squared distance of the eight mean scores and shares of food, in the spread of experiments, plus the excess "
-        "of the thesis's surprise over its expectation (`thesis/inference/moments.py`). Differences are root mean "
+        "squared distance of the eight mean scores and shares of food, and of their two slopes, in the spread of "
+        "experiments, plus the excess of the thesis's surprise over its expectation "
+        "(`thesis/inference/moments.py`). Differences are root mean "
         "squares over the four corridor cells.",
         (
             Column("rank"),

@@ -7,7 +7,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.evolution import simpler_values
 from khepera_forage.thesis.inference.prior import Prior, possible_decisions
 
-TOLERANCE = 0.3
+TOLERANCE = 0.2
 """Misfit that a simpler set may have more than the set from which it began."""
 PASSES = 3
 """Through all fields, at most."""

@@ -26,9 +26,9 @@ def statistics() -> np.ndarray:
 
 
 def test_surprise_is_in_the_spread_of_experiments(statistics: np.ndarray) -> None:
-    """Here all statistics have a standard deviation of 1, are independent, and 23 of them are looked at."""
+    """Here all statistics have a standard deviation of 1, are independent, 25 are looked at."""
     moments = Moments(statistics, np.ones(len(statistics)))
-    assert moments.spread == pytest.approx(np.ones(23), abs=0.1)
+    assert moments.spread == pytest.approx(np.ones(25), abs=0.1)
     thesis = np.nan_to_num(thesis_statistics())
     off = np.random.default_rng(1).normal(size=(400, len(NAMED)))
     off -= off.mean(axis=0)
@@ -47,9 +47,11 @@ def test_misfit_is_that_of_the_means_unless_the_thesis_is_a_surprise(statistics:
     off = np.random.default_rng(1).normal(size=(400, len(NAMED)))
     off -= off.mean(axis=0)
     food = np.isin(NAMES + SLOPES, "corridor 3 food")
+    slope = np.isin(NAMES + SLOPES, "corridor slope of score")
     spread = np.isin(NAMES + SLOPES, "corridor 3 spread")
     assert moments.misfit(thesis + off) == pytest.approx(0.0, abs=1e-9)
     assert moments.misfit(thesis + 2 * food + off) == pytest.approx(4, rel=0.2)
+    assert moments.misfit(thesis + 2 * slope + off) == pytest.approx(4, rel=0.2), "a slope, the same means"
     assert moments.misfit(thesis + 2 * spread + off) == pytest.approx(0.0, abs=1e-9), "possible, and no mean"
     assert moments.misfit(thesis + 9 * spread + off) == pytest.approx(81 - 23, rel=0.3)
 

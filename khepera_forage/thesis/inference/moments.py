@@ -4,7 +4,9 @@ A set is compatible with the tables if the thesis is no surprise among the set's
 the method of simulated moments (McFadden 1989, "A method of simulated moments for estimation of discrete response
 models without numerical integration", Econometrica 57: 995-1026): the squared distance of 23 statistics in the spread
 of experiments is about 23 for an experiment of the set itself. Many sets are compatible. Among them, the best is the
-one whose mean scores and mean shares of food are nearest to the thesis's.
+one whose mean scores, mean shares of food and slopes of both over training episodes are nearest to the thesis's.
+Slopes follow from means, but count again: between sets, the means of cells go up and down together, and sets in which a
+learner learns little from more episodes would otherwise fit as well.
 """
 
 import math
@@ -13,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.thesis.inference.posterior import fitted_columns
-from khepera_forage.thesis.inference.summary import NAMES, thesis_statistics
+from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
 
 Floats = NDArray[np.float64]
 _OWN_CORRELATION = 0.8
@@ -32,10 +34,11 @@ class Moments:
     """
 
     def __init__(self, statistics: NDArray[np.float32], weights: Floats) -> None:
-        columns = fitted_columns()
-        self._columns = columns[columns < len(NAMES)]  # slopes follow from the others
+        self._columns = fitted_columns()
         self._thesis = thesis_statistics()[self._columns]
-        self._is_mean = np.array([NAMES[k].endswith((" score", " food")) for k in self._columns])
+        names = [(*NAMES, *SLOPES)[k] for k in self._columns]
+        self._is_mean = np.array([name.endswith((" score", " food")) for name in names])
+        self._is_slope = np.isin(names, SLOPES)
         used = weights > 0
         own = statistics[used][:, :, self._columns].astype(np.float64)
         off = own - means_of(own)[:, None]
@@ -44,6 +47,7 @@ class Moments:
         degrees = weights[used] @ np.maximum(np.isfinite(own).sum(axis=1) - 1, 0)
         self.spread = np.sqrt((rows**2).sum(axis=0) / np.maximum(degrees, 1e-12))
         """Usual standard deviation of each statistic between experiments."""
+        rows = rows[:, ~self._is_slope]
         scale = np.sqrt(np.maximum((rows**2).sum(axis=0), 1e-12))
         correlation = _OWN_CORRELATION * rows.T @ rows / np.outer(scale, scale)
         np.fill_diagonal(correlation, 1.0)
@@ -56,15 +60,16 @@ class Moments:
             statistics: Of experiments under the set, shape (experiments, statistics of `summary`).
 
         Returns:
-            0 for a set with the thesis's means, under which the thesis is no surprise. Infinity if a statistic is
-            missing in most experiments, such as the share of correct steps in failed recalls under a set that never
-            fails.
+            0 for a set with the thesis's means and slopes, under which the thesis is no surprise. Infinity if a
+            statistic is missing in most experiments, such as the share of correct steps in failed recalls under a set
+            that never fails.
         """
         surprise = self.surprise(statistics)
         if not math.isfinite(surprise):
             return math.inf
         off = (means_of(statistics[None, :, self._columns])[0] - self._thesis) / self.spread
-        return float((off[self._is_mean] ** 2).sum() + max(surprise - len(off), 0.0))
+        free = len(self._precision)
+        return float((off[self._is_mean | self._is_slope] ** 2).sum() + max(surprise - free, 0.0))
 
     def surprise(self, statistics: Floats) -> float:
         """Squared distance of the thesis from the set's expected statistics, in the spread of the set's experiments.
@@ -75,15 +80,18 @@ class Moments:
         Returns:
             About 23 if the thesis were an experiment of this set; infinity as for `misfit`.
         """
-        own = statistics[:, self._columns].astype(np.float64)
+        columns = self._columns[~self._is_slope]
+        own = statistics[:, columns].astype(np.float64)
         known = np.isfinite(own)
         if (known.mean(axis=0) < 0.5).any():
             return math.inf
         means = means_of(own[None])[0]
         count = known.sum(axis=0)
-        squares = np.where(known, (own - means) ** 2, 0.0).sum(axis=0) + _USUAL * self.spread**2
+        squares = (
+            np.where(known, (own - means) ** 2, 0.0).sum(axis=0) + _USUAL * self.spread[~self._is_slope] ** 2
+        )
         spread = np.sqrt(squares / (count - 1 + _USUAL) * (1 + 1 / count))
-        off = (self._thesis - means) / spread
+        off = (self._thesis[~self._is_slope] - means) / spread
         return float(off @ self._precision @ off)
 
 
