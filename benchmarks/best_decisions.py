@@ -170,28 +170,39 @@ def judged(parts: Sequence[Simulated], moments: Moments) -> Final:
     return Final(decisions, moments.misfit(statistics), "admissible", means_of(statistics[None])[0])
 
 
-def simplified(given: Arguments, start: Decisions, moments: Moments) -> tuple[Final, list[Trial]]:
-    """The best set without changes that the tables do not ask for, replicated again, and what was tried."""
-    with Parallel(n_jobs=given.jobs, batch_size=1) as parallel:
+def simplified(
+    given: Arguments, finalists: Sequence[Final], moments: Moments
+) -> tuple[Final, Final, list[Trial]]:
+    """The best set without changes that the tables do not ask for.
+
+    Returns:
+        The best of the finalists that is admissible once more; the simpler set, replicated again; and what was tried.
+    """
+    with (
+        Parallel(n_jobs=given.jobs, batch_size=1) as parallel,
+        tqdm(desc="simpler sets", disable=not sys.stderr.isatty()) as progress,
+    ):
 
         def replicated(decisions: Decisions, number: int, parts: int) -> Final:
+            progress.update()
             found = parallel(
                 delayed(simulated)(
-                    decisions, (given.seed, given.generations + 2, number, k), given.replications
+                    decisions, (given.seed, given.generations + 2, number, k), max(given.replications // 2, 2)
                 )
                 for k in range(parts)
             )
             return judged(found, moments)
 
-        with tqdm(desc="simpler sets", disable=not sys.stderr.isatty()) as progress:
+        def judge(decisions: Decisions, number: int) -> Judgement:
+            final = replicated(decisions, number, 2)
+            return Judgement(final.misfit, final.outcome)
 
-            def judge(decisions: Decisions, number: int) -> Judgement:
-                progress.update()
-                final = replicated(decisions, number, 2)
-                return Judgement(final.misfit, final.outcome)
-
-            decisions, trials = simplify(start, PRIOR, judge)
-        return replicated(decisions, len(trials) + 1, 4), trials
+        for start in finalists:
+            first = judge(start.decisions, 0)
+            if math.isfinite(first.misfit):
+                chosen, trials = simplify(start.decisions, first.misfit, PRIOR, judge)
+                return start, replicated(chosen, len(trials) + 1, 4), trials
+    sys.exit(f"best_decisions.py: no finalist fits; the first one: {finalists[0].outcome}")
 
 
 def _rounded(decisions: Decisions) -> Decisions | None:
@@ -216,8 +227,8 @@ def main() -> int:
         Count("children", 120, 4, "sets in each"),
         Count("population", 40, 4, "sets that live on"),
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
-        Count("finalists", 16, 2, "sets that are replicated again"),
-        Count("replications", 100, 3, "replications of each finalist"),
+        Count("finalists", 40, 2, "sets that are replicated again"),
+        Count("replications", 200, 4, "replications of each finalist"),
     )
     given = parse("best_decisions", __doc__, *counts, add=add_arguments)
     if given.fresh:
@@ -225,22 +236,20 @@ def main() -> int:
     try:
         drawn = kept(given.start)
         posterior = infer(drawn.parameters, drawn.statistics, given.seed)
-        start = [
+        known = [
             Candidate(laboratory.decisions, statistics.astype(np.float64))
             for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
         ]
         moments = Moments(drawn.statistics, posterior.weights)
-        first = [one.decisions for one in best(start, given.children, moments)]
+        first = [one.decisions for one in best(known, given.children, moments)]
         alive, generations = evolve(given, first, moments)
         finalists = finals(given, alive, moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
-    if not math.isfinite(finalists[0].misfit):
-        sys.exit(f"best_decisions.py: no finalist fits; the first one: {finalists[0].outcome}")
-    chosen, trials = simplified(given, finalists[0].decisions, moments)
+    start, chosen, trials = simplified(given, finalists, moments)
     return finish(
         given,
-        page(chosen, trials, finalists, generations, len(drawn.admissible)),
+        page(chosen, start, trials, finalists, generations, len(drawn.admissible)),
         f"--start {given.start}",
     )
 

@@ -34,7 +34,12 @@ class Final(NamedTuple):
 
 
 def page(
-    chosen: Final, trials: Sequence[Trial], found: Sequence[Final], generations: Table, started_from: int
+    chosen: Final,
+    start: Final,
+    trials: Sequence[Trial],
+    found: Sequence[Final],
+    generations: Table,
+    started_from: int,
 ) -> Page:
     """The chosen set, and how it was found from a number of admissible sets."""
     return Page(
@@ -45,7 +50,7 @@ def page(
             "then lost every change from version 0.1 that the tables do not ask for.",
             "```python\n" + _as_code(chosen.decisions) + "\n```",
             _means(chosen),
-            _trials(found[0], trials),
+            _trials(start, trials),
             _others(found),
             generations,
         ],

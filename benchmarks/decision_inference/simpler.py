@@ -44,7 +44,7 @@ class Trial(NamedTuple):
 
 
 def simplify(
-    start: Decisions, prior: Prior, judge: Callable[[Decisions, int], Judgement]
+    start: Decisions, misfit: float, prior: Prior, judge: Callable[[Decisions, int], Judgement]
 ) -> tuple[Decisions, list[Trial]]:
     """Give each field in turn the value of version 0.1, or a rounder one, unless the set then fits worse.
 
@@ -52,13 +52,14 @@ def simplify(
 
     Args:
         start: The best set.
+        misfit: Its own, by the same judge.
         prior: Its ranges and rules are kept.
-        judge: Takes a set and the number of the trial, 0 for the start.
+        judge: Takes a set and the number of the trial, from 1.
 
     Returns:
         The simpler set, and all trials.
     """
-    most = judge(start, 0).misfit + TOLERANCE
+    most = misfit + TOLERANCE
     current, trials = start, list[Trial]()
     for _ in range(PASSES):
         before = current

@@ -35,7 +35,8 @@ from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, cla
 from khepera_forage.thesis.claims.claim import Claim, Within, points
 
 DELAYS = (0, 2, 3, 5)
-"""Rounds by which a person reacts late: with rounds of 0.1 s, 0.2 to 0.5 s. An assumption, not measured."""
+"""Rounds by which a person reacts late. An assumption, not measured."""
+_SECONDS = [f"{rounds * DEFAULT_DECISIONS.round_duration:.2g}" for rounds in (DELAYS[1], DELAYS[-1])]
 ROUNDS_OF = f"rounds of {DEFAULT_DECISIONS.round_duration:g} s"
 WRONG = {"no wrong keys": 0.0, "2 % wrong keys": 0.02, "5 % wrong keys": 0.05}
 """Share of the rounds in which a wrong key is pressed. An assumption, not measured."""
@@ -188,10 +189,10 @@ EXPERIMENT = Experiment(
     "`khepera-forage teach` puts a person in the teacher's place: it opens a window and waits for keys, and the "
     "learner records. **No person has been measured.** This experiment simulates a person with the decisions of the "
     "hand-coded teacher and two human faults: the key is the right one of some rounds ago, and in some rounds a wrong "
-    "key is pressed, any of the nine others with equal odds. Delays of 0.2 to 0.5 s and 2 to 5 % of wrong keys are "
-    "assumptions without a source. In the window, a held key runs 5 rounds a second by default, half the robots' "
-    "pace, so that the same reaction time costs half as many rounds. Nothing moves before a key is pressed, so a "
-    "person who taps round by round has no delay at all. The simulation does not include a person who has less "
+    f"key is pressed, any of the nine others with equal odds. Delays of {_SECONDS[0]} to {_SECONDS[1]} s and 2 to 5 % "
+    "of wrong keys are assumptions without a source. In the window, a held key runs 5 rounds a second by default, "
+    "slower than the robots' pace, so that the same reaction time costs fewer rounds. Nothing moves before a key is "
+    "pressed, so a person who taps round by round has no delay at all. The simulation does not include a person who has less "
     "information than the teacher, or who judges distances by eye.",
     tuple(WRONG),
     run,

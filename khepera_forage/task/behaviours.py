@@ -1,23 +1,23 @@
 """The ten hand-coded behaviours (table 4.1): raw data to motors, one step at a time, with no memory.
 
-What each commands, in speed units of 8 mm/s (every figure our decision, made with the teacher alone):
+What each commands. Speeds and readings are fields of `Decisions`:
 
 | behaviour | wheels | arm | jaw |
 |---|---|---|---|
-| SEARCH FOR FOOD | 12 towards the food, round the home; a small circle if none is seen | 215 | open |
-| MOVE SLOWLY | 8 towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn, 4 on until the barrier is crossed; back 5 to retry | 255 if aimed | open; shut to retry |
+| SEARCH FOR FOOD | `search_speed` towards the food, round the home; `search_without_food` | 215 | open |
+| MOVE SLOWLY | `slow_speed` towards the food, round the home | 215 | open |
+| ORIENT WITH FOOD | turn, `orient_speed` up to the barrier; back to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
-| PUSH FOOD | 0 until the jaw has closed, then 8 home | 255 | closed |
-| AVOID FOOD | back 8 | 255 | open |
-| GO HOME | 12 home | 215 once the jaw is shut | closed |
-| AVOID HOME | out by its open side: back 5 when facing it, otherwise 8 | 215 | open |
-| RELEASE FOOD | 8 on into the home, then 0; back 5 once the jaw is open | 255 | opens once the arm is down |
+| PUSH FOOD | 0 until the jaw has closed, then `push_speed` home | 255 | closed |
+| AVOID FOOD | `slow_speed` backwards | 255 | open |
+| GO HOME | `home_speed` home | 215 once the jaw is shut | closed |
+| AVOID HOME | out by its open side: `retreat_speed` back when facing it, otherwise `slow_speed` | 215 | open |
+| RELEASE FOOD | `slow_speed` into the home, then 0; back once the jaw is open | 255 | opens once the arm is down |
 | WAIT | 0 | as it is | as it is |
 
-The table shows the default readings; `Decisions` has others. SEARCH and MOVE SLOWLY then back off food that is nearer
-than orienting starts from, and while the arm is still down.
+"Back" is at `retreat_speed`. SEARCH and MOVE SLOWLY also back off food that is too near, and MOVE SLOWLY while the arm
+is still down (`beside_food`, `back_off_distance`, `arm_after_orienting`).
 A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
 keeps it off the walls (3.4).
 """

@@ -14,9 +14,9 @@ def test_simpler_set_keeps_only_changes_that_the_judge_asks_for() -> None:
     def judge(decisions: Decisions, number: int) -> Judgement:
         if decisions.equal_distance == "nearer state" and decisions.next_to_food == 13.4:
             return Judgement(np.inf, "the teacher fails in the corridor")
-        return Judgement(0.5 + 0.6 * abs(decisions.next_to_food - 13.4), "admissible")
+        return Judgement(0.5 + 0.4 * abs(decisions.next_to_food - 13.4), "admissible")
 
-    simpler, trials = simplify(start, PRIOR, judge)
+    simpler, trials = simplify(start, 0.5, PRIOR, judge)
     assert simpler.differing(Decisions.v0_1()) == {"next_to_food": (13.0, 20.0)}
     tried = {(trial.name, trial.simpler): trial.accepted for trial in trials}
     assert tried[("next_to_food", 20.0)] is False, "not as good by more than the tolerance"
