@@ -192,8 +192,8 @@ EXPERIMENT = Experiment(
     f"key is pressed, any of the nine others with equal odds. Delays of {_SECONDS[0]} to {_SECONDS[1]} s and 2 to 5 % "
     "of wrong keys are assumptions without a source. In the window, a held key runs 5 rounds a second by default, "
     "slower than the robots' pace, so that the same reaction time costs fewer rounds. Nothing moves before a key is "
-    "pressed, so a person who taps round by round has no delay at all. The simulation does not include a person who has less "
-    "information than the teacher, or who judges distances by eye.",
+    "pressed, so a person who taps round by round has no delay at all. The simulation does not include a person who "
+    "has less information than the teacher, or who judges distances by eye.",
     tuple(WRONG),
     run,
     report,
