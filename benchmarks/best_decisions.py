@@ -3,17 +3,18 @@
     python benchmarks/decisions.py && python benchmarks/best_decisions.py
 
 Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
-within the prior, are checked and judged by their misfit (`Moments`). Tables A.5 to A.7 are not looked at. Noise
-is the laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible.
-At the end the best sets, with rounded values, are replicated again with other seeds, so that luck is not mistaken
-for a fit. The best of them then loses every change from version 0.1 that the tables do not ask for. Needs numba; a run
-that was killed continues.
+within the prior, are checked and judged by their misfit (`Moments`). All values are natural ones, as a builder would
+write them; a fit on a knife's edge does not survive that. Tables A.5 to A.7 are not looked at. Noise is the
+laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible. At
+the end the best sets are replicated again with other seeds, so that luck is not mistaken for a fit. The best of them
+then loses every change from version 0.1 that the tables do not ask for. Needs numba; a run that was killed continues.
 """
 
 import argparse
 import math
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,11 +31,11 @@ from tqdm import tqdm
 from khepera_forage.noise import Noise
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.admissible import check
-from khepera_forage.thesis.inference.evolution import child, rounded
+from khepera_forage.thesis.inference.evolution import child, natural
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.posterior import infer
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, possible_decisions
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
 from khepera_forage.thesis.inference.simulate import Simulated, replicate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import (
@@ -120,7 +121,10 @@ def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tu
         The best sets, the best first, and how the generations went.
     """
     contents = Contents(
-        given.seed, given.experiments, given.children, f"children of {PRIOR!r}, checked {EFFORT} times"
+        given.seed,
+        given.experiments,
+        given.children,
+        f"natural children of {PRIOR!r}, checked {EFFORT} times",
     )
     candidates = list(first)
     alive: list[Candidate] = []
@@ -150,9 +154,8 @@ def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tu
 
 
 def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> list[Final]:
-    """The best sets with natural values, replicated again with other seeds; the best first."""
-    candidates = list(dict.fromkeys(filter(None, (_rounded(one.decisions) for one in alive))))
-    candidates = candidates[: given.finalists]
+    """The best sets, replicated again with other seeds; the best first."""
+    candidates = [one.decisions for one in alive[: given.finalists]]
     done = Parallel(n_jobs=given.jobs, batch_size=1)(
         delayed(simulated)(decisions, (given.seed, given.generations + 1, k), given.replications)
         for k, decisions in enumerate(candidates)
@@ -205,13 +208,13 @@ def simplified(
     sys.exit(f"best_decisions.py: no finalist fits; the first one: {finalists[0].outcome}")
 
 
-def _rounded(decisions: Decisions) -> Decisions | None:
-    """The set with natural values; None if these break a rule between decisions."""
-    natural = rounded(decisions, PRIOR)
-    try:
-        return possible_decisions({name: getattr(natural, name) for name in PRIOR.decisions})
-    except ValueError:
-        return None
+def natural_sets(found: Sequence[Candidate]) -> list[Decisions]:
+    """The sets with natural values, each once, without those that then break a rule between decisions."""
+    sets = list[Decisions]()
+    for one in found:
+        with suppress(ValueError):
+            sets.append(natural(one.decisions, PRIOR))
+    return list(dict.fromkeys(sets))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -241,7 +244,7 @@ def main() -> int:
             for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
         ]
         moments = Moments(drawn.statistics, posterior.weights)
-        first = [one.decisions for one in best(known, given.children, moments)]
+        first = natural_sets(best(known, given.children, moments))
         alive, generations = evolve(given, first, moments)
         finalists = finals(given, alive, moments)
     except ValueError as error:

@@ -121,7 +121,7 @@ def _others(found: Sequence[Final]) -> Table:
     return Table(
         "finalists",
         "The finalists",
-        "The best sets with natural values, replicated with other seeds than those that chose them. Misfit is the "
+        "The best sets, replicated with other seeds than those that chose them. Misfit is the "
         "squared distance of the eight mean scores and shares of food, and of their two slopes, in the spread of "
         "experiments, plus the excess of the thesis's surprise over its expectation "
         "(`thesis/inference/moments.py`). Differences are root mean "

@@ -62,7 +62,8 @@ class BehavioursEnv(RecallEnv[int]):
     what the thesis leaves open is read).
 
     ## Version history
-    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
+      (`docs/decisions.md`).
     - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 

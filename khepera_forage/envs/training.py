@@ -88,7 +88,8 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     so that its operator is asked for the marks themselves), `decisions` (a `Decisions`).
 
     ## Version history
-    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
+      (`docs/decisions.md`).
     - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 

@@ -54,7 +54,8 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
     commands on the same raw data.
 
     ## Version history
-    - v1: the default of `decisions` is `Decisions()`, as in this class.
+    - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
+      (`docs/decisions.md`).
     - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 

@@ -7,7 +7,7 @@ import pytest
 
 from khepera_forage import Decisions
 from khepera_forage.sim.arena import ARENAS
-from khepera_forage.thesis.inference.evolution import child, natural_step, rounded, simpler_values
+from khepera_forage.thesis.inference.evolution import child, natural, natural_step, simpler_values
 from khepera_forage.thesis.inference.individual_recalls import of_thesis, p_value
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.prior import PRIOR, Range, Shares, possible_decisions
@@ -77,7 +77,7 @@ def test_sets_without_failures_or_successes_do_not_fit(statistics: np.ndarray) -
 
 def test_children_stay_in_the_prior_and_mix_their_parents() -> None:
     rng = np.random.default_rng(5)
-    parents = [PRIOR.draw(rng).decisions for _ in range(3)]
+    parents = [natural(PRIOR.draw(rng).decisions, PRIOR) for _ in range(3)]
     children = [child(PRIOR, parents, rng) for _ in range(30)]
     inherited = 0
     for one in children:
@@ -94,10 +94,10 @@ def test_children_stay_in_the_prior_and_mix_their_parents() -> None:
 
 def test_rounded_sets_have_natural_values_in_the_prior() -> None:
     drawn = PRIOR.draw(np.random.default_rng(2)).decisions
-    natural = rounded(drawn, PRIOR)
-    assert natural == rounded(natural, PRIOR)
+    round_values = natural(drawn, PRIOR)
+    assert round_values == natural(round_values, PRIOR)
     for field in dataclasses.fields(Decisions):
-        value, part = getattr(natural, field.name), PRIOR.decisions.get(field.name)
+        value, part = getattr(round_values, field.name), PRIOR.decisions.get(field.name)
         if isinstance(part, Range):
             assert abs(value - getattr(drawn, field.name)) <= natural_step(part) / 2 + 1e-9
             assert len(f"{value:g}") <= 5, field.name
@@ -108,7 +108,7 @@ def test_rounded_sets_have_natural_values_in_the_prior() -> None:
 
 @pytest.mark.parametrize(("most", "step"), [(15.0, 1.0), (0.3, 0.02), (90.0, 5.0), (29.0, 1.0), (30.0, 2.0)])
 def test_natural_steps(most: float, step: float) -> None:
-    assert natural_step(Range(0.0, most, "-")) == pytest.approx(step)
+    assert natural_step(Range(0.0, most, "-"), 15) == pytest.approx(step)
 
 
 def test_simpler_values_begin_with_version_0_1_and_stay_in_the_prior() -> None:

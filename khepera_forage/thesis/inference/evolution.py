@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from numpy.random import Generator
@@ -16,15 +15,15 @@ CHANGED = 0.2
 """Probability that a field is changed."""
 STEP = 0.15
 """Standard deviation of a change, as a share of the prior's range."""
-STEPS_OF_A_RANGE = 15
-"""A range has at least this many natural values."""
-COARSE_STEPS_OF_A_RANGE = (4, 8)
+STEPS_OF_A_RANGE = 8
+"""A range has at least this many steps from one natural value to the next."""
+COARSE_STEPS_OF_A_RANGE = 4
 """The same for values that are simpler still."""
 _TRIES = 10_000
 
 
 def child(prior: Prior, parents: Sequence[Decisions], rng: Generator) -> Decisions:
-    """A set whose fields come from two random parents, some of them changed.
+    """A set with natural values whose fields come from two random parents, some of them changed.
 
     Args:
         prior: Its ranges are kept.
@@ -42,7 +41,7 @@ def child(prior: Prior, parents: Sequence[Decisions], rng: Generator) -> Decisio
             value = getattr(second if rng.random() < OTHER_PARENT else first, name)
             values[name] = _changed(part, value, rng) if rng.random() < CHANGED else value
         try:
-            return possible_decisions(values)
+            return natural(possible_decisions(values), prior)
         except ValueError as error:
             problem = str(error)
     raise ValueError(f"none of {_TRIES} children is possible; the last one: {problem}")
@@ -55,18 +54,22 @@ def _changed(part: Range | Shares, value: Any, rng: Generator) -> Any:
     return float(min(max(moved, part.least), part.most))
 
 
-def rounded(decisions: Decisions, prior: Prior) -> Decisions:
+def natural(decisions: Decisions, prior: Prior) -> Decisions:
     """The set with natural values: multiples of 1, 2 or 5 times a power of ten that are fine enough for the prior.
 
     Args:
         decisions: A set.
         prior: Its ranges are kept; fields that it does not draw stay as they are.
+
+    Raises:
+        ValueError: The rounded values break a rule between decisions.
     """
     changes: dict[str, Any] = {}
     for name, part in prior.decisions.items():
         if isinstance(part, Range):
             changes[name] = _nearest(part, getattr(decisions, name), natural_step(part))
-    return replace(decisions, **changes)
+    values = {name: getattr(decisions, name) for name in prior.decisions}
+    return possible_decisions(values | changes)
 
 
 def simpler_values(decisions: Decisions, name: str, prior: Prior) -> list[Any]:
@@ -83,9 +86,8 @@ def simpler_values(decisions: Decisions, name: str, prior: Prior) -> list[Any]:
     value, part = getattr(decisions, name), prior.decisions[name]
     values = [getattr(Decisions.v0_1(), name)]
     if isinstance(part, Range):
-        rounder = [_nearest(part, value, natural_step(part, steps)) for steps in COARSE_STEPS_OF_A_RANGE]
-        values = [one for one in (*values, *rounder) if part.least <= one <= part.most]
-    values = list(dict.fromkeys(values))
+        values = [*values, _nearest(part, value, natural_step(part, COARSE_STEPS_OF_A_RANGE))]
+        values = [one for one in dict.fromkeys(values) if part.least <= one <= part.most]
     return values[: values.index(value)] if value in values else values
 
 
