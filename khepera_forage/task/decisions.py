@@ -68,7 +68,7 @@ class Decisions(DecisionSet):
         "last one known",
         ("diagonal of the arena", "last one known"),
         "4.3",
-        "RobotFoodDistance while there is no candidate food.",
+        "RobotFoodDistance while there is no candidate food; the diagonal if any is known to be poisonous.",
     )
     held_food: str = choice(
         "candidate in the gripper",

@@ -134,9 +134,12 @@ def update_food(
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
         count_lost_rounds(links, tracks)
     find_nearest(tracker, foods, links, tracks, arena, x, y, arm, decisions)
-    if decisions.no_food_distance == LAST_DISTANCE and tracker.food_seen:
-        tracker.last_distance = length(tracker.food_x - x, tracker.food_y - y)
     _count(tracker, foods)
+    if decisions.no_food_distance == LAST_DISTANCE:
+        if tracker.food_seen:
+            tracker.last_distance = length(tracker.food_x - x, tracker.food_y - y)
+        elif tracker.deliverable < len(foods):
+            tracker.last_distance = -1.0  # or a robot would orient with poison that it has just left
 
 
 def share_identified(foods: Any, others: Any) -> None:

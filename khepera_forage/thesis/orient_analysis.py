@@ -133,8 +133,8 @@ def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
         "Why 'orient with food' is missed",
         "Confidence level (%) of 'orient with food' when a robot arrives next to food with its arm still raised, by "
         "how many pixels further from home the food lies than in training. In training the arm is lowered as soon as "
-        "the robot orients, so that an episode records only one or two such vectors, against about twenty of 'move "
-        "slowly' and 'search for food'. Start, food and home lie on one line in training. If the food lies further "
+        "the robot orients, so that an episode records only a few such vectors, against many of 'move slowly' and "
+        "'search for food'. Start, food and home lie on one line in training. If the food lies further "
         "from home, many of these vectors are therefore equally near, and the behaviour is drawn among them.",
         (Column("pixels beyond"), *(Column(f"{count} episodes", 1, estimate=True) for count in episodes)),
         lines,

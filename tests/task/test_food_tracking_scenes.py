@@ -161,6 +161,20 @@ def test_last_distance_is_that_of_the_last_candidate() -> None:
     assert story.tracker.last_distance == pytest.approx(30)
 
 
+def test_last_distance_is_forgotten_once_poison_is_known() -> None:
+    """Otherwise a robot that has backed off poison would count as next to food, and orient again, for ever."""
+    story = Story(no_food_distance="last one known")
+    story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    story.tracker.foods[0].known = FoodType.POISONOUS
+    story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    assert story.tracker.last_distance == pytest.approx(math.dist((44, 40), SECOND)), (
+        "the other one is a candidate"
+    )
+    story.tracker.foods[1].delivered = True
+    story.round((20, 40), EMPTY, region(1, FIRST), region(2, SECOND))
+    assert story.tracker.last_distance == -1
+
+
 def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     foods = [FoodObject(10, 10, type=FoodType.PUSHABLE), FoodObject(20, 10, type=FoodType.PICKABLE)]
     others = [FoodObject(10, 80, type=FoodType.PUSHABLE), FoodObject(20, 80, type=FoodType.PICKABLE)]
