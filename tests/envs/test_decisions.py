@@ -182,9 +182,8 @@ def test_recall_marker_is_that_of_the_robot() -> None:
 
 def test_teacher_delivers_under_other_decisions() -> None:
     """A changed reading of the thesis stays a task that the teacher can do."""
-    decisions = Decisions(
-        round_duration=0.08, next_to_food=19, close_to_food=35, home_radius=90, search_speed=10, arm_travel_time=0.8
-    )  # fmt: skip
+    changes = {"next_to_food": 19.0, "close_to_food": 35.0, "home_radius": 90.0, "search_speed": 10.0}
+    decisions = replace(V0_1, round_duration=0.08, arm_travel_time=0.8, **changes)
     env = BehavioursEnv(decisions=decisions)
     delivered = 0
     for seed in range(5):

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.settings import LabSettings, RobotSettings
 from khepera_forage.lab.settings_file import LabFileError, parse, sample
 from khepera_forage.sim.arena import Point, SetUp, named_arena
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP, V0_1
 
@@ -98,16 +100,18 @@ def test_custom_arena_is_read() -> None:
 
 
 def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
-    settings = parsed(sample())
+    defaults = Decisions()
+    set_up, period = set_up_of(defaults), defaults.round_duration
+    settings = parsed(sample(), set_up=set_up, period=period)
     assert len(settings.robots) == 2
     # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
     text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
-    assert parsed(text) == settings
+    assert parsed(text, set_up=set_up, period=period) == settings
     keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
     assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
-    assert load_settings(tmp_path / "lab.toml", V0_1) == settings
+    assert load_settings(tmp_path / "lab.toml", defaults) == settings
 
 
 @pytest.mark.parametrize(

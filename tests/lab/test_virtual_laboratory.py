@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
@@ -108,17 +109,34 @@ def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
     """Serial lines and camera frames change the number of rounds only a little."""
     options = {"start": (90, 115, 0), "foods": [(370, 115)]}
     counts = []
-    with virtual_laboratory(CORRIDOR, 1, noise=Noise.none(), appearance=CameraAppearance.none()) as lab:
-        for env in (BehavioursEnv(world=lab), BehavioursEnv(noise=Noise.none())):
-            teacher = Teacher(env.home_radius)
-            observation, info = env.reset(seed=1, options=options)
-            over = False
-            while not over:
-                observation, _, terminated, truncated, info = env.step(int(teacher.act(observation)))
-                over = terminated or truncated
+    appearance = CameraAppearance.none()
+    with virtual_laboratory(CORRIDOR, 1, V0_1, noise=Noise.none(), appearance=appearance) as lab:
+        for env in (
+            BehavioursEnv(world=lab, decisions=V0_1),
+            BehavioursEnv(noise=Noise.none(), decisions=V0_1),
+        ):
+            info = forage(env, options)
             assert info["delivered"] == 1
             counts.append(info["steps"])
     assert abs(counts[0] - counts[1]) <= 10
+
+
+def test_teacher_forages_under_the_default_decisions() -> None:
+    arena = checked_arena("corridor", Decisions())
+    with virtual_laboratory(arena, 1) as lab:
+        info = forage(BehavioursEnv(world=lab), {"start": (90, 100, 10), "foods": [(330, 125)]})
+    assert info["delivered"] == 1
+
+
+def forage(env: BehavioursEnv, options: dict[str, Any]) -> dict[str, Any]:
+    """The info after a forage of the teacher."""
+    teacher = Teacher.of(env)
+    observation, info = env.reset(seed=1, options=options)
+    over = False
+    while not over:
+        observation, _, terminated, truncated, info = env.step(int(teacher.act(observation)))
+        over = terminated or truncated
+    return info
 
 
 def test_recorded_experience_is_correct_on_disturbed_lines() -> None:

@@ -171,7 +171,7 @@ def test_values_are_numbers_in_the_order_of_the_fields() -> None:
 
 def test_changed_contains_only_what_differs_from_the_defaults() -> None:
     assert Decisions().changed() == {}
-    changes = {"next_to_food": 17.0, "no_food_distance": "last one known", "patience": 7}
+    changes = {"next_to_food": 17.0, "held_food": "no candidate", "patience": 7}
     assert Decisions.from_changes(changes).changed() == changes
     assert Decisions(next_to_food=Decisions().next_to_food).changed() == {}
 
@@ -234,8 +234,8 @@ def test_differing_gives_both_values_of_each_field_that_differs() -> None:
 
 
 def test_parse_reads_assignments() -> None:
-    parsed = Decisions.parse(["next_to_food=17", "patience=7", "no_food_distance=last one known"])
-    assert parsed.changed() == {"next_to_food": 17.0, "patience": 7, "no_food_distance": "last one known"}
+    parsed = Decisions.parse(["next_to_food=17", "patience=7", "held_food=no candidate"])
+    assert parsed.changed() == {"next_to_food": 17.0, "patience": 7, "held_food": "no candidate"}
     assert type(parsed.next_to_food) is float
     assert type(parsed.patience) is int
     assert Decisions.parse([]) == Decisions()
