@@ -182,7 +182,12 @@ def test_recall_marker_is_that_of_the_robot() -> None:
 
 def test_teacher_delivers_under_other_decisions() -> None:
     """A changed reading of the thesis stays a task that the teacher can do."""
-    changes = {"next_to_food": 19.0, "close_to_food": 35.0, "home_radius": 90.0, "search_speed": 10.0}
+    changes: dict[str, Any] = {
+        "next_to_food": 19.0,
+        "close_to_food": 35.0,
+        "home_radius": 90.0,
+        "search_speed": 10.0,
+    }
     decisions = replace(V0_1, round_duration=0.08, arm_travel_time=0.8, **changes)
     env = BehavioursEnv(decisions=decisions)
     delivered = 0
