@@ -76,8 +76,7 @@ def predictions_of_posterior(given: Arguments, drawn: Drawn, posterior: Posterio
 def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
     """All pages, by the name of their files."""
     posterior = infer(drawn.parameters, drawn.statistics, given.seed)
-    old = predictions_under("version 0.1", GREY, Decisions.v0_1(), given)
-    known = [old]
+    known = [predictions_under("version 0.1", GREY, Decisions.v0_1(), given)]
     if Decisions() != Decisions.v0_1():
         known.append(predictions_under("default", COLOURS[2], Decisions(), given))
     inferred = predictions_of_posterior(given, drawn, posterior)
@@ -87,7 +86,7 @@ def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
         "validation": validation_page.page(posterior),
         "posterior": posterior_page.page(drawn, posterior, given.seed),
         "cells": cells_page.page([*known, inferred], thesis),
-        "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, old.experiments),
+        "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, known),
         "claims": claims_page.page(given, drawn, posterior),
         "questions": questions_page.page(posterior, drawn.statistics, given.seed),
     }

@@ -29,8 +29,8 @@ def _prior() -> Table:
     return Table(
         "prior",
         "The prior",
-        "Numbers are uniform in their range; readings have the probability in brackets. Everything else has its "
-        "default. The ranges were written before anything was fitted.",
+        "Numbers are uniform in their range; readings have the probability in brackets. Everything else has the "
+        "value of version 0.1, or the laboratory's noise. The ranges were written before anything was fitted.",
         (Column("decision or noise"), Column("values"), Column("source")),
         rows,
     )

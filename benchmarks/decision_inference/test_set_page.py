@@ -1,9 +1,10 @@
 """The page of the test set: what was never fitted, and how much of it posterior and random sets predict."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from harness.figures import GREY, OURS, grid, new_figure
+from harness.figures import OURS, grid, new_figure
 from harness.page import Page, Picture
 from numpy.typing import NDArray
 
@@ -45,19 +46,21 @@ def predicted(statistics: Floats) -> NDArray[np.bool_]:
     return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= 1.96 * deviation))
 
 
-def page(predictions: Predictions, statistics: NDArray[np.float32], weights: Floats, old: Floats) -> Page:
+def page(
+    predictions: Predictions, statistics: NDArray[np.float32], weights: Floats, single: Sequence[Predictions]
+) -> Page:
     """What is predicted of the rectangle's tables.
 
     Args:
         predictions: Of the posterior.
         statistics: Of all admissible sets, shape (sets, experiments, statistics).
         weights: The posterior, one a set.
-        old: Statistics under the decisions of version 0.1, shape (experiments, statistics).
+        single: Of single sets: version 0.1 first, then the defaults if they are others.
     """
     columns = tested_columns()
     hits = predicted(statistics.astype(np.float64))[:, columns]
     counts = hits.sum(axis=1).astype(np.float64)
-    before = int(predicted(old[None])[0, columns].sum())
+    own = {one.name: int(predicted(one.experiments[None])[0, columns].sum()) for one in single}
     return Page(
         "The test set: what was never fitted",
         [
@@ -66,11 +69,11 @@ def page(predictions: Predictions, statistics: NDArray[np.float32], weights: Flo
             "alternatives and of summary statistics cannot be blind to that. [claims.md](claims.md) has the "
             "observations of sections 5.4.1.2 and 5.4.2.2, which were not fitted either.",
             _table(predictions, hits, weights),
-            _counts(counts, weights, before, len(columns)),
+            _counts(counts, weights, own, len(columns)),
             Picture(
                 "test_set",
                 "statistics that a set predicts",
-                _picture(counts, weights, before),
+                _picture(counts, weights, own, [one.colour for one in single]),
             ),
         ],
     )
@@ -110,13 +113,14 @@ def _table(predictions: Predictions, hits: NDArray[np.bool_], weights: Floats) -
     )
 
 
-def _counts(counts: Floats, weights: Floats, before: int, number: int) -> Table:
+def _counts(counts: Floats, weights: Floats, single: Mapping[str, int], number: int) -> Table:
+    before = next(iter(single.values()))
     even = np.full(len(counts), 1 / len(counts))
     rows: list[tuple[Value, ...]] = []
     for name, own in (("posterior", weights), ("admissible, at random", even)):
         middle = Estimate(*quantiles(counts, own, (0.5, 0.025, 0.975)))
         rows.append((name, middle, *(100 * float(own @ (counts >= least)) for least in (before, number - 1))))
-    rows.append(("version 0.1", Estimate(before, np.nan, np.nan), np.nan, np.nan))
+    rows += [(name, Estimate(count, np.nan, np.nan), np.nan, np.nan) for name, count in single.items()]
     return Table(
         "test_counts",
         "How many of them a set predicts",
@@ -132,7 +136,7 @@ def _counts(counts: Floats, weights: Floats, before: int, number: int) -> Table:
     )
 
 
-def _picture(counts: Floats, weights: Floats, before: int) -> "Figure":
+def _picture(counts: Floats, weights: Floats, single: Mapping[str, int], colours: Sequence[str]) -> "Figure":
     figure = new_figure(6.4, 3.2)
     axis = figure.subplots()
     bins = (np.arange(len(tested_columns()) + 2) - 0.5).tolist()
@@ -140,7 +144,8 @@ def _picture(counts: Floats, weights: Floats, before: int) -> "Figure":
         counts, bins, weights=np.full(len(counts), 1 / len(counts)), color="0.8", label="admissible sets"
     )
     axis.hist(counts, bins, weights=weights, histtype="step", color=OURS, linewidth=1.5, label="posterior")
-    axis.axvline(before, color=GREY, linestyle="--", label="version 0.1")
+    for (name, count), colour in zip(single.items(), colours, strict=True):
+        axis.axvline(count, color=colour, linestyle="--", label=name)
     axis.set_xticks(range(0, len(bins), 2))
     axis.set_xlabel("statistics of the rectangle that a set predicts")
     axis.set_ylabel("share of sets")
