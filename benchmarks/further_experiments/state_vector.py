@@ -170,8 +170,8 @@ EXPERIMENT = Experiment(
     "Another state vector",
     "5.4.1.2, 5.5",
     "Does a state vector that is redesigned to avoid the failures of the thesis's own remove them?",
-    "The redesign starts from three failures of the thesis's learner. *Next to food*, it misses ORIENT: the distance "
-    "from home tells where the food lay in training, but later it only matters whether the robot is at home. *With "
+    "The redesign starts from three failures of the thesis's learner under the decisions of version 0.1. *Next to "
+    "food*, it misses ORIENT: the distance from home tells where the food lay in training, but later it only matters whether the robot is at home. *With "
     "food in the gripper*, the distance from the food is meaningless: the robot's own marker hides the food and its "
     "last place stays behind; then the distance is that of the next food, or the diagonal if there is none. There was "
     "no other food in training. So a robot that carries food and sees none is mistaken for one that has just "
