@@ -161,7 +161,10 @@ def _summary(found: Analysis) -> str:
         ("a person with both faults", wrong, delay),
     ):
         rows = pick(found.recalls, condition=condition, amount=rounds, arena="corridor")
-        parts.append(f"{PERCENT.estimate(found.mean(rows, DELIVERED))} after {teacher}")
+        delivered = (
+            PERCENT.estimate(found.mean(rows, DELIVERED)) if rows else "nothing, as no training is complete,"
+        )
+        parts.append(f"{delivered} after {teacher}")
     return f"Food that the learner delivers in the corridor: {', '.join(parts)}. No person has been measured."
 
 
@@ -170,14 +173,19 @@ def _claim(found: Analysis, faults: str, condition: str, delay: int) -> Claim:
     rows = pick(found.recalls, condition=condition, amount=delay, arena="corridor")
     others = pick(found.recalls, condition=NO_WRONG_KEYS, amount=0, arena="corridor")
     food = FOOD_POINTS.estimate(found.difference(rows, others, DELIVERED))
+    measured = (
+        f"Mean score {found.percent(rows, SCORE)}, and {found.percent(others, SCORE)} after the hand-coded teacher; "
+        f"food delivered {found.percent(rows)} and {found.percent(others)}, {food}."
+        if rows
+        else "There is no such learner: in each replication, some episode of the training was never complete."
+    )
     return claim(
         f"{faults}: the learner is as good",
         "6.2",
         found.difference(rows, others, SCORE),
         Within(MARGIN),
         points,
-        f"Mean score {found.percent(rows, SCORE)}, and {found.percent(others, SCORE)} after the hand-coded teacher; "
-        f"food delivered {found.percent(rows)} and {found.percent(others)}, {food}.",
+        measured,
     )
 
 
