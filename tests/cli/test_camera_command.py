@@ -51,7 +51,7 @@ def preview(*arguments: str) -> int:
 
 def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture[str]) -> None:
     assert preview("--frames", "2", "--seed", "3") == 0
-    printed = capsys.readouterr().out
+    printed = capsys.readouterr().out.splitlines()[-1]  # a slow machine prints earlier frames, too
     camera = RenderedTraining(3)
     camera.newest()
     camera.newest()
