@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from harness.arguments import Arguments
+from khepera_forage.task.decision_versions import PRESENT
 from khepera_forage.thesis.figures import save
 from khepera_forage.thesis.tables import Table
 
@@ -91,10 +92,11 @@ def finish(given: Arguments, page: Page, *options: str) -> int:
 
 
 def machine() -> str:
-    """The machine and the versions that figures were measured with."""
+    """The machine, and the versions of packages and of the default decisions that figures were measured with."""
     versions = ", ".join(f"{name} {version(name)}" for name in _LIBRARIES)
     load = f", load average {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
-    return f"{_processor()}, {os.cpu_count()} cores{load}; Python {platform.python_version()}, {versions}."
+    computer = f"{_processor()}, {os.cpu_count()} cores{load}"
+    return f"{computer}; Python {platform.python_version()}, {versions}; decisions {PRESENT}."
 
 
 def _markdown(part: str | Table | Picture) -> str:
