@@ -41,7 +41,7 @@ class Decisions(DecisionSet):
 
     # The set-up of figure 5.1, whose picture did not survive.
     start_to_wall: float = number(
-        90.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
+        100.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
     )
     food_to_home: float = number(160.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
     home_to_wall: float = number(

@@ -59,6 +59,15 @@ def test_training_with_other_food_is_completed_without_poison_brought_home(food_
     assert complete >= 2
 
 
+@pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE", "POISONOUS"])
+def test_training_without_noise_is_complete_under_the_defaults(food_type: str) -> None:
+    """Distances repeat without noise: a robot could back off food and approach it for ever."""
+    env = TrainingEnv(food_types=food_type, noise=Noise.none())
+    env.reset(seed=0)
+    assert len(play(env)) < 200
+    assert env.terminations[TEACHER]
+
+
 def test_corresponding_food_has_one_type() -> None:
     env = TrainingEnv(food_types={"PICKABLE": 1, "PUSHABLE": 1, "POISONOUS": 1})
     seen = set()
