@@ -22,6 +22,7 @@ from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import Behaviour
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
+from tests.version_0_1 import V0_1
 
 ATTRIBUTES = 5
 DIAGONAL = 138
@@ -105,7 +106,7 @@ def test_the_redesigned_vector_does_not_depend_on_the_distance_of_the_home() -> 
 
 
 def test_recorded_moments_are_those_of_the_experience_file() -> None:
-    env = TrainingEnv()
+    env = TrainingEnv(decisions=V0_1)  # whose vectors follow from the raw data alone
     teacher = ObservingTeacher(env)
     with pytest.raises(AssertionError, match="there was no training"):
         teacher.moments()

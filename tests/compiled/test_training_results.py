@@ -25,7 +25,7 @@ ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1
 
 def test_corresponding_food_has_one_type_and_poison_is_always_avoided() -> None:
     """What is heard follows the teacher's food, and what is perceived the learner's own."""
-    trained = train_learners(600, food_types=MIXED)
+    trained = train_learners(600, food_types=MIXED, decisions=V0_1)
     shown = {
         FoodType.PICKABLE: Behaviour.PICK_UP_FOOD,
         FoodType.PUSHABLE: Behaviour.PUSH_FOOD,
