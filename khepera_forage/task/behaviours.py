@@ -4,7 +4,7 @@ What each commands. Speeds and readings are fields of `Decisions`:
 
 | behaviour | wheels | arm | jaw |
 |---|---|---|---|
-| SEARCH FOR FOOD | `search_speed` towards the food, round the home; `search_without_food` | 215 | open |
+| SEARCH FOR FOOD | `search_speed` to the food, round the home; `search_without_food` if none is seen | 215 | open |
 | MOVE SLOWLY | `slow_speed` towards the food, round the home | 215 | open |
 | ORIENT WITH FOOD | turn, `orient_speed` up to the barrier; back to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |

@@ -59,17 +59,16 @@ def natural(decisions: Decisions, prior: Prior) -> Decisions:
 
     Args:
         decisions: A set.
-        prior: Its ranges are kept; fields that it does not draw stay as they are.
+        prior: Its ranges are kept; fields that it does not draw get the values of version 0.1.
 
     Raises:
         ValueError: The rounded values break a rule between decisions.
     """
-    changes: dict[str, Any] = {}
+    values = {name: getattr(decisions, name) for name in prior.decisions}
     for name, part in prior.decisions.items():
         if isinstance(part, Range):
-            changes[name] = _nearest(part, getattr(decisions, name), natural_step(part))
-    values = {name: getattr(decisions, name) for name in prior.decisions}
-    return possible_decisions(values | changes)
+            values[name] = _nearest(part, values[name], natural_step(part))
+    return possible_decisions(values)
 
 
 def simpler_values(decisions: Decisions, name: str, prior: Prior) -> list[Any]:
