@@ -4,8 +4,8 @@
 
 Teacher and imitator in a family of random arenas: recalls with the same seeds on both backends. Teacher and imitator
 in corridor and rectangle: scores, steps and food delivered of thousands of recalls on each backend, and the same with
-wheels 2 % slow on the compiled one, which the tests must detect. The cells of `khepera-forage reproduce` beside those
-of version 0.1. Needs numba (the extra `fast`).
+wheels 2 % slow on the compiled one, which the tests must detect. The thesis's experiments, training included, on both
+backends. The cells of `khepera-forage reproduce` beside those of version 0.1. Needs numba (the extra `fast`).
 """
 
 import sys
@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from backend_agreement import (
     before_after,
+    experiments,
     page,
     paired,
     paired_pictures,
@@ -30,17 +31,21 @@ from harness.processes import Unit, collect
 from harness.rows import Rows
 from harness.tables import pick
 
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.thesis.tables import Table
 
 COUNTS = (
     Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True),
     Count("arenas", 120, 20, "random arenas", adds_units=True),
     Count("recalls", 12, 1, "recalls of each policy in each random arena", adds_units=True),
-    Count("replications", 1_000, 5, "replications of the thesis's design", adds_units=True),
+    Count("experiments", 48, 2, "replications of the thesis's design with pymunk", adds_units=True),
+    Count(
+        "replications", 1_000, 5, "compiled replications under the decisions of version 0.1", adds_units=True
+    ),
 )
 REPEATS, QUICK_REPEATS = 200, 20
 """Repeated samples for the power of the tests."""
-TABLES = {PymunkRecall: "pymunk_recalls", PairedRecall: "paired_recalls"}
+TABLES = {PymunkRecall: "pymunk_recalls", PairedRecall: "paired_recalls", RecallRow: "experiments"}
 Parts = list[str | Table | Picture]
 
 
@@ -52,11 +57,13 @@ def main() -> int:
     arenas = [random_arena(seed, number, given.counts["recalls"]) for number in range(given.counts["arenas"])]
     work: list[Unit] = [*samples.blocks(seed, given.counts["episodes"], imitators)]
     work += paired.units(arenas, paired.trained_imitator(seed))
+    work += [experiments.Experiment(seed, number) for number in range(given.counts["experiments"])]
     rows = collect(given, work, TABLES)
     parts = [
         page.SUMMARY,
         *_in_random_arenas(given, rows, arenas),
         *_in_thesis_arenas(given, rows, imitators),
+        _experiments(given, rows),
     ]
     replications = given.counts["replications"]
     now = before_after.reproduced(seed, replications, given.out / "thesis", given.quick)
@@ -103,6 +110,14 @@ def _in_thesis_arenas(given: Arguments, rows: Rows, imitators: tuple[samples.Vec
         page.power_table(power, repeats),
         Picture("agreement", "distributions of steps and scores", page.picture(found)),
     ]
+
+
+def _experiments(given: Arguments, rows: Rows) -> Table:
+    """Training and recalls on both backends."""
+    count = experiments.COMPILED_FACTOR * given.counts["experiments"]
+    return experiments.experiments_table(
+        rows.of(RecallRow), experiments.compiled_experiments(given.seed, count)
+    )
 
 
 if __name__ == "__main__":

@@ -63,7 +63,9 @@ def compare(condition: Condition, pymunk: Sample, compiled: Sample) -> list[Comp
         a, b = getattr(pymunk, measure), getattr(compiled, measure)
         difference, p_mean = welch(a, b)
         found.append(
-            Comparison(condition, measure, _mean(a), _mean(b), difference, p_mean, kolmogorov_smirnov(a, b))
+            Comparison(
+                condition, measure, mean_of(a), mean_of(b), difference, p_mean, kolmogorov_smirnov(a, b)
+            )
         )
     return found
 
@@ -78,6 +80,12 @@ def welch(a: Floats, b: Floats) -> tuple[Estimate, float]:
     freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
     half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
     return Estimate(value, value - half, value + half), float(2 * stats.t.sf(abs(value) / spread, freedom))
+
+
+def mean_of(values: Floats) -> Estimate:
+    """The mean with its 95 % interval."""
+    value, half = float(values.mean()), 1.96 * float(values.std(ddof=1)) / math.sqrt(len(values))
+    return Estimate(value, value - half, value + half)
 
 
 def kolmogorov_smirnov(a: Floats, b: Floats) -> float:
@@ -116,8 +124,3 @@ def power(
             b = rng.choice(other.steps, len(other.steps))
             found[row] += welch(a, b)[1] < LEVEL, kolmogorov_smirnov(a, b) < LEVEL
     return Power(condition, *(percent(int(count), repeats) for count in found.ravel()))
-
-
-def _mean(values: Floats) -> Estimate:
-    value, half = float(values.mean()), 1.96 * float(values.std(ddof=1)) / math.sqrt(len(values))
-    return Estimate(value, value - half, value + half)

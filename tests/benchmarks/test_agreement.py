@@ -1,12 +1,13 @@
 """`benchmarks/agreement.py`: both backends are compared, and an artificial difference is detected."""
 
 import math
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
-from backend_agreement import before_after, paired_tables, samples, two_sample_tests
+from backend_agreement import before_after, experiments, paired_tables, samples, two_sample_tests
 from backend_agreement.arenas import (
     KINDS,
     MOST_FOODS,
@@ -19,9 +20,12 @@ from backend_agreement.arenas import (
 from backend_agreement.paired import COMPILED, ODDS, POLICIES, PYMUNK
 
 from khepera_forage.geometry.walls import clearance, walls_of
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Point
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.task.states import FoodType
+from khepera_forage.thesis.design import THESIS
 from khepera_forage.thesis.statistics import Estimate
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
@@ -196,6 +200,34 @@ def test_p_of_a_difference_by_hand() -> None:
     assert paired_tables.p_of(Estimate(0.0, 0.0, 0.0)) == 1.0
     assert paired_tables.p_of(Estimate(1.0, 1.0, 1.0)) == 0.0
     assert math.isnan(paired_tables.p_of(Estimate(1.0, math.nan, math.nan)))
+
+
+def test_the_experiments_table_has_the_means_of_the_rows(out: Path) -> None:
+    rows = read_rows(out / "experiments.csv", RecallRow)
+    table = {
+        (row["arena"], row["episodes"], row["measure"]): row for row in read(out / "table_experiments.csv")
+    }
+    assert len(table) == 7 * len(experiments.MEASURES)
+    for cell in THESIS:
+        own = [row for row in rows if (row.arena, row.episodes) == (cell.arena, cell.episodes)]
+        assert len(own) == 2 * cell.size
+        for measure, value in experiments.MEASURES.items():
+            line = table[cell.arena, str(cell.episodes), measure]
+            assert float(line["pymunk"]) == pytest.approx(np.mean([value(row) for row in own]), rel=1e-4)
+
+
+def test_a_difference_between_experiments_is_named(out: Path) -> None:
+    rows = read_rows(out / "experiments.csv", RecallRow)
+    many = [replace(row, replication=row.replication + 2 * copy) for copy in range(5) for row in rows]
+    assert "No test detects a difference." in experiments.experiments_table(many, many).note
+    larger = [
+        replace(row, experience_size=2 * row.experience_size) if row.arena == "rectangle" else row
+        for row in many
+    ]
+    note = experiments.experiments_table(many, larger).note
+    assert "vectors in the rectangle after 10 episodes" in note
+    assert "corridor" not in note
+    assert "score" not in note
 
 
 def test_results_of_version_0_1_stand_beside_those_of_this_run(out: Path) -> None:

@@ -56,8 +56,8 @@ class Script:
 
 SCRIPTS = {
     "agreement": Script(
-        ("--episodes", "--arenas", "--recalls", "--replications", "--jobs", "--fresh"),
-        ("pymunk_recalls", "paired_recalls"),
+        ("--episodes", "--arenas", "--recalls", "--experiments", "--replications", "--jobs", "--fresh"),
+        ("pymunk_recalls", "paired_recalls", "experiments"),
         run=("--episodes", "10", "--arenas", "8"),
         needs=("numba",),
     ),
