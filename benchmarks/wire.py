@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,13 +22,7 @@ from harness.processes import collect
 from harness.tables import extremes, pick, quantiles
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_RAISED,
-    JAW_CLOSED,
-    JAW_OPEN,
-    Motors,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.port import BAUD_RATES, BITS_PER_BYTE, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -48,19 +42,21 @@ if TYPE_CHECKING:
 FLEETS = (1, 2, 4, 8)
 """Numbers of robots."""
 FLEET_BAUD = 38400
-TIMING = timing_of(DEFAULT_DECISIONS)
+DECISIONS = replace(DEFAULT_DECISIONS, arm_travel_time=1.0)
+"""An arm that takes several rounds, as the driver expects, so that rounds with a moving gripper are typical ones."""
+TIMING = timing_of(DECISIONS)
 PERIOD_MS = 1000 * TIMING.round_duration
-_MOVEMENT_PERIOD = 2 * math.ceil(DEFAULT_DECISIONS.arm_travel_time / TIMING.round_duration)
+_MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_duration)
 """Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
 _LINE_NOTE = (
     "One robot. The bytes are those that the driver and a virtual Khepera exchange while the robot drives about and "
-    f"moves its gripper; a byte takes {BITS_PER_BYTE} bits. Bytes and time on the wire: median [lowest, highest]. "
-    "Measured: `transmit` and `receive` with a virtual Khepera at the pace of the baud rate, without the time of the "
-    "simulation; median [5th, 95th percentile]. Rounds in which the driver reads an unexpected value a second time are "
-    "included."
+    f"moves its gripper, whose arm takes {DECISIONS.arm_travel_time:g} s; a byte takes {BITS_PER_BYTE} bits. Bytes and "
+    "time on the wire: median [lowest, highest]. Measured: `transmit` and `receive` with a virtual Khepera at the pace "
+    "of the baud rate, without the time of the simulation; median [5th, 95th percentile]. Rounds in which the driver "
+    "reads an unexpected value a second time are included."
 )
 _FLEET_NOTE = (
     f"All at {FLEET_BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
@@ -148,7 +144,7 @@ class Drive(NamedTuple):
 @contextmanager
 def _fleet(baud: int, robots: int, seed: int) -> Iterator[tuple[Fleet, Callable[[], None]]]:
     """Robots behind virtual Kheperas, and a function that advances their simulated world by a round."""
-    corridors = copies(checked_arena(CORRIDOR, DEFAULT_DECISIONS), robots)
+    corridors = copies(checked_arena(CORRIDOR, DECISIONS), robots)
     world = PymunkWorld(corridors, [1 + number % 2 for number in range(robots)], timing=TIMING)
     starts = tuple(arena.start for arena in world.arenas)
     world.reset(np.random.default_rng(seed), Layout(starts, ()))

@@ -33,8 +33,7 @@ def test_a_round_asks_for_what_a_step_needs_and_fits_at_38400_baud(out: Path) ->
         if row["gripper"] == "0":
             assert int(row["sent"]) <= len("D,-12,-12\nN\nT,1,G\nH\n") + len("E\nN\n")
         if int(row["baud"]) >= 38400:
-            # An arm that moves within one round is read again, because the driver expects a slower one.
-            assert float(row["wire"]) < (60 if row["gripper"] == "0" else 80), "well within 100 ms"
+            assert float(row["wire"]) < 60, "well within 100 ms"
 
 
 def test_every_baud_rate_and_number_of_robots_has_its_line(out: Path) -> None:
