@@ -23,7 +23,7 @@ from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.forager_view import food_views, robot_view
+from khepera_forage.envs.rendering.forager_view import recall_view
 from khepera_forage.envs.rendering.renderer import RENDER_MODES
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
@@ -183,18 +183,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """What a picture of the present round shows."""
         forager = self.forager
         info = self._info(forager)
-        scene = self.world.camera.look()
-        return View(
-            arenas=(self.arena,),
-            robots=(robot_view("robot", forager, self.world, 0, None, self._executed, self.confidence),),
-            foods=food_views(self.world, (forager,)),
-            regions=scene.regions,
-            step=self._episode.steps,
-            limit=self.limit,
-            score=info["score"],
-            delivered=info["delivered"],
-            title=f"Recall in the {self.arena.name}",
-        )
+        return recall_view(self.arena, self.world, forager, info, self.limit, self._executed, self.confidence)
 
     def close(self) -> None:
         """Stop the robot and close the window."""

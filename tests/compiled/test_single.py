@@ -123,6 +123,21 @@ def test_places_are_as_given_and_seeds_repeat_them() -> None:
     assert len({tuple(pose) for pose in poses}) == 3
 
 
+def test_world_is_that_of_the_episode() -> None:
+    env = _make("Corridor", noise=Noise.none())
+    env.reset(seed=4)
+    twin = pickle.loads(pickle.dumps(env.unwrapped))
+    for _ in range(5):
+        info = env.step(0)[4]
+    world = env.unwrapped.world
+    assert world.poses()[0][:2] == pytest.approx(info["pose"][:2] * 5.0)
+    assert world.food_places()[0][:2] == tuple(env.unwrapped.layout.foods[0])
+    assert [region.holes for region in world.camera.look().regions] == [2, 0]
+    assert twin.world.poses()[0] == tuple(env.unwrapped.layout.starts[0])
+    twin.step(0)
+    assert twin.world.poses()[0] != tuple(env.unwrapped.layout.starts[0])
+
+
 def test_view_shows_the_true_world() -> None:
     env = _make("Corridor", noise=Noise.none(), render_mode="rgb_array")
     _, info = env.reset(seed=3)

@@ -10,22 +10,23 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import FoodOdds
+from khepera_forage.envs.arguments import FoodOdds, timing_of
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.envs.compiled.forager import CompiledForager
 from khepera_forage.envs.compiled.one_world import OneWorld
 from khepera_forage.envs.compiled.parameters import recall_parameters
 from khepera_forage.envs.compiled.records import TASK, episode_dtype, tracker_dtype
-from khepera_forage.envs.compiled.view import view_of
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
 from khepera_forage.envs.rendering import View
+from khepera_forage.envs.rendering.forager_view import recall_view
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled.records import robot_dtype
+from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
@@ -58,6 +59,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     Attributes:
         layout: Where everything stood at the last reset.
+        world: The bodies and the camera as they are now; only the environment resets and advances them.
         confidence: Confidence level of each behaviour, shown beside the picture; a policy's owner may set it.
 
     Raises:
@@ -91,6 +93,9 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.action_space, self.observation_space = like.action_space, like.observation_space
         self._home = np.array([task.arena[f"map_home_{name}"][0] for name in ("x", "y", "radius")])
         self._world = OneWorld(bodies, task, self._numbers)
+        self.world = CompiledWorld(
+            self.arena, noise, holes=self.decisions.recall_marker, timing=timing_of(self.decisions)
+        )
         self._read()
         self._seeded = False
         self._over = True
@@ -131,15 +136,12 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         world.begins[0] = False
         if not world.has_room[0]:
             raise no_room(self.arena, self.foods)
+        self.world.show(world.worlds.bodies, world.parameters)
         self._seeded = True
         self._over = False
         self._executed = None
         # The robot has stood still for one round, so it is still where it started.
-        robot, foods = world.worlds.bodies.robots[0], world.worlds.bodies.foods[0]
-        start = Pose(*(float(robot[name][0]) for name in ("x", "y", "heading")))
-        self.layout = Layout(
-            (start,), tuple(Point(float(food["x"][0]), float(food["y"][0])) for food in foods)
-        )
+        self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
         if self.render_mode == "human":
             self.render()
         task = self._task.tolist()
@@ -173,11 +175,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        self._require_first_reset()
-        info = self._info(self._task.tolist(), self._episode.item())
-        return view_of(self._world, self.arena, self.forager, self._executed, self.confidence)._replace(
-            step=info["steps"], limit=self.limit, score=info["score"], delivered=info["delivered"]
-        )
+        forager, info = self.forager, self._info(self._task.tolist(), self._episode.item())
+        return recall_view(self.arena, self.world, forager, info, self.limit, self._executed, self.confidence)
 
     def close(self) -> None:
         """Close the window."""
@@ -198,6 +197,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._read()
+        if self._seeded:
+            self.world.show(self._world.worlds.bodies, self._world.parameters)
 
     def _read(self) -> None:
         """Keep views of the records that every step reads."""

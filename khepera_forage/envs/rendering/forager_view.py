@@ -1,17 +1,32 @@
 """Views of the robots and the food in an environment, for its pictures."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
-from khepera_forage.envs.forager import Forager
-from khepera_forage.envs.rendering.view import FoodView, RobotView
+from khepera_forage.envs.rendering.view import FoodView, RobotView, View
+from khepera_forage.robots.khepera import Senses
+from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import World
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.food_tracking import FoodTracker
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
+
+
+class Foraging(Protocol):
+    """What a picture shows of a robot at its task, on either backend."""
+
+    holes: int
+    senses: Senses
+    raw: RawData
+    vector: StateVector
+    state: State
+    tracker: FoodTracker
 
 
 def robot_view(
     name: str,
-    forager: Forager,
+    forager: Foraging,
     world: World,
     index: int,
     heard: Behaviour | None = None,
@@ -45,11 +60,11 @@ def robot_view(
         executed=executed,
         confidence=confidence,
         separated=separated,
-        tracked=forager.own.found,
+        tracked=forager.raw.tracked,
     )
 
 
-def food_views(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ...]:
+def food_views(world: World, foragers: Sequence[Foraging]) -> tuple[FoodView, ...]:
     """The views of all food, with the type and delivery status in the food tracker of its arena's robot.
 
     Args:
@@ -61,4 +76,37 @@ def food_views(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ...
         FoodView(x=place.x, y=place.y, food_type=food_type, lifted=place.lifted, delivered=delivered)
         for place, (food_type, delivered) in zip(world.food_places(), known, strict=True)
         if math.isfinite(place.x)
+    )
+
+
+def recall_view(
+    arena: Arena,
+    world: World,
+    forager: Foraging,
+    info: Mapping[str, Any],
+    limit: int,
+    executed: Behaviour | None,
+    confidence: tuple[float, ...] | None,
+) -> View:
+    """What a picture of a recall shows.
+
+    Args:
+        arena: Where the robot forages.
+        world: Its bodies, and the camera.
+        forager: The robot at its task.
+        info: The environment's info.
+        limit: Steps of an episode, at most.
+        executed: The last behaviour executed.
+        confidence: Confidence level of each behaviour, if the robot is an imitator.
+    """
+    return View(
+        arenas=(arena,),
+        robots=(robot_view("robot", forager, world, 0, None, executed, confidence),),
+        foods=food_views(world, (forager,)),
+        regions=world.camera.look().regions,
+        step=info["steps"],
+        limit=limit,
+        score=info["score"],
+        delivered=info["delivered"],
+        title=f"Recall in the {arena.name}",
     )

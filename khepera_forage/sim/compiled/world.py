@@ -7,26 +7,14 @@ import numpy as np
 
 from khepera_forage.compilation.trigonometry import cosine_sine
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import (
-    ARM_ON_FLOOR,
-    FOOD_RADIUS,
-    Motors,
-    Senses,
-    applicable,
-)
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, Motors, Senses, applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.compiled.bodies import empty_bodies
+from khepera_forage.sim.compiled.bodies import Bodies, empty_bodies
 from khepera_forage.sim.compiled.numbers import MOST_FOODS
-from khepera_forage.sim.compiled.parameters import parameters_of
+from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.compiled.start import stand_in_blocks
 from khepera_forage.sim.compiled.stepping import advance_all
-from khepera_forage.sim.layout_checks import (
-    arena_of,
-    check_apart,
-    check_robot,
-    check_seen,
-    check_starts,
-)
+from khepera_forage.sim.layout_checks import arena_of, check_apart, check_robot, check_seen, check_starts
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.scene import Region, Scene
 from khepera_forage.vision.shapes import (
@@ -169,15 +157,25 @@ class CompiledWorld:
         for food in layout.foods:
             arena_of(self.arenas, "food", food, FOOD_RADIUS)
         check_apart(layout)
-        self._bodies = bodies = empty_bodies(1, foods, lanes=1)
-        self._parameters = parameters_of(arena, foods, self.noise, holes=self.markers[0], timing=self._timing)
-        self.robots = (CompiledKhepera(bodies.robots[0]),)
-        self.camera.reset(bodies.robots[0], bodies.tracks[0, 0])
+        bodies = empty_bodies(1, foods, lanes=1)
+        parameters = parameters_of(arena, foods, self.noise, holes=self.markers[0], timing=self._timing)
+        self.show(bodies, parameters)
         bodies.robots["key"] = rng.spawn(1)[0].integers(2**64, dtype=np.uint64)
-        stand_in_blocks(bodies, self._parameters, np.array(layout.starts))
+        stand_in_blocks(bodies, parameters, np.array(layout.starts))
         for k, food in enumerate(layout.foods):
             bodies.foods[0, k]["x"], bodies.foods[0, k]["y"] = food
         self.advance()  # Nothing moves: this takes the first frame.
+
+    def show(self, bodies: Bodies, parameters: Parameters) -> None:
+        """Be the world of these records, which others may change.
+
+        Args:
+            bodies: The records of one block with one lane.
+            parameters: Theirs, of the same arena, noise, marker and timing.
+        """
+        self._bodies, self._parameters = bodies, parameters
+        self.robots = (CompiledKhepera(bodies.robots[0]),)
+        self.camera.reset(bodies.robots[0], bodies.tracks[0, 0])
 
     def advance(self) -> None:
         """One round.
