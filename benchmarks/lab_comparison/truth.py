@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from khepera_forage.envs.arguments import food_odds
-from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.forager import Forager, arena_map_of, perceive_all
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import PULSE, SPEED_UNIT, Motors, Senses, applicable
@@ -59,7 +59,7 @@ class Truth:
         self._lab = lab
         self._pulses_a_unit = SPEED_UNIT * lab.round_duration / PULSE
         self._reported = foragers
-        self._foragers = []
+        self._foragers: list[Forager] = []
         for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
             arena_map = arena_map_of(arena)
             tracker = tracker_of(arena.foods)
@@ -67,17 +67,16 @@ class Truth:
             self._foragers.append(
                 Forager(_Body(body), arena_map, reported.holes, tracker, reported.decisions)
             )
-        for forager in self._foragers:
-            forager.perceive(lab.camera.look())
+        perceive_all(self._foragers, lab.camera.look())
         self._before = [(f.senses, true.senses) for f, true in self._pairs()]
 
     def end_round(self) -> RoundFailures:
         """Perceive at the end of a round, and compare."""
         halted = misread = miscounted = False
-        scene = self._lab.camera.look()
-        for i, (reported, true) in enumerate(self._pairs()):
+        for reported, true in self._pairs():
             true.applied = reported.applied
-            true.perceive(scene)
+        perceive_all(self._foragers, self._lab.camera.look())
+        for i, (reported, true) in enumerate(self._pairs()):
             reported_before, true_before = self._before[i]
             turned = _turned(true_before, true.senses)
             wanted = tuple(round(self._pulses_a_unit * speed) for speed in reported.applied[:2])

@@ -1,6 +1,7 @@
 """One robot at its task: from `Senses` and `Scene` to raw data, state vector and state, round after round."""
 
 import math
+from collections.abc import Sequence
 
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import Motors, Robot, Senses
@@ -8,7 +9,7 @@ from khepera_forage.sim.arena import Arena
 from khepera_forage.task.arena_map import ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, update_food
+from khepera_forage.task.food_tracking import FoodTracker, share_identified, update_food
 from khepera_forage.task.identification import explored
 from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
@@ -123,3 +124,18 @@ class Forager:
         self.raw = perceive(self.senses, own, tracker, self.arena)
         self.vector = state_vector(self.raw, without_food(tracker, self.arena, self.decisions))
         self.state = classify(self.vector, self.arena.home_radius, self.decisions)
+
+
+def perceive_all(foragers: Sequence[Forager], scene: Scene) -> None:
+    """Let the robots of paired arenas perceive what the last round has brought.
+
+    What one identifies, the next ones know at once, and the others a round later.
+
+    Raises:
+        RuntimeError: The scene has no marker of a robot.
+    """
+    for forager in foragers:
+        forager.perceive(scene)
+        for other in foragers:
+            if other is not forager:
+                share_identified(forager.tracker.foods, other.tracker.foods)

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.forager import Forager
+from khepera_forage.envs.forager import Forager, perceive_all
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step, has_done_its_part
-from khepera_forage.task.food_tracking import share_identified
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
@@ -123,11 +122,8 @@ class TrainingEpisode:
         }
 
     def _perceive(self, scene: Scene) -> None:
-        """Let every robot perceive; what one identifies, the next ones know at once, and the others a round later."""
-        for i, forager in enumerate(self.foragers):
-            forager.perceive(scene)
-            for other in self.foragers[:i] + self.foragers[i + 1 :]:
-                share_identified(forager.tracker.foods, other.tracker.foods)
+        """Let every robot perceive, and update the pairs."""
+        perceive_all(self.foragers, scene)
         teacher = self.foragers[0]
         for pairing, forager in zip(self.pairings[1:], self.foragers[1:], strict=True):
             update_pairing(
