@@ -7,6 +7,7 @@ import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments, shape_moments
+from khepera_forage.vision.detection.partial_disc import with_true_centre
 from khepera_forage.vision.detection.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -37,7 +38,11 @@ class FoodDetector:
     def detect(self, patch: ImagePatch) -> ShapeMoments | None:
         """The one food object in a patch; None for anything else, or for part of a food object."""
         moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
-        return moments if moments is not None and self._has_food_size(moments) else None
+        if moments is None or not self._has_food_size(moments):
+            return None
+        return with_true_centre(
+            patch, moments, self._calibration, 2 * self._deviation, self._settings.food_height
+        )
 
     def split(self, patch: ImagePatch) -> Iterator[tuple[ShapeMoments, Frame]]:
         """The touching food objects in a patch, each with its own mask."""
