@@ -81,8 +81,8 @@ def test_food_partly_under_the_border_of_a_marker_keeps_its_centre(distance: flo
             if not d.holes:
                 errors.append(math.dist((d.x, d.y), (food[0] / 5, food[1] / 5)))
     assert len(errors) > 50
-    assert float(np.median(errors)) < 0.15
-    assert float(np.quantile(errors, 0.95)) < 0.3
+    assert float(np.median(errors)) < 0.1
+    assert float(np.quantile(errors, 0.95)) < 0.2
 
 
 def test_features_match_the_shapes() -> None:

@@ -15,7 +15,7 @@ _STEP = 0.25
 """Region pixels from one sample of a ray to the next."""
 _INSIDE, _OUTSIDE = 2.0, 2.0
 """Region pixels by which rays begin within the radius, and end beyond it."""
-_HIDDEN = 0.2
+_HIDDEN = 0.12
 """Region pixels by which the shape ends before the disc's rim where something hides it."""
 _LEAST_RAYS = 15
 """Rays to the visible rim from which the centre is known."""
