@@ -38,7 +38,7 @@ class DisturbedAttempt:
         rounds: Begun rounds.
         lost: What was lost in the last round; empty if nothing was.
         kept: Whether the experience is on disk: of a complete attempt, of one interrupted by a loss, or of the last
-            one. That of an attempt with a separation is forgotten (5.2).
+            one. That of another incomplete attempt is forgotten (5.2).
         replies: Of the robots in the rounds.
         faults: In the rounds.
         unseen: Garbled replies among these that read as other valid ones.

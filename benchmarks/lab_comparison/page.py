@@ -44,7 +44,7 @@ _FAULT_NOTE = (
 _EXPERIENCE_NOTE = (
     "The same rounds; every fault begins with the same trainings. Shown: state vectors with a behaviour, as the "
     "learner perceived and heard them. On disk: vectors in the files of episodes that were complete or interrupted. "
-    "Forgotten: vectors of attempts that ended with a separation (5.2). Altered: missing on disk, additional, or "
+    "Forgotten: vectors of incomplete attempts (5.2). Altered: missing on disk, additional, or "
     "different from what was shown. Wrong: shown vectors that differ from what the learner's body senses in that "
     "round, or whose behaviour differs from what the teacher would call on its own body's senses. The protocol has no "
     "checksum: unseen are garbled replies that read as other valid ones. The driver repeats its request where a "
