@@ -9,7 +9,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments
 
 ROUND = 0.98
-"""Ratio of the axes from which a shape is taken for a whole disc: 3 % of the area are then hidden at most."""
+"""Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
 _RAYS = 36
 _STEP = 0.25
 """Region pixels from one sample of a ray to the next."""
@@ -23,6 +23,9 @@ _REPEATS = 8
 
 _ANGLES = 2 * math.pi * np.arange(_RAYS) / _RAYS
 _DIRECTIONS = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
+_TERMS = np.column_stack((_DIRECTIONS, np.ones(_RAYS)))
+"""How the edge along each ray changes with a shift of the centre, to first order, and with the radius, which blur and
+brightness change a little."""
 
 
 def with_true_centre(
@@ -53,11 +56,9 @@ def with_true_centre(
     for _ in range(_REPEATS):
         if visible.sum() < _LEAST_RAYS:
             return moments
-        # Far from the rim's centre by (x, y), the edge is nearer or farther by the projection onto the ray; the third
-        # unknown is the radius, because blur and brightness change it a little.
-        terms = np.column_stack((_DIRECTIONS, np.ones(_RAYS)))
-        shift = np.linalg.lstsq(terms[visible], edges[visible] - radius, rcond=None)[0]
-        residuals = edges - radius - terms @ shift
+        shift = np.linalg.lstsq(_TERMS[visible], edges[visible] - radius, rcond=None)[0]
+        residuals = edges - radius - _TERMS @ shift
+        # A quarter of the rays at a time, because the hidden part of the rim has shifted the circle, too.
         worst = np.quantile(residuals[visible], 0.25)
         hidden = visible & (residuals < -_HIDDEN) & (residuals <= worst)
         if not hidden.any():
@@ -75,7 +76,7 @@ def _edges(
     """Distance from the centre to the edge of the shape along each ray, region pixels; not a number without edge."""
     import cv2
 
-    along = np.arange(radius - _INSIDE, radius + _OUTSIDE, _STEP)
+    along = np.arange(max(0.0, radius - _INSIDE), radius + _OUTSIDE, _STEP)
     steps = _DIRECTIONS @ to_picture.T
     columns = moments.u - patch.column - 0.5 + steps[:, :1] * along
     rows = moments.v - patch.row - 0.5 + steps[:, 1:] * along
