@@ -92,7 +92,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.diagonal, self.home_radius = like.diagonal, like.home_radius
         self.action_space, self.observation_space = like.action_space, like.observation_space
         self._home = np.array([task.arena[f"map_home_{name}"][0] for name in ("x", "y", "radius")])
-        self._world = OneWorld(bodies, task, self._numbers)
+        self._one_world = OneWorld(bodies, task, self._numbers)
         self.world = CompiledWorld(
             self.arena, noise, holes=self.decisions.recall_marker, timing=timing_of(self.decisions)
         )
@@ -107,7 +107,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def forager(self) -> CompiledForager:
         """The robot at its task, as it is now."""
         self._require_first_reset()
-        return CompiledForager(self._world, self.arena, self.decisions)
+        return CompiledForager(self._one_world, self.arena, self.decisions)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -122,7 +122,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
         super().reset(seed=seed)
-        world = self._world
+        world = self._one_world
         world.start[:], world.places[:] = as_records(
             *given_places(self.arena, self.foods, options or {}), self.foods
         )
@@ -156,8 +156,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """
         if self._over:
             self._require_reset()
-        self._command(action, self._world.action)
-        self._world.step()
+        self._command(action, self._one_world.action)
+        self._one_world.step()
         task, episode = self._task.tolist(), self._episode.item()
         terminated, truncated = episode[_TERMINATED], episode[_TRUNCATED]
         self._over = terminated or truncated
@@ -198,12 +198,12 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.__dict__.update(state)
         self._read()
         if self._seeded:
-            self.world.show(self._world.worlds.bodies, self._world.parameters)
+            self.world.show(self._one_world.worlds.bodies, self._one_world.parameters)
 
     def _read(self) -> None:
         """Keep views of the records that every step reads."""
         # With one lane, records of numbers are quickest to read all at once.
-        worlds = self._world.worlds
+        worlds = self._one_world.worlds
         self._episode, self._tracker = worlds.episodes, worlds.trackers
         self._task = worlds.tasks.view(np.float64)
         self._robot = worlds.bodies.robots[0]

@@ -13,7 +13,7 @@ from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 
 
-class Foraging(Protocol):
+class ForagingRobot(Protocol):
     """What a picture shows of a robot at its task, on either backend."""
 
     holes: int
@@ -26,7 +26,7 @@ class Foraging(Protocol):
 
 def robot_view(
     name: str,
-    forager: Foraging,
+    forager: ForagingRobot,
     world: World,
     index: int,
     heard: Behaviour | None = None,
@@ -64,7 +64,7 @@ def robot_view(
     )
 
 
-def food_views(world: World, foragers: Sequence[Foraging]) -> tuple[FoodView, ...]:
+def food_views(world: World, foragers: Sequence[ForagingRobot]) -> tuple[FoodView, ...]:
     """The views of all food, with the type and delivery status in the food tracker of its arena's robot.
 
     Args:
@@ -82,7 +82,7 @@ def food_views(world: World, foragers: Sequence[Foraging]) -> tuple[FoodView, ..
 def recall_view(
     arena: Arena,
     world: World,
-    forager: Foraging,
+    forager: ForagingRobot,
     info: Mapping[str, Any],
     limit: int,
     executed: Behaviour | None,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments
 
-ROUND = 0.98
+_ROUND = 0.98
 """Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
 _RAYS = 36
 _STEP = 0.25
@@ -33,7 +33,7 @@ def with_true_centre(
 ) -> ShapeMoments:
     """The moments of a disc with the centre of the whole disc, if a part of it is hidden.
 
-    What hides a part, such as the black border of a marker, shifts the centre of the rest. Rays from there find the
+    What hides a part, such as the black frame of a marker, shifts the centre of the rest. Rays from there find the
     edge of the shape in all directions; a circle through the edge is the rim, without the points that lie inside it.
 
     Args:
@@ -46,7 +46,7 @@ def with_true_centre(
     Returns:
         The moments themselves for a round shape, or if too little of the rim is visible.
     """
-    if moments.minor >= ROUND * moments.major:
+    if moments.minor >= _ROUND * moments.major:
         return moments
     jacobian = calibration.jacobian(moments.u, moments.v, height)
     inverse = np.linalg.inv(np.array(jacobian).reshape(2, 2))
