@@ -99,8 +99,9 @@ def experiments_table(pymunk: Sequence[RecallRow], compiled: Sequence[RecallRow]
     counts = (len(replications(rows)) for rows in (pymunk, compiled))
     note = (
         "{:,} replications of the thesis's design with pymunk and {:,} compiled, each with ten training files of its "
-        "own backend. Vectors: in the imitator's experience. Brackets: 95 % intervals over replications. Welch's test, "
-        f"corrected by Holm's rule for the {len(results)} lines. {verdict}"
+        "own backend. Score, food and steps: per recall. Vectors: in the imitator's experience. Brackets: 95 % "
+        "intervals over replications. Welch's test, corrected by Holm's rule for the "
+        f"{len(results)} lines. {verdict}"
     ).format(*counts)
     rows = [(*result, p) for result, p in zip(results, corrected, strict=True)]
     return Table("experiments", "The thesis's experiments", note, _COLUMNS, rows)

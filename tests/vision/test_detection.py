@@ -71,7 +71,7 @@ def test_centres_have_no_bias() -> None:
 
 @pytest.mark.parametrize("distance", [82.0, 84.0, 86.0, 88.0, 92.0])
 def test_food_partly_under_the_frame_of_a_marker_keeps_its_centre(distance: float) -> None:
-    """The black frame of a marker hides a part of food before it; the rest alone has its centre up to 0.6 pixels off."""
+    """The black frame of a marker hides a part of food before it; the centre of the rest is up to 0.6 pixels off."""
     rng, renderer, tracker = np.random.default_rng(5), SceneRenderer(), Tracker()
     errors = []
     for _ in range(60):
