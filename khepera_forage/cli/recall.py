@@ -22,7 +22,7 @@ from khepera_forage.cli.arguments import (
 from khepera_forage.cli.environments import print_late_rounds, recall_env
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience
-from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
+from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
@@ -61,6 +61,8 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
     """
     if not arguments.experience:
         return Teacher.of(env), TEACHER, 0
+    from khepera_forage.policies import NearestNeighbourImitator
+
     experience = Experience.load(
         *arguments.experience,
         decisions=env.decisions,

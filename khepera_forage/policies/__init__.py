@@ -1,10 +1,12 @@
-"""Policies: the teacher, the imitator, other learners, and adapters."""
+"""Policies: the teacher, the imitator, other learners, and adapters.
+
+What is a scikit-learn estimator is imported when it is first used, because scikit-learn takes about a second to import.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, as_policy
-from khepera_forage.policies.attribute_weights import WeightedImitator
-from khepera_forage.policies.growing_memory import GrowingMemory
-from khepera_forage.policies.imitator import NearestNeighbourImitator
-from khepera_forage.policies.k_nearest import KNearestImitator
 from khepera_forage.policies.listener import Listener
 from khepera_forage.policies.model_policy import ModelPolicy
 from khepera_forage.policies.nearest_neighbour.distance import distance
@@ -12,6 +14,12 @@ from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
 from khepera_forage.policies.teacher import Teacher
 from khepera_forage.policies.uniform import UniformPolicy
+
+if TYPE_CHECKING:
+    from khepera_forage.policies.attribute_weights import WeightedImitator
+    from khepera_forage.policies.growing_memory import GrowingMemory
+    from khepera_forage.policies.imitator import NearestNeighbourImitator
+    from khepera_forage.policies.k_nearest import KNearestImitator
 
 __all__ = [
     "AgentPolicy",
@@ -31,3 +39,21 @@ __all__ = [
     "distance",
     "state_vector_of",
 ]
+
+ESTIMATORS = {
+    "GrowingMemory": "growing_memory",
+    "KNearestImitator": "k_nearest",
+    "NearestNeighbourImitator": "imitator",
+    "WeightedImitator": "attribute_weights",
+}
+"""The module of each estimator."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in ESTIMATORS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{ESTIMATORS[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *ESTIMATORS})

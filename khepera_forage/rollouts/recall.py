@@ -9,7 +9,8 @@ import numpy as np
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import NearestNeighbourImitator, Policy
+from khepera_forage.policies import Policy
+from khepera_forage.policies.nearest_neighbour.neighbours import HasNeighbours
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decision_text import decisions_text
@@ -91,7 +92,7 @@ def recall(
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
     """
     rng = np.random.default_rng((seed, 1))
-    imitator = policy if isinstance(policy, NearestNeighbourImitator) else None
+    imitator = policy if isinstance(policy, HasNeighbours) else None
     observation, info = env.reset(seed=seed)
     decisions, counts = env.decisions.values(), DecisionCounts()
     ties = conflicts = 0

@@ -7,11 +7,11 @@ which follows from the place of the food.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
 from khepera_forage.task.decision_text import decisions_text
@@ -20,6 +20,9 @@ from khepera_forage.task.states import Behaviour, FoodType, StateVector
 from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.statistics import bootstrap, ratio, replications, sums_by_replication
 from khepera_forage.thesis.tables import Column, Table, Value
+
+if TYPE_CHECKING:
+    from khepera_forage.policies import NearestNeighbourImitator
 
 PIXELS_BEYOND = (-10, 0, 10, 20, 40, 60)
 """Places of the food: pixels further from home than in training, on the line of training."""
@@ -75,7 +78,7 @@ def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
     )
 
 
-def imitator_levels(imitator: NearestNeighbourImitator, vectors: NDArray[np.int64]) -> NDArray[np.float64]:
+def imitator_levels(imitator: "NearestNeighbourImitator", vectors: NDArray[np.int64]) -> NDArray[np.float64]:
     """Confidence levels (4.6.2) of the ten behaviours, in the last axis.
 
     Args:

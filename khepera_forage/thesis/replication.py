@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
+from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
@@ -27,6 +28,9 @@ from khepera_forage.thesis.design import (
     noise_conditions,
 )
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, imitator_levels, orient_rows
+
+if TYPE_CHECKING:
+    from khepera_forage.policies import NearestNeighbourImitator
 
 TEACHER_LIMIT_FACTOR = 3
 """The teacher forages with this many times the thesis's time limit, to measure whether that limit is enough."""
@@ -137,7 +141,9 @@ class Replication:
 
     def _imitator(
         self, subset: Subset, files: Sequence[Experience], diagonal: int
-    ) -> tuple[NearestNeighbourImitator, int]:
+    ) -> "tuple[NearestNeighbourImitator, int]":
+        from khepera_forage.policies import NearestNeighbourImitator
+
         vectors, behaviours = arrays([files[f - 1] for f in subset.files])
         imitator = NearestNeighbourImitator(diagonal, arithmetic=self.decisions.distance_arithmetic)
         return imitator.fit(vectors, behaviours), len(behaviours)

@@ -1,10 +1,11 @@
 """The nearest experience vectors of a state vector and their confidence levels (section 4.6.2)."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from khepera_forage.policies.nearest_neighbour.votes import draw_label
+from khepera_forage.policies.policy import Observation
 from khepera_forage.task.states import Behaviour
 
 
@@ -45,3 +46,12 @@ class Neighbours(NamedTuple):
     def draw(self, rng: np.random.Generator) -> Behaviour:
         """A behaviour, with its confidence level as probability. Draws exactly one number from `rng`."""
         return self.behaviours[draw_label(self.counts, self.tied, rng.random())]
+
+
+@runtime_checkable
+class HasNeighbours(Protocol):
+    """A policy that draws its behaviours from the votes of neighbours, such as `NearestNeighbourImitator`."""
+
+    def neighbours(self, observation: Observation) -> Neighbours:
+        """The experience vectors that vote on an observation."""
+        ...
