@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# One process more than cores, because tests of serial lines wait; groups of tests are those of tests/conftest.py.
+PARALLEL = -n $$(($$(nproc) + 1)) --dist loadgroup --no-loadscope-reorder
 
 .PHONY: reproduce test test-baselines lint throughput clean
 
@@ -10,13 +12,13 @@ reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
 
 test: $(VENV)/installed lint
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest $(PARALLEL)
 
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
 test-baselines: $(VENV)/installed
 	$(BIN)/pip install --quiet torch==2.13.0
 	$(BIN)/pip install --quiet --editable '.[dev,baselines,ray,dask]'
-	$(BIN)/python -m pytest -n auto --dist loadfile tests/baselines tests/benchmarks/test_learners_on_clusters.py
+	$(BIN)/python -m pytest $(PARALLEL) tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .

@@ -35,12 +35,17 @@ from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.thesis.tables import Table
 
 COUNTS = (
-    Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True),
+    Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True, least=2),
     Count("arenas", 120, 20, "random arenas", adds_units=True),
     Count("recalls", 12, 1, "recalls of each policy in each random arena", adds_units=True),
-    Count("experiments", 48, 2, "replications of the thesis's design with pymunk", adds_units=True),
+    Count("experiments", 48, 2, "replications of the thesis's design with pymunk", adds_units=True, least=2),
     Count(
-        "replications", 1_000, 5, "compiled replications under the decisions of version 0.1", adds_units=True
+        "replications",
+        1_000,
+        5,
+        "compiled replications under the decisions of version 0.1",
+        adds_units=True,
+        least=2,
     ),
 )
 REPEATS, QUICK_REPEATS = 200, 20

@@ -15,6 +15,7 @@ import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from decision_inference.best_page import Final, page
@@ -33,15 +34,34 @@ from khepera_forage.thesis.inference.prior import PRIOR
 from khepera_forage.thesis.inference.simulate import Simulated
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import delete_chunks
+from khepera_forage.thesis.tables import Table
 
 START = Path("results/decisions")
+
+
+class Search(NamedTuple):
+    """A search that is done.
+
+    Attributes:
+        started_from: Number of admissible sets.
+        moments: Judge sets.
+        alive: The best sets, the best first.
+        generations: How the generations went.
+    """
+
+    started_from: int
+    moments: Moments
+    alive: list[Candidate]
+    generations: Table
 
 
 def finals(given: Arguments, alive: Sequence[Candidate], moments: Moments) -> list[Final]:
     """The best sets, replicated again with other seeds; the best first."""
     candidates = [one.decisions for one in alive[: given.finalists]]
     done = Parallel(n_jobs=given.jobs, batch_size=1)(
-        delayed(simulated)(decisions, (given.seed, given.generations + 1, k), given.replications)
+        delayed(simulated)(
+            decisions, (given.seed, given.generations + 1, k), given.replications, given.effort
+        )
         for k, decisions in enumerate(candidates)
     )
     return sorted((judged([one], moments) for one in done), key=lambda final: final.misfit)
@@ -74,7 +94,10 @@ def simplified(
             progress.update()
             found = parallel(
                 delayed(simulated)(
-                    decisions, (given.seed, given.generations + 2, number, k), max(given.replications // 2, 2)
+                    decisions,
+                    (given.seed, given.generations + 2, number, k),
+                    max(given.replications // 2, 2),
+                    given.effort,
                 )
                 for k in range(parts)
             )
@@ -98,36 +121,56 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", type=Path, default=START, help=text)
 
 
-def main() -> int:
-    """Run the search."""
+def arguments(given: Sequence[str] | None = None) -> Arguments:
+    """Read the command line.
+
+    Args:
+        given: The arguments; by default those of this process.
+    """
     counts = (
         Count("generations", 10, 1, "generations after the first", adds_units=True),
         Count("children", 120, 4, "sets in each"),
         Count("population", 40, 4, "sets that live on"),
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
-        Count("finalists", 40, 2, "sets that are replicated again"),
+        Count("finalists", 40, 4, "sets that are replicated again"),
         Count("replications", 200, 4, "replications of each finalist"),
+        Count("effort", 4, 1, "times as many forages in the check as in benchmarks/decisions.py"),
     )
-    given = parse("best_decisions", __doc__, *counts, add=add_arguments)
+    return parse("best_decisions", __doc__, *counts, add=add_arguments, given=given)
+
+
+def evolved(given: Arguments) -> Search:
+    """Let the sets of `--start` evolve.
+
+    Raises:
+        ValueError: The folder has no sets that can be used, or no set of the first generation is admissible.
+    """
+    drawn = kept(given.start)
+    posterior = infer(drawn.parameters, drawn.statistics, given.seed)
+    moments = Moments(drawn.statistics, posterior.weights)
+    known = [
+        Candidate(laboratory.decisions, statistics.astype(np.float64))
+        for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
+    ]
+    first = natural_sets(best(known, given.children, moments))
+    alive, generations = evolve(given, first, moments)
+    return Search(len(drawn.admissible), moments, alive, generations)
+
+
+def main() -> int:
+    """Run the search."""
+    given = arguments()
     if given.fresh:
         delete_chunks(given.out)
     try:
-        drawn = kept(given.start)
-        posterior = infer(drawn.parameters, drawn.statistics, given.seed)
-        known = [
-            Candidate(laboratory.decisions, statistics.astype(np.float64))
-            for laboratory, statistics in zip(drawn.laboratories, drawn.statistics, strict=True)
-        ]
-        moments = Moments(drawn.statistics, posterior.weights)
-        first = natural_sets(best(known, given.children, moments))
-        alive, generations = evolve(given, first, moments)
-        finalists = finals(given, alive, moments)
+        search = evolved(given)
+        finalists = finals(given, search.alive, search.moments)
     except ValueError as error:
         sys.exit(f"best_decisions.py: {error}")
-    start, chosen, trials = simplified(given, finalists, moments)
+    start, chosen, trials = simplified(given, finalists, search.moments)
     return finish(
         given,
-        page(chosen, start, trials, finalists, generations, len(drawn.admissible)),
+        page(chosen, start, trials, finalists, search.generations, search.started_from),
         f"--start {given.start}",
     )
 

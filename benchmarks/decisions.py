@@ -94,7 +94,7 @@ def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
 
 def main() -> int:
     """Run the benchmark."""
-    sets = Count("sets", 10_000, 6, "admissible sets")
+    sets = Count("sets", 10_000, 6, "admissible sets", least=3)
     experiments = Count("experiments", 20, 2, "replications of the thesis's design under each set")
     given = parse("decisions", __doc__, sets, experiments)
     for name, page in pages(given, draw(given, given.sets, given.experiments)).items():

@@ -3,6 +3,7 @@
 import signal
 from importlib.util import find_spec
 
+import pytest
 from hypothesis import settings
 
 # The same examples on every machine and in every run: a failure in the gate is one that can be seen at home.
@@ -17,3 +18,16 @@ collect_ignore = [] if find_spec("stable_baselines3") else ["baselines"]
 for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
     if signal.getsignal(number) == signal.SIG_IGN:
         signal.signal(number, usual)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Make groups of tests, each of which runs in one process: a file, or all tests of a benchmark script.
+
+    A file's tests share fixtures, and a script's tests share a run, for which they would otherwise wait in several
+    processes.
+    """
+    for item in items:
+        file = item.nodeid.partition("::")[0]
+        call = getattr(item, "callspec", None)  # that of a parametrized test
+        script = call.params.get("script") if call else None
+        item.add_marker(pytest.mark.xdist_group(f"tests/benchmarks/test_{script}.py" if script else file))

@@ -22,8 +22,6 @@ from khepera_forage.thesis.inference.simulate import Simulated, replicate
 from khepera_forage.thesis.inference.table import Contents, Sets, read_chunk, sets_of, write_chunk
 from khepera_forage.thesis.tables import Column, Table
 
-EFFORT = 4
-"""Of the check, as a multiple of that of `benchmarks/decisions.py`."""
 Floats = NDArray[np.float64]
 
 
@@ -39,11 +37,18 @@ class Candidate(NamedTuple):
     statistics: Floats
 
 
-def simulated(decisions: Decisions, seed: Sequence[int], experiments: int) -> Simulated:
-    """A set under the laboratory's noise: checked, and replicated if it is admissible."""
+def simulated(decisions: Decisions, seed: Sequence[int], experiments: int, effort: int) -> Simulated:
+    """A set under the laboratory's noise: checked, and replicated if it is admissible.
+
+    Args:
+        decisions: The set.
+        seed: Of the check and the replications.
+        experiments: Replications of the thesis's design.
+        effort: Of the check, as a multiple of that of `benchmarks/decisions.py`.
+    """
     laboratory = Laboratory(decisions, Noise.laboratory())
     first = int(np.random.default_rng(seed).integers(2**62))
-    found = check(laboratory, first, EFFORT)
+    found = check(laboratory, first, effort)
     statistics = np.zeros((0, 0)) if found.reason else replicate(laboratory, first + 1, experiments)
     return Simulated(laboratory, found, statistics)
 
@@ -54,7 +59,7 @@ def generation(given: Arguments, number: int, candidates: Sequence[Decisions], c
     if known is not None:
         return known
     done = Parallel(n_jobs=given.jobs, return_as="generator", batch_size=1)(
-        delayed(simulated)(decisions, (given.seed, number, k), contents.experiments)
+        delayed(simulated)(decisions, (given.seed, number, k), contents.experiments, given.effort)
         for k, decisions in enumerate(candidates)
     )
     silent = not sys.stderr.isatty()
@@ -100,7 +105,7 @@ def evolve(given: Arguments, first: Sequence[Decisions], moments: Moments) -> tu
         given.seed,
         given.experiments,
         given.children,
-        f"natural children of {PRIOR!r}, checked {EFFORT} times",
+        f"natural children of {PRIOR!r}, checked {given.effort} times",
     )
     candidates = list(first)
     alive: list[Candidate] = []

@@ -30,7 +30,7 @@ from khepera_forage.policies import Observation
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, DecisionValues
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
 from khepera_forage.thesis.claims.claim import Claim, Within, points
 
@@ -66,9 +66,11 @@ class SimulatedPerson:
     delay: int
     wrong: float
     _right_keys: deque[Behaviour] = field(init=False, repr=False)
+    _decisions: DecisionValues = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._right_keys = deque(maxlen=self.delay + 1)
+        self._decisions = self.env.decisions.values()
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """What the teacher would have done `delay` rounds ago, or a wrong key.
@@ -84,8 +86,8 @@ class SimulatedPerson:
             raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw wrong keys from")
         if self.env.infos[TEACHER]["steps"] == 0:
             self._right_keys.clear()
-        radius, decisions = self.env.home_radius, self.env.decisions.values()
-        self._right_keys.append(behaviour_for(classify(state_vector_of(observation), radius, decisions)))
+        state = classify(state_vector_of(observation), self.env.home_radius, self._decisions)
+        self._right_keys.append(behaviour_for(state))
         if is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
         key = self._right_keys[0]

@@ -16,6 +16,7 @@ class Count(NamedTuple):
         what: What is counted, for `--help`.
         adds_units: Whether a larger count adds units of work and leaves the others as they were. The rows of other
             counts cannot be continued with a different value.
+        least: The smallest count allowed, for example 2 if an interval is computed from them.
     """
 
     name: str
@@ -23,6 +24,7 @@ class Count(NamedTuple):
     quick: int
     what: str
     adds_units: bool = False
+    least: int = 1
 
 
 class Arguments(argparse.Namespace):
@@ -97,7 +99,9 @@ def parse(
         )
     for count in counts:
         text = f"{count.what} ({count.default}; with --quick {count.quick})"
-        parser.add_argument(f"--{count.name}", type=positive, default=None, metavar="N", help=text)
+        parser.add_argument(
+            f"--{count.name}", type=at_least(count.least), default=None, metavar="N", help=text
+        )
     add(parser)
     arguments = parser.parse_args(given, namespace=Arguments())
     arguments.counts = {}
@@ -113,15 +117,25 @@ def parse(
     return arguments
 
 
-def positive(text: str) -> int:
-    """A whole number of at least 1.
+def at_least(least: int) -> Callable[[str], int]:
+    """Reads a whole number.
 
-    Raises:
-        argparse.ArgumentTypeError: The text is something else.
+    Args:
+        least: The smallest one allowed.
+
+    Returns:
+        A function of the text. It raises `argparse.ArgumentTypeError` if the text is something else.
     """
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: a whole number of at least 1")
-    return int(text)
+
+    def number(text: str) -> int:
+        if not text.isdecimal() or int(text) < least:
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: a whole number of at least {least}")
+        return int(text)
+
+    return number
+
+
+positive = at_least(1)
 
 
 def processes(text: str) -> int:

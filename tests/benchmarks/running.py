@@ -1,6 +1,7 @@
 """Runs a script of `benchmarks/` in a process of its own, warnings as errors."""
 
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,8 +25,12 @@ def quick(script: str, out: Path, *arguments: str) -> str:
     """What a script prints with --quick, seed 1 and results in `out`; it must succeed without any error output."""
     out.parent.mkdir(parents=True, exist_ok=True)
     command = command_of(script, "--quick", "--seed", "1", "--out", str(out), *arguments)
+    # One process unless --jobs says otherwise: the other cores run other tests.
+    environment = {**os.environ, "LOKY_MAX_CPU_COUNT": "1"}
     # Not the repository's folder: a script must not depend on the folder it is started in.
-    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, timeout=300)
+    finished = subprocess.run(
+        command, capture_output=True, text=True, cwd=out.parent, env=environment, timeout=300
+    )
     assert finished.returncode == 0, finished.stderr
     assert finished.stderr == ""
     return finished.stdout

@@ -65,7 +65,7 @@ SCRIPTS = {
         ("--sets", "--experiments", "--jobs", "--fresh"), (), page="posterior.md", needs=("numba", "SALib")
     ),
     "best_decisions": Script(
-        ("--start", "--generations", "--children", "--finalists", "--jobs", "--fresh"),
+        ("--start", "--generations", "--children", "--finalists", "--effort", "--jobs", "--fresh"),
         (),
         needs=("numba",),
         runs=False,
@@ -234,3 +234,4 @@ def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> N
 def test_counts_are_checked() -> None:
     assert "'0'; allowed: a whole number of at least 1" in refused("teacher", "--forages", "0")
     assert "'0'; allowed: a whole number of at least 1, or -1" in refused("teacher", "--jobs", "0")
+    assert "'1'; allowed: a whole number of at least 2" in refused("agreement", "--experiments", "1")
