@@ -39,7 +39,7 @@ def virtual_laboratory(
         robots: Number of robots, the teacher first; a single robot is a learner.
         decisions: Where start, food and home are in a named arena, how long a round lasts, how fast arm and jaw move,
             and the marker of a single robot.
-        **options: Arguments of `VirtualLaboratory`.
+        **options: Arguments of `VirtualLaboratory`, and `timeout`, that of the driver in seconds.
     """
     return VirtualLaboratory.from_arena(
         arena, robots, set_up_of(decisions), timing_of(decisions), decisions.recall_marker, **options

@@ -21,7 +21,9 @@ def open_robots(settings: LabSettings) -> Fleet:
     with ExitStack() as opened:
         robots = []
         for entry in settings.robots:
-            robot = SerialKhepera(entry.port, baud=entry.baud, max_speed=settings.safe_speed)
+            robot = SerialKhepera(
+                entry.port, baud=entry.baud, max_speed=settings.safe_speed, timeout=entry.timeout
+            )
             opened.callback(robot.close)
             robots.append(robot)
         opened.pop_all()

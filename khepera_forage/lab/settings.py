@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from khepera_forage.robots.khepera import MAX_SPEED
+from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -20,6 +21,7 @@ class RobotSettings:
         baud: One of `BAUD_RATES`.
         holes: Number of holes of its marker, 1 or 2.
         offset: From the arena in the file to this robot's copy of it, in mm.
+        timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
     """
 
     port: str
@@ -27,6 +29,7 @@ class RobotSettings:
     baud: int = 38400
     holes: int = 2
     offset: Point = ORIGIN
+    timeout: float = DEFAULT_TIMEOUT
 
 
 @dataclass(frozen=True, slots=True)

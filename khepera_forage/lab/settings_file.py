@@ -22,6 +22,7 @@ from khepera_forage.lab.toml_table import (
     text,
 )
 from khepera_forage.robots.khepera import MAX_SPEED
+from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, SetUp, named_arena
 from khepera_forage.sim.layout_checks import check_seen
@@ -107,6 +108,7 @@ def _robot(table: Table, index: int) -> RobotSettings:
         name=table.take("name", text, name),
         baud=table.take("baud", one_of(BAUD_RATES), 38400),
         holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
+        timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )
     table.finish()

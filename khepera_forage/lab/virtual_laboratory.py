@@ -15,6 +15,7 @@ from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettin
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -136,6 +137,7 @@ class VirtualLaboratory(Laboratory):
         set_up: SetUp,
         timing: Timing,
         recall_marker: int,
+        timeout: float = DEFAULT_TIMEOUT,
         **options: object,
     ) -> Self:
         """A laboratory with copies of one arena side by side.
@@ -147,6 +149,7 @@ class VirtualLaboratory(Laboratory):
             set_up: Where start, food and home are in a named arena.
             timing: How long a round lasts, and how fast arm and jaw move.
             recall_marker: Holes of the marker of a single robot, 1 or 2.
+            timeout: Of the driver, in seconds: how late the virtual robots of a busy machine may reply.
             **options: Arguments of the class.
         """
         original = named_arena(arena, set_up) if isinstance(arena, str) else arena
@@ -160,6 +163,7 @@ class VirtualLaboratory(Laboratory):
                 port="virtual",
                 name="teacher" if i == 0 and robots > 1 else f"learner_{max(0, i - 1)}",
                 holes=recall_marker if robots == 1 else 1 if i == 0 else 2,
+                timeout=timeout,
                 offset=Point(copy.home.x - original.home.x + dx, copy.home.y - original.home.y + dy),
             )
             for i, copy in enumerate(arenas)

@@ -4,7 +4,7 @@ import argparse
 import math
 import time
 
-from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.cli.robot.port import add_port_arguments, open_robot
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
@@ -45,7 +45,7 @@ def drive(arguments: argparse.Namespace) -> int:
         raise ValueError(
             f"--seconds is {arguments.seconds:g}; allowed: more than 0, at most {_MAX_SECONDS:g}"
         )
-    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+    with open_robot(arguments) as robot:
         left, right = counters(robot)
         robot.request("D", arguments.left, arguments.right)
         end = time.monotonic() + arguments.seconds
@@ -70,7 +70,7 @@ def grip(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, the robot is lost, or it has no gripper.
     """
-    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+    with open_robot(arguments) as robot:
         command, value = _GRIPPER_COMMANDS[arguments.action]
         robot.request(command, value)
         is_arm = command == "T,1,E"

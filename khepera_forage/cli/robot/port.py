@@ -1,13 +1,14 @@
-"""The arguments that name a robot's serial port."""
+"""The arguments of a robot's serial port."""
 
 import argparse
 
-from khepera_forage.robots.serial.client import DEFAULT_BAUD
+from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 
 def add_port_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `--port` and `--baud`."""
+    """Add `--port`, `--baud` and `--timeout`."""
     parser.add_argument(
         "--port",
         required=True,
@@ -20,3 +21,20 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
         default=DEFAULT_BAUD,
         help=f"as set by the robot's mode switch: {bauds} ({DEFAULT_BAUD})",
     )
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=DEFAULT_TIMEOUT,
+        metavar="SECONDS",
+        help=f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
+    )
+
+
+def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
+    """The driver of the robot at the port.
+
+    Raises:
+        ValueError: A baud rate or a time-out that is not allowed.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
+    """
+    return SerialKhepera(arguments.port, baud=arguments.baud, timeout=arguments.timeout)

@@ -4,7 +4,7 @@ import argparse
 import statistics
 import time
 
-from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.cli.robot.port import add_port_arguments, open_robot
 from khepera_forage.robots.serial.errors import RequestRejected
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, or no robot answers.
     """
-    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+    with open_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         bios, protocol = robot.request("B")
         print(f"robot      BIOS {bios}, protocol {protocol}")

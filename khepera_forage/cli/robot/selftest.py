@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from khepera_forage.cli.robot.move import counters, wait_for_rest
-from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.cli.robot.port import add_port_arguments, open_robot
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: The port cannot be opened, or the robot is lost.
     """
     failed = 0
-    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+    with open_robot(arguments) as robot:
         print("Keep 30 mm free around the robot: wheels, arm and jaw will move a little.", flush=True)
         for check in CHECKS:
             try:

@@ -4,10 +4,9 @@ import argparse
 import sys
 import time
 
-from khepera_forage.cli.robot.port import add_port_arguments
+from khepera_forage.cli.robot.port import add_port_arguments, open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
 from khepera_forage.robots.proximity import MAX_READING
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 _NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
 _BAR_WIDTH = 50
@@ -33,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.rounds < 0:
         raise ValueError(f"--rounds is {arguments.rounds}; allowed: 0 or more")
     live = sys.stdout.isatty()
-    with SerialKhepera(arguments.port, baud=arguments.baud) as robot:
+    with open_robot(arguments) as robot:
         if not live:
             print("L90 L45 L10 R10 R45 R90 backR backL | left right pulses | arm jaw present")
         shown = 0

@@ -24,6 +24,7 @@ from khepera_forage.robots.serial.transport import Transport
 
 DEFAULT_BAUD = 38400
 DEFAULT_TIMEOUT = 0.1
+MAX_TIMEOUT = 10.0
 DEFAULT_TRIES = 6
 
 _MAX_REPLY_LENGTH = 60
@@ -72,8 +73,8 @@ class ProtocolClient:
         timeout: float = DEFAULT_TIMEOUT,
         tries: int = DEFAULT_TRIES,
     ) -> None:
-        if not 0.0 < timeout <= 10.0:
-            raise ValueError(f"timeout {timeout}; allowed: more than 0 and at most 10 seconds")
+        if not 0.0 < timeout <= MAX_TIMEOUT:
+            raise ValueError(f"timeout {timeout}; allowed: more than 0 and at most {MAX_TIMEOUT:g} seconds")
         if tries < 1:
             raise ValueError(f"tries {tries}; allowed: at least 1")
         self.port = port

@@ -6,7 +6,7 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, RobotLost
+from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial import emergency_stop
 from khepera_forage.robots.serial.port import seconds_on_wire
 from khepera_forage.robots.serial.port_thread import Task
@@ -23,7 +23,7 @@ class Fleet:
     """Robots on one port each, served in parallel.
 
     When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
-    a robot needs 0.1 s more than the transmission time (it is lost, or its line is disturbed and requests are
+    a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
     repeated), the others are held: their wheels are stopped until the next `transmit`.
 
     Args:
@@ -38,9 +38,9 @@ class Fleet:
         if not ports or len(set(ports)) < len(ports):
             raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
         self.robots = tuple(robots)
-        # One control period, plus the transmission time on the slowest line.
-        self._hold_after = CONTROL_PERIOD + max(
-            seconds_on_wire(_MAX_ROUND_BYTES, robot.baud) for robot in robots
+        # On the slowest line.
+        self._hold_after = max(
+            robot.timeout + seconds_on_wire(_MAX_ROUND_BYTES, robot.baud) for robot in robots
         )
 
     def transmit(self) -> None:

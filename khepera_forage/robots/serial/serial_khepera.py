@@ -60,6 +60,7 @@ class SerialKhepera:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{MAX_SPEED} speed units")
         self.port = port
         self.baud = baud
+        self.timeout = timeout
         self._max_speed = max_speed
         self._command: Motors | None = None
         self._senses: Senses | None = None
