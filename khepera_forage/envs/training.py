@@ -25,7 +25,7 @@ from khepera_forage.envs.arguments import (
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.forager_view import food_views, robot_view
+from khepera_forage.envs.rendering.forager_view import training_view
 from khepera_forage.envs.rendering.renderer import RENDER_MODES
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.envs.training_episode import TrainingEpisode
@@ -262,35 +262,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     def view(self) -> View:
         """What a picture of the present round shows."""
-        attempt = self._begun
-        foragers, actions = attempt.foragers, attempt.actions
-        names = [
-            agent.replace("_0", "") if len(foragers) == 2 else agent.replace("_", " ")
-            for agent in self._index
-        ]
-        names[0] = "teacher"
-        started = attempt.steps > 0
-        return View(
-            arenas=self.arenas,
-            robots=tuple(
-                robot_view(
-                    name,
-                    forager,
-                    self.world,
-                    i,
-                    heard=Behaviour(actions[0]) if i and started else None,
-                    executed=Behaviour(actions[i]) if started else None,
-                    separated=attempt.pairings[i].separated,
-                )
-                for i, (name, forager) in enumerate(zip(names, foragers, strict=True))
-            ),
-            foods=food_views(self.world, foragers),
-            regions=self.world.camera.look().regions,
-            step=attempt.steps,
-            limit=self.max_cycles,
-            delivered=sum(f.tracker.delivered for f in foragers),
-            title="Training in paired corridors",
-        )
+        return training_view(self.arenas, self.world, self._begun, self.possible_agents, self.max_cycles)
 
     def close(self) -> None:
         """Stop the robots and close the window."""

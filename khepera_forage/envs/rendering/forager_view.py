@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from khepera_forage.envs.rendering.view import FoodView, RobotView, View
+from khepera_forage.envs.training_episode import TrainingEpisode
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import World
@@ -109,4 +110,42 @@ def recall_view(
         score=info["score"],
         delivered=info["delivered"],
         title=f"Recall in the {arena.name}",
+    )
+
+
+def training_view(
+    arenas: Sequence[Arena], world: World, attempt: TrainingEpisode, agents: Sequence[str], limit: int
+) -> View:
+    """What a picture of a training episode shows.
+
+    Args:
+        arenas: One for each robot.
+        world: Its bodies, and the camera.
+        attempt: The robots at their tasks, and what they do.
+        agents: Their names in the environment, the teacher's first.
+        limit: Rounds of an episode, at most.
+    """
+    foragers, actions = attempt.foragers, attempt.actions
+    started = attempt.steps > 0
+    robots = tuple(
+        robot_view(
+            "teacher" if i == 0 else agent.replace("_", " ") if len(agents) > 2 else agent.replace("_0", ""),
+            foragers[i],
+            world,
+            i,
+            heard=Behaviour(actions[0]) if i and started else None,
+            executed=Behaviour(actions[i]) if started else None,
+            separated=attempt.pairings[i].separated,
+        )
+        for i, agent in enumerate(agents)
+    )
+    return View(
+        arenas=tuple(arenas),
+        robots=robots,
+        foods=food_views(world, foragers),
+        regions=world.camera.look().regions,
+        step=attempt.steps,
+        limit=limit,
+        delivered=sum(forager.tracker.delivered for forager in foragers),
+        title="Training in paired corridors",
     )
