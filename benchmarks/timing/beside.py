@@ -142,11 +142,14 @@ def value_of(case: str, size: int, seed: int, root: Path, cache: Path | None = N
 def pairs(
     cases: Sequence[Case], checkouts: tuple[Checkout, Checkout], repeats: int, quick: bool, seed: int
 ) -> list[Pair]:
-    """All pairs; a machine that is slow for a while slows one pair of several cases, not all pairs of one case."""
+    """All pairs; a machine that is slow for a while slows one pair of several cases, not all pairs of one case.
+
+    Every pair has a seed of its own, because the starts and food places of a seed may differ between the checkouts.
+    """
 
     def pair(case: Case, number: int) -> Pair:
         small = quick or number < 0
-        return Pair(case, number, checkouts, case.quick if small else case.size, seed)
+        return Pair(case, number, checkouts, case.quick if small else case.size, seed + max(number, 0))
 
     return [
         pair(case, number)
@@ -161,8 +164,9 @@ def page(rows: Sequence[Timed], theirs: Checkout, ours: Checkout, repeats: int, 
     head = (
         f"Speed of this checkout ({ours.version}) beside commit {theirs.version}, with the same Python and the same "
         f"libraries. Each case runs alternately in both checkouts: {repeats} pairs, and "
-        f"{min(repeats, FIRST_CALL_PAIRS)} of first calls. Each measurement has a process of its own. Kernels are "
-        "compiled before the first pair; a first call finds none, and its seconds count from the import."
+        f"{min(repeats, FIRST_CALL_PAIRS)} of first calls. Each measurement has a process of its own, and each pair a "
+        "seed of its own. Kernels are compiled before the first pair; a first call finds none, and its seconds count "
+        "from the import."
     )
     note = (
         "Medians of each checkout, and the ratio of this checkout to the commit: the median over pairs [lowest, "
