@@ -27,6 +27,7 @@ from harness.page import finish
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
+from khepera_forage.cli.values import given_path
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.posterior import infer
@@ -118,7 +119,7 @@ def simplified(
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of this script alone."""
     text = f"folder of benchmarks/decisions.py to start from ({START})"
-    parser.add_argument("--start", type=Path, default=START, help=text)
+    parser.add_argument("--start", type=given_path, default=START, help=text)
 
 
 def arguments(given: Sequence[str] | None = None) -> Arguments:

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import numba
-from harness.arguments import Count, parse, positive
+from harness.arguments import Count, parse
 from harness.page import finish
 from harness.processes import collect
 from kheperax_comparison.environment import NoKheperax, environment, megabytes
@@ -21,6 +21,8 @@ from kheperax_comparison.ours import OurBodies
 from kheperax_comparison.page import page
 from kheperax_comparison.theirs import Kheperax
 from kheperax_comparison.work import Work
+
+from khepera_forage.cli.values import whole_number
 
 REPEATS = Count("repeats", 7, 2, "repeats, of which the median counts")
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)
@@ -34,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of this script alone."""
     numbers, quick = (" ".join(map(str, worlds)) for worlds in (WORLDS, QUICK_WORLDS))
     text = f"numbers of worlds to step together ({numbers}; with --quick {quick})"
-    parser.add_argument("--worlds", type=positive, nargs="+", metavar="N", help=text)
+    parser.add_argument("--worlds", type=whole_number(1), nargs="+", metavar="N", help=text)
     text = "Kheperax' virtual environment, made if it does not exist (venv in the results' folder)"
     parser.add_argument("--venv", type=Path, help=text)
 

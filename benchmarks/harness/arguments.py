@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from khepera_forage.cli.values import OneLineParser, given_path, processes, whole_number
+
 
 class Count(NamedTuple):
     """An argument that says how much work is done.
@@ -82,12 +84,14 @@ def parse(
         add: Adds the arguments of this script alone.
         given: The arguments; by default those of this process.
     """
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog=f"{script}.py", description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     out = f"results/{script}"
-    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same work (0)")
-    parser.add_argument("--out", type=Path, default=Path(out), help=f"folder for the results ({out})")
+    parser.add_argument(
+        "--seed", type=whole_number(0), default=0, help="the same seed gives the same work (0)"
+    )
+    parser.add_argument("--out", type=given_path, default=Path(out), help=f"folder for the results ({out})")
     parser.add_argument("--quick", action="store_true", help="the same work in small, in under a minute")
     parser.set_defaults(script=script, jobs=1, fresh=True)
     if jobs is not None:
@@ -100,7 +104,7 @@ def parse(
     for count in counts:
         text = f"{count.what} ({count.default}; with --quick {count.quick})"
         parser.add_argument(
-            f"--{count.name}", type=at_least(count.least), default=None, metavar="N", help=text
+            f"--{count.name}", type=whole_number(count.least), default=None, metavar="N", help=text
         )
     add(parser)
     arguments = parser.parse_args(given, namespace=Arguments())
@@ -115,38 +119,3 @@ def parse(
         if not count.adds_units:
             arguments.settings[count.name] = str(value)
     return arguments
-
-
-def at_least(least: int) -> Callable[[str], int]:
-    """Reads a whole number.
-
-    Args:
-        least: The smallest one allowed.
-
-    Returns:
-        A function of the text. It raises `argparse.ArgumentTypeError` if the text is something else.
-    """
-
-    def number(text: str) -> int:
-        if not text.isdecimal() or int(text) < least:
-            raise argparse.ArgumentTypeError(f"{text!r}; allowed: a whole number of at least {least}")
-        return int(text)
-
-    return number
-
-
-positive = at_least(1)
-
-
-def processes(text: str) -> int:
-    """A number of processes: at least 1, or -1 for one a core.
-
-    Raises:
-        argparse.ArgumentTypeError: The text is something else.
-    """
-    if text == "-1":
-        return -1
-    try:
-        return positive(text)
-    except argparse.ArgumentTypeError:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: a whole number of at least 1, or -1") from None

@@ -1,38 +1,42 @@
 """Arguments that several commands share, and checks of their values."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.cli.values import given_path, whole_number
+from khepera_forage.sim.arena import ARENAS, CORRIDOR
 from khepera_forage.task.decision_text import VERSIONS, decisions_from_words
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"
 """Value of `--lab` for the virtual laboratory."""
+MOST_EPISODES = 100_000
 
 
 def add_seed_argument(
     parser: argparse.ArgumentParser, help_text: str = "the same seed gives the same results"
 ) -> None:
     """Add `--seed`, 0 by default."""
-    parser.add_argument("--seed", type=int, default=0, help=f"{help_text} (0)")
+    parser.add_argument("--seed", type=whole_number(0), default=0, help=f"{help_text} (0)")
 
 
 def add_out_argument(parser: argparse.ArgumentParser, default: str, help_text: str) -> None:
     """Add `--out`: the file or folder to write."""
-    parser.add_argument("--out", type=Path, default=Path(default), help=f"{help_text} ({default})")
+    parser.add_argument("--out", type=given_path, default=Path(default), help=f"{help_text} ({default})")
 
 
 def add_episodes_argument(parser: argparse.ArgumentParser, default: int, help_text: str) -> None:
     """Add `--episodes`: how many."""
-    parser.add_argument("--episodes", type=int, default=default, help=f"{help_text} ({default})")
+    parser.add_argument(
+        "--episodes", type=whole_number(1, MOST_EPISODES), default=default, help=f"{help_text} ({default})"
+    )
 
 
 def add_arena_argument(parser: argparse.ArgumentParser) -> None:
-    """Add `--arena`: one of the thesis's arenas (3.1)."""
-    default = next(iter(ARENAS))
-    parser.add_argument("--arena", choices=tuple(ARENAS), default=default, help=f"({default})")
+    """Add `--arena`: one of the thesis's arenas (3.1). None stands for the corridor, so that a choice can be told."""
+    parser.add_argument("--arena", choices=tuple(ARENAS), help=f"({CORRIDOR})")
 
 
 def add_food_type_argument(parser: argparse.ArgumentParser) -> None:
@@ -43,8 +47,8 @@ def add_food_type_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def add_num_learners_argument(parser: argparse.ArgumentParser, help_text: str) -> None:
-    """Add `--num-learners`, 1 by default."""
-    parser.add_argument("--num-learners", type=int, default=1, help=help_text)
+    """Add `--num-learners`. None stands for 1, so that a choice can be told."""
+    parser.add_argument("--num-learners", type=whole_number(1), help=help_text)
 
 
 def add_lab_argument(parser: argparse.ArgumentParser) -> None:
@@ -88,14 +92,20 @@ def decisions_of(arguments: argparse.Namespace) -> Decisions:
     return decisions_from_words(arguments.decision)
 
 
-def require_at_least_one(option: str, value: int) -> None:
-    """Check the value of an option that counts something.
+def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where: str) -> None:
+    """Refuse options that the user has given but that would have no effect.
+
+    Args:
+        arguments: With None or False for every option that was not given.
+        options: Such as `--arena`.
+        where: What the options have an effect in.
 
     Raises:
-        ValueError: It is below 1.
+        ValueError: One of them was given.
     """
-    if value < 1:
-        raise ValueError(f"{option} is {value}; allowed: at least 1")
+    for option in options:
+        if getattr(arguments, option.removeprefix("--").replace("-", "_")) not in (None, False):
+            raise ValueError(f"{option} has no effect here; allowed: {where}")
 
 
 def new_experience_paths(folder: Path, episodes: int) -> list[Path]:
@@ -109,3 +119,8 @@ def new_experience_paths(folder: Path, episodes: int) -> list[Path]:
         if path.exists():
             raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
     return paths
+
+
+def is_real(lab: str | None) -> bool:
+    """Whether `--lab` names the file of a real laboratory."""
+    return lab not in (None, VIRTUAL_LAB)

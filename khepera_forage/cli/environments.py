@@ -8,7 +8,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts import recall as recall_rollouts
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arena import ARENAS, CORRIDOR
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
 
@@ -20,11 +20,11 @@ def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
         arguments: With `lab`, `num_learners`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    decisions, learners = decisions_of(arguments), arguments.num_learners
+    decisions, learners = decisions_of(arguments), arguments.num_learners or 1
     kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
     if arguments.lab is None:
         return TrainingEnv(num_learners=learners, **kwargs)
-    world = _laboratory(arguments.lab, "corridor", learners + 1, decisions)
+    world = _laboratory(arguments.lab, CORRIDOR, learners + 1, decisions)
     try:
         return TrainingEnv(num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
     except BaseException:
@@ -39,11 +39,11 @@ def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
         arguments: With `lab`, `arena`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    decisions = decisions_of(arguments)
+    decisions, name = decisions_of(arguments), arguments.arena or CORRIDOR
     kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
     if arguments.lab is None:
-        return recall_rollouts.recall_env(arguments.arena, **kwargs)
-    world = _laboratory(arguments.lab, arguments.arena, 1, decisions)
+        return recall_rollouts.recall_env(name, **kwargs)
+    world = _laboratory(arguments.lab, name, 1, decisions)
     try:
         arena = world.arenas[0]
         if arena.name in ARENAS:

@@ -1,6 +1,5 @@
 """The `khepera-forage` command."""
 
-import argparse
 import sys
 from collections.abc import Sequence
 
@@ -10,6 +9,7 @@ from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 from khepera_forage.cli.teach import command as teach
+from khepera_forage.cli.values import OneLineParser
 from khepera_forage.rollouts.training import IncompleteTrainingError
 
 SUBCOMMANDS = (
@@ -59,10 +59,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt.
     """
-    parser = argparse.ArgumentParser(prog="khepera-forage", description="Learning to forage by imitation.")
+    parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
     parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
     add_subcommands(parser, "command", SUBCOMMANDS)
-    arguments = parser.parse_args(argv)
+    try:
+        arguments = parser.parse_args(argv)
+    except SystemExit as stop:
+        if not stop.code:  # --help or --version
+            raise
+        return 2
     try:
         status: int = arguments.run(arguments)
     except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:

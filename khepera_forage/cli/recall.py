@@ -3,7 +3,6 @@
 import argparse
 import sys
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
@@ -17,9 +16,11 @@ from khepera_forage.cli.arguments import (
     add_lab_argument,
     add_out_argument,
     add_seed_argument,
-    require_at_least_one,
+    is_real,
+    refuse_ignored,
 )
 from khepera_forage.cli.environments import print_late_rounds, recall_env
+from khepera_forage.cli.values import given_path
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Policy, Teacher
@@ -39,7 +40,7 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what determines a recall: policy, arena, food type, seed, laboratory and decisions."""
     parser.add_argument(
         "--experience",
-        type=Path,
+        type=given_path,
         nargs="+",
         metavar="FILE",
         help="experience files of the imitator (without any, the teacher forages)",
@@ -50,6 +51,18 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     add_lab_argument(parser)
     add_decision_argument(parser)
     add_allow_other_decisions_argument(parser)
+
+
+def check_policy_arguments(arguments: argparse.Namespace) -> None:
+    """Refuse what has no effect on the policy or in a laboratory.
+
+    Raises:
+        ValueError: An option that was given is ignored.
+    """
+    if is_real(arguments.lab):
+        refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
+    if not arguments.experience:
+        refuse_ignored(arguments, ["--allow-other-decisions"], "with --experience")
 
 
 def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
@@ -80,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         ValueError: A number or a decision is not allowed, or an experience file cannot be used.
         OSError: The laboratory of `--lab` cannot be used.
     """
-    require_at_least_one("--episodes", arguments.episodes)
+    check_policy_arguments(arguments)
     with closing(recall_env(arguments)) as env:
         rows = _recall(env, arguments)
         print_late_rounds(env)

@@ -7,11 +7,14 @@ from khepera_forage.cli.arguments import (
     add_out_argument,
     add_seed_argument,
     decisions_of,
-    require_at_least_one,
+    refuse_ignored,
 )
+from khepera_forage.cli.values import processes, whole_number
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK, check_backend
 from khepera_forage.thesis.report import SUMMARY
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
+
+MOST_REPLICATIONS = 100_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,15 +27,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--replications",
-        type=int,
+        type=whole_number(1, MOST_REPLICATIONS),
         help="repetitions of the whole design "
         f"({REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK})",
     )
     add_seed_argument(parser)
     add_out_argument(parser, "results/thesis", "folder for the report, its tables, figures and rows")
-    parser.add_argument(
-        "--jobs", type=int, default=-1, help=f"processes with {PYMUNK}; -1 uses all cores (-1)"
-    )
+    parser.add_argument("--jobs", type=processes, help=f"processes with {PYMUNK}; -1 uses all cores (-1)")
     parser.add_argument(
         "--quick", action="store_true", help="a small version of all experiments, under a minute"
     )
@@ -49,19 +50,22 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the experiments, and print the report and a summary.
 
     Raises:
-        ValueError: Fewer than one replication, a decision that is not allowed, or a folder with rows of others.
+        ValueError: A decision that is not allowed, an option without effect, or a folder with rows of other decisions.
         ImportError: The backend `compiled` without numba.
     """
     backend = check_backend(arguments.backend)
     replications = arguments.replications
     if replications is None:
         replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]
-    require_at_least_one("--replications", replications)
+    if backend == COMPILED:
+        refuse_ignored(
+            arguments, ["--jobs"], f"with --backend {PYMUNK}; {COMPILED} worlds always use all cores"
+        )
     page = reproduce(
         arguments.seed,
         replications,
         arguments.out,
-        n_jobs=arguments.jobs,
+        n_jobs=-1 if arguments.jobs is None else arguments.jobs,
         quick=arguments.quick,
         backend=backend,
         decisions=decisions_of(arguments),

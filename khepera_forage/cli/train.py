@@ -17,10 +17,12 @@ from khepera_forage.cli.arguments import (
     add_out_argument,
     add_seed_argument,
     decisions_of,
+    is_real,
     new_experience_paths,
-    require_at_least_one,
+    refuse_ignored,
 )
 from khepera_forage.cli.environments import print_late_rounds, training_env
+from khepera_forage.cli.values import whole_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
@@ -40,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--patience",
-        type=int,
+        type=whole_number(1),
         help="rounds that a learner may stay separated before the attempt ends (that of decision patience)",
     )
     parser.add_argument(
@@ -60,7 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
         IncompleteTrainingError: None of many attempts at an episode was complete.
         OSError: An experience file is there already, or the laboratory of `--lab` cannot be used.
     """
-    require_at_least_one("--episodes", arguments.episodes)
+    if is_real(arguments.lab):
+        refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
     decisions = decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
         arguments.patience,

@@ -3,18 +3,26 @@
 import argparse
 from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.arguments import add_num_learners_argument, decisions_of, require_at_least_one
+from khepera_forage.cli.arguments import (
+    add_num_learners_argument,
+    decisions_of,
+    is_real,
+    refuse_ignored,
+)
 from khepera_forage.cli.environments import recall_env, training_env
-from khepera_forage.cli.recall import add_policy_arguments, policy_of
+from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
+from khepera_forage.cli.values import given_path, whole_number
 from khepera_forage.envs.rendering import save_gif
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
+
+EVERY = 2
+"""Rounds a frame of a film, without `--every`."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,8 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("phase", choices=("training", "recall"), help="what to show")
     add_policy_arguments(parser)
     add_num_learners_argument(parser, "learners in training (1)")
-    parser.add_argument("--out", type=Path, help="save a film (GIF) here instead of opening a window")
-    parser.add_argument("--every", type=int, default=2, help="the film has one frame every N rounds (2)")
+    parser.add_argument("--out", type=given_path, help="save a film (GIF) here instead of opening a window")
+    parser.add_argument(
+        "--every",
+        type=whole_number(1, 1000),
+        metavar="N",
+        help=f"the film has one frame every N rounds ({EVERY})",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -33,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         ValueError: A number or a decision is not allowed, or an experience file cannot be used.
         OSError: The laboratory of `--lab` cannot be used.
     """
-    require_at_least_one("--every", arguments.every)
+    _check(arguments)
     if arguments.out is not None and arguments.out.suffix.lower() != ".gif":
         raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .gif")
     frames: list[NDArray[np.uint8]] = []
@@ -43,6 +56,26 @@ def run(arguments: argparse.Namespace) -> int:
         save_gif(frames, arguments.out, fps=1 / (decisions_of(arguments).round_duration * arguments.every))
         print(f"{arguments.out}: {len(frames)} frames")
     return 0
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse what has no effect in this phase, and fill in the defaults.
+
+    Raises:
+        ValueError: An option that was given is ignored.
+    """
+    if arguments.phase == "training":
+        refuse_ignored(
+            arguments, ["--experience", "--arena", "--allow-other-decisions"], "with `watch recall`"
+        )
+        if is_real(arguments.lab):
+            refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+    else:
+        refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
+        check_policy_arguments(arguments)
+    if arguments.out is None:
+        refuse_ignored(arguments, ["--every"], "with --out")
+    arguments.every = arguments.every or EVERY
 
 
 def _run_training(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) -> None:

@@ -1,6 +1,5 @@
 """`benchmarks/harness`: rows of interrupted runs, values with intervals, and pages."""
 
-import argparse
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -210,12 +209,3 @@ def test_a_page_has_its_parts_in_order(tmp_path: Path) -> None:
     assert (tmp_path / "table_heights.csv").read_text() == "m\n1\n"
     assert (tmp_path / "table_more.csv").exists()
     assert (tmp_path / "falls.png").read_bytes() == b"\x89PNG"
-
-
-def test_numbers_of_processes_and_counts_are_checked() -> None:
-    from harness.arguments import positive, processes
-
-    assert positive("3") == processes("3") == 3
-    for text in ("0", "-2", "x", "1.5"):
-        with pytest.raises(argparse.ArgumentTypeError, match="a whole number of at least 1"):
-            processes(text)

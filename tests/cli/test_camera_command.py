@@ -176,7 +176,7 @@ def test_calibrate_from_clicks_in_a_window(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["preview", "--frames", "0"], "--frames is 0; allowed: at least 1"),
+        (["preview", "--frames", "0"], "--frames: '0'; allowed: a whole number of at least 1"),
         (["preview", "--out", "film.mp4"], "'film.mp4'; allowed: a name that ends in .png, .gif, .avi"),
         (["preview", "--source", "nowhere.avi"], "nowhere.avi: there is no such file or device"),
         (["preview", "--source", "virtual", "--calibration", "nowhere.toml"], "nowhere.toml"),
@@ -198,7 +198,7 @@ def test_user_error_is_reported_in_one_line(
     assert main(["camera", *arguments]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert error.startswith("khepera-forage camera: ")
+    assert error.startswith(("khepera-forage camera: ", "khepera-forage camera preview: "))
     assert message in error
 
 

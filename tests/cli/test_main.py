@@ -40,13 +40,47 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
     ("arguments", "message"),
     [
         (["recall", "--experience", "nowhere.csv"], "nowhere.csv"),
-        (["recall", "--episodes", "0"], "--episodes is 0; allowed: at least 1"),
+        (["recall", "--episodes", "0"], "--episodes: '0'; allowed: a whole number from 1 to 100,000"),
         (["recall", "--food-type", "CHEESE"], "'CHEESE' is unknown; allowed: PICKABLE"),
-        (["train", "--episodes", "-1"], "--episodes is -1; allowed: at least 1"),
-        (["train", "--num-learners", "0"], "num_learners is 0"),
+        (["train", "--episodes", "-1"], "--episodes: '-1'; allowed: a whole number from 1 to"),
+        (["train", "--num-learners", "0"], "--num-learners: '0'; allowed: a whole number of at least 1"),
         (["watch", "recall", "--out", "film.mp4"], "'film.mp4'; allowed: a name that ends in .gif"),
-        (["reproduce", "--replications", "0"], "--replications is 0; allowed: at least 1"),
-        (["watch", "recall", "--every", "0"], "--every is 0; allowed: at least 1"),
+        (
+            ["reproduce", "--replications", "0"],
+            "--replications: '0'; allowed: a whole number from 1 to 100,000",
+        ),
+        (["reproduce", "--replications", "1e9"], "--replications: '1e9'; allowed: a whole number from 1"),
+        (["reproduce", "--jobs", "0"], "--jobs: '0'; allowed: a whole number of at least 1, or -1"),
+        (["reproduce", "--jobs", "2"], "--jobs has no effect here; allowed: with --backend pymunk"),
+        (["reproduce", "--out", ""], "--out: ''; allowed: the name of a file or folder"),
+        (["train", "--seed", "-1"], "--seed: '-1'; allowed: a whole number of at least 0"),
+        (
+            ["train", "--lab", "lab.toml", "--num-learners", "2"],
+            "--num-learners has no effect here; allowed: without",
+        ),
+        (
+            ["recall", "--lab", "lab.toml", "--arena", "corridor"],
+            "--arena has no effect here; allowed: without --lab",
+        ),
+        (
+            ["recall", "--allow-other-decisions"],
+            "--allow-other-decisions has no effect here; allowed: with --exp",
+        ),
+        (["watch", "recall", "--every", "0"], "--every: '0'; allowed: a whole number from 1 to 1,000"),
+        (
+            ["watch", "recall", "--out", "f.gif", "--every", "9999"],
+            "--every: '9999'; allowed: a whole number from",
+        ),
+        (["watch", "recall", "--every", "3"], "--every has no effect here; allowed: with --out"),
+        (
+            ["watch", "recall", "--num-learners", "3"],
+            "--num-learners has no effect here; allowed: with `watch t",
+        ),
+        (
+            ["watch", "training", "--arena", "corridor"],
+            "--arena has no effect here; allowed: with `watch recall`",
+        ),
+        (["teach", "--pace", "nan"], "--pace: 'nan'; allowed: more than 0, at most 1000 rounds a second"),
     ],
 )
 def test_user_error_is_reported_in_one_line(

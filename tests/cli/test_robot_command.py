@@ -127,9 +127,15 @@ def test_selftest_of_a_robot_that_does_not_move_fails(
     [
         (["probe", "--port", "/dev/nowhere"], "/dev/nowhere cannot be opened"),
         (["probe", "--port", "/dev/nowhere", "--baud", "300"], "baud 300; allowed: 9600"),
-        (["drive", "--port", "/dev/nowhere", "--left", "50"], "--left is 50; allowed: -20..20"),
-        (["drive", "--port", "/dev/nowhere", "--seconds", "0"], "--seconds is 0; allowed: more than 0"),
-        (["sensors", "--port", "/dev/nowhere", "--rounds", "-1"], "--rounds is -1; allowed: 0 or more"),
+        (
+            ["drive", "--port", "/dev/nowhere", "--left", "50"],
+            "--left: '50'; allowed: a whole number from -20 to 20",
+        ),
+        (["drive", "--port", "/dev/nowhere", "--seconds", "0"], "--seconds: '0'; allowed: more than 0"),
+        (
+            ["sensors", "--port", "/dev/nowhere", "--rounds", "-1"],
+            "--rounds: '-1'; allowed: a whole number of",
+        ),
     ],
 )
 def test_user_error_is_reported_in_one_line(

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.arguments import require_at_least_one
 from khepera_forage.cli.camera.source import VIRTUAL, add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
+from khepera_forage.cli.values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -32,16 +32,18 @@ Picture = NDArray[np.uint8]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add_source_arguments(parser)
-    parser.add_argument("--calibration", type=Path, metavar="FILE", help="calibration file, from `calibrate`")
+    parser.add_argument(
+        "--calibration", type=given_path, metavar="FILE", help="calibration file, from `calibrate`"
+    )
     parser.add_argument(
         "--frames",
-        type=int,
+        type=whole_number(1),
         metavar="N",
         help=f"stop after N frames (no limit; {_FILM_FRAMES} with --out)",
     )
     parser.add_argument(
         "--out",
-        type=Path,
+        type=given_path,
         metavar="FILE",
         help="save the last picture (.png), or all pictures as a film (.gif, .avi), instead of opening a window",
     )
@@ -55,8 +57,6 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: The camera cannot be opened, or is lost.
         ImportError: OpenCV, or the library that writes films, is not installed.
     """
-    if arguments.frames is not None:
-        require_at_least_one("--frames", arguments.frames)
     out: Path | None = arguments.out
     if out is not None and out.suffix.lower() not in FORMATS:
         raise ValueError(f"--out is {str(out)!r}; allowed: a name that ends in {', '.join(FORMATS)}")

@@ -5,6 +5,7 @@ import math
 import time
 
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
+from khepera_forage.cli.values import real_number, whole_number
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
@@ -26,25 +27,21 @@ def add_drive_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `drive`."""
     add_port_arguments(parser)
     unit = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
-    parser.add_argument("--left", type=int, default=3, help=f"left wheel, {unit} (3)")
-    parser.add_argument("--right", type=int, default=3, help=f"right wheel, {unit} (3)")
-    parser.add_argument("--seconds", type=float, default=2.0, help=f"duration, at most {_MAX_SECONDS:g} (2)")
+    speed = whole_number(-MAX_SPEED, MAX_SPEED)
+    parser.add_argument("--left", type=speed, default=3, help=f"left wheel, {unit} (3)")
+    parser.add_argument("--right", type=speed, default=3, help=f"right wheel, {unit} (3)")
+    seconds = real_number(0.0, _MAX_SECONDS, "seconds")
+    parser.add_argument(
+        "--seconds", type=seconds, default=2.0, help=f"duration, at most {_MAX_SECONDS:g} (2)"
+    )
 
 
 def drive(arguments: argparse.Namespace) -> int:
     """Turn the wheels, stop them, and print how far they turned; the gripper does not move.
 
     Raises:
-        ValueError: A speed or the duration is out of range.
         OSError: The port cannot be opened, or the robot is lost.
     """
-    for name in ("left", "right"):
-        if not -MAX_SPEED <= getattr(arguments, name) <= MAX_SPEED:
-            raise ValueError(f"--{name} is {getattr(arguments, name)}; allowed: -{MAX_SPEED}..{MAX_SPEED}")
-    if not 0 < arguments.seconds <= _MAX_SECONDS:
-        raise ValueError(
-            f"--seconds is {arguments.seconds:g}; allowed: more than 0, at most {_MAX_SECONDS:g}"
-        )
     with open_robot(arguments) as robot:
         left, right = counters(robot)
         robot.request("D", arguments.left, arguments.right)

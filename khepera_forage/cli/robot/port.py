@@ -2,7 +2,8 @@
 
 import argparse
 
-from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT
+from khepera_forage.cli.values import real_number
+from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
@@ -23,7 +24,7 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--timeout",
-        type=float,
+        type=real_number(0.0, MAX_TIMEOUT, "seconds"),
         default=DEFAULT_TIMEOUT,
         metavar="SECONDS",
         help=f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",

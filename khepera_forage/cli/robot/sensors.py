@@ -5,6 +5,7 @@ import sys
 import time
 
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
+from khepera_forage.cli.values import whole_number
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
 from khepera_forage.robots.proximity import MAX_READING
 
@@ -18,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     add_port_arguments(parser)
     parser.add_argument(
-        "--rounds", type=int, default=0, help="number of rounds of 0.1 s; 0 runs until Ctrl-C (0)"
+        "--rounds", type=whole_number(0), default=0, help="number of rounds of 0.1 s; 0 runs until Ctrl-C (0)"
     )
 
 
@@ -26,11 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the readings of every round: as bars that are redrawn in a terminal, otherwise as one line.
 
     Raises:
-        ValueError: The number of rounds is negative.
         OSError: The port cannot be opened, or the robot is lost.
     """
-    if arguments.rounds < 0:
-        raise ValueError(f"--rounds is {arguments.rounds}; allowed: 0 or more")
     live = sys.stdout.isatty()
     with open_robot(arguments) as robot:
         if not live:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from khepera_forage.cli.arguments import add_seed_argument
+from khepera_forage.cli.values import whole_number
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.port import BAUD_RATES
@@ -26,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
         "--tcp",
-        type=int,
+        type=whole_number(0, 65535),
         metavar="PORT",
         help="listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
     )

@@ -1,7 +1,6 @@
 """`khepera-forage teach`: arguments, episodes and experience files."""
 
 import argparse
-import math
 import shlex
 from contextlib import closing
 from pathlib import Path
@@ -17,13 +16,14 @@ from khepera_forage.cli.arguments import (
     add_seed_argument,
     decisions_of,
     new_experience_paths,
-    require_at_least_one,
 )
 from khepera_forage.cli.teach.human_teacher import HumanTeacher
 from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
+from khepera_forage.cli.values import real_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts import training
+from khepera_forage.sim.arena import CORRIDOR
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_seed_argument(parser, "the same seed gives the same episodes")
     parser.add_argument(
         "--pace",
-        type=float,
+        type=real_number(0.0, 1000.0, "rounds a second"),
         default=5.0,
         help="rounds a second while a key is held (5: half the speed of real robots)",
     )
@@ -65,14 +65,11 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: An experience file is there already, or there is no display.
         ImportError: pygame is not installed.
     """
-    require_at_least_one("--episodes", arguments.episodes)
-    if not 0 < arguments.pace < math.inf:
-        raise ValueError(f"--pace is {arguments.pace}; allowed: a positive number of rounds a second")
-    decisions = decisions_of(arguments)
+    decisions, arena = decisions_of(arguments), arguments.arena or CORRIDOR
     paths = new_experience_paths(arguments.out, arguments.episodes)
     from khepera_forage.cli.teach.window import TeachingWindow
 
-    env = TrainingEnv(arena=arguments.arena, food_types=arguments.food_type, decisions=decisions)
+    env = TrainingEnv(arena=arena, food_types=arguments.food_type, decisions=decisions)
     with closing(env), closing(TeachingWindow()) as window:
         arguments.out.mkdir(parents=True, exist_ok=True)
         teacher = HumanTeacher(env, window, arguments.episodes, arguments.pace, arguments.hints)
@@ -103,7 +100,7 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, paths: list[Path], arguments
         print("no episode is complete, so no file is kept")
         return
     print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, choices)}")
-    command = ["khepera-forage", "recall", "--arena", arguments.arena, "--experience", *map(str, recorded)]
+    command = ["khepera-forage", "recall", "--arena", env.arenas[0].name, "--experience", *map(str, recorded)]
     for assignment in arguments.decision:
         command += ["--decision", assignment]
     print(f"next: {shlex.join(command)}", flush=True)

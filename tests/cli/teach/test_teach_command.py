@@ -192,9 +192,9 @@ def test_without_pygame_the_error_says_what_to_install(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--episodes", "0"], "--episodes is 0; allowed: at least 1"),
-        (["--pace", "0"], "--pace is 0.0; allowed: a positive number"),
-        (["--pace", "nan"], "--pace is nan; allowed: a positive number"),
+        (["--episodes", "0"], "--episodes: '0'; allowed: a whole number from 1 to"),
+        (["--pace", "0"], "--pace: '0'; allowed: more than 0, at most 1000 rounds a second"),
+        (["--pace", "nan"], "--pace: 'nan'; allowed: more than 0, at most"),
         (["--food-type", "CHEESE"], "'CHEESE' is unknown"),
         (["--out", "."], "g1.csv exists; choose another --out"),
     ],
