@@ -1,13 +1,8 @@
 """The thesis's experiments, replicated: the same as `khepera-forage reproduce`."""
 
-import argparse
 import sys
 
-from khepera_forage.cli import reproduce
+from khepera_forage.cli.main import main
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    reproduce.add_arguments(parser)
-    sys.exit(reproduce.run(parser.parse_args()))
+    sys.exit(main(["reproduce", *sys.argv[1:]]))

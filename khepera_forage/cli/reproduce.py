@@ -10,7 +10,7 @@ from khepera_forage.cli.arguments import (
     refuse_ignored,
 )
 from khepera_forage.cli.values import processes, whole_number
-from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK, check_backend
+from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.thesis.report import SUMMARY
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
 
@@ -51,9 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: A decision that is not allowed, an option without effect, or a folder with rows of other decisions.
-        ImportError: The backend `compiled` without numba.
+        ImportError: matplotlib is not installed, or numba for the backend `compiled`.
     """
-    backend = check_backend(arguments.backend)
+    backend = arguments.backend
     replications = arguments.replications
     if replications is None:
         replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]

@@ -18,6 +18,7 @@ from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
 from khepera_forage.cli.values import given_path, whole_number
 from khepera_forage.envs.rendering import save_gif
+from khepera_forage.extras import require
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
 
@@ -47,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: The laboratory of `--lab` cannot be used.
     """
     _check(arguments)
+    require("khepera-forage watch", "render", *([] if arguments.lab is None else ["robots", "camera"]))
     if arguments.out is not None and arguments.out.suffix.lower() != ".gif":
         raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .gif")
     frames: list[NDArray[np.uint8]] = []

@@ -1,7 +1,6 @@
 """The backends: what simulates the bodies. Entry points of `gym.make` and `gym.make_vec`."""
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
@@ -11,6 +10,7 @@ from khepera_forage.envs.arguments import spec_decisions
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.extras import require
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 PYMUNK, COMPILED = "pymunk", "compiled"
@@ -97,11 +97,9 @@ def check_backend(backend: Any) -> str:
     """
     if backend not in BACKENDS:
         raise ValueError(f"backend is {backend!r}; allowed: {', '.join(map(repr, BACKENDS))}")
-    if backend == COMPILED and find_spec("numba") is None:
-        raise ImportError(
-            "the backend 'compiled' needs numba, which is not installed: pip install 'khepera-forage[fast]'; the "
-            "backend 'pymunk' works without numba (in make_vec: vectorization_mode='sync' or 'async')"
-        )
+    if backend == COMPILED:
+        instead = "; the backend 'pymunk' works without (in make_vec: vectorization_mode='sync' or 'async')"
+        require("the backend 'compiled'", "fast", otherwise=instead)
     return str(backend)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 import khepera_forage  # also registers the environments, whose spaces the dataset has
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.text_format import header_decisions, header_decisions_text
+from khepera_forage.extras import require
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 
@@ -174,8 +175,5 @@ def _vectors(observations: Any, count: int, number: int) -> NDArray[np.int64]:
 
 
 def _minari() -> Any:
-    try:
-        import_module("h5py")
-        return import_module("minari")
-    except ImportError as error:
-        raise ImportError("Minari datasets need pip install 'khepera-forage[minari]'") from error
+    require("a Minari dataset", "minari")
+    return import_module("minari")

@@ -10,6 +10,7 @@ from gymnasium import spaces
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from khepera_forage.extras import require
 from khepera_forage.task.states import Behaviour
 
 ALGORITHMS = ("PPO", "DQN", "SAC")
@@ -107,12 +108,9 @@ def algorithm_named(name: str) -> Any:
     """
     if name not in ALGORITHMS:
         raise ValueError(f"algorithm is {name!r}; allowed: {', '.join(ALGORITHMS)}")
-    try:
-        import stable_baselines3
-    except ImportError as error:
-        raise ImportError(
-            f"{name} needs stable-baselines3: pip install 'khepera-forage[baselines]'"
-        ) from error
+    require(name, "baselines")
+    import stable_baselines3
+
     return getattr(stable_baselines3, name)
 
 

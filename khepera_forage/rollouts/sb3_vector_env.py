@@ -10,9 +10,12 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import create_empty_array
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
 
 from khepera_forage.envs.arguments import whole_number
+from khepera_forage.extras import require
+
+require("VecEnvAdapter", "baselines")
+from stable_baselines3.common.vec_env import VecEnv  # noqa: E402 (after the check)
 
 Features = Callable[[Any], NDArray[np.float32]]
 Indices = int | Iterable[int] | None

@@ -111,16 +111,11 @@ def compiled_jobs(
     Raises:
         ImportError: numba is not installed.
     """
-    try:
-        from khepera_forage.thesis.compiled_replications import (
-            GROUP_SIZE,
-            CompiledBaseline,
-            CompiledReplications,
-        )
-    except ImportError as missing:
-        raise ImportError(
-            "--backend compiled needs numba: pip install 'khepera-forage[fast]', or choose --backend pymunk"
-        ) from missing
+    from khepera_forage.thesis.compiled_replications import (
+        GROUP_SIZE,
+        CompiledBaseline,
+        CompiledReplications,
+    )
 
     def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
         return [

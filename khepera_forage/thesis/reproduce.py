@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
+from khepera_forage.extras import require
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import refuse_other_decisions
@@ -57,10 +58,14 @@ def reproduce(
 
     Raises:
         ValueError: An unknown backend, or a folder with rows of other decisions.
-        ImportError: The backend is `compiled`, and numba is not installed.
+        ImportError: matplotlib is not installed, or the backend is `compiled` and numba is not.
     """
     if backend not in BACKENDS:
         raise ValueError(f"backend is {backend!r}; allowed: {', '.join(BACKENDS)}")
+    if backend == COMPILED:
+        require("this reproduction", "fast", "plots", otherwise=f"; backend {PYMUNK} needs no numba")
+    else:
+        require("this reproduction", "plots")
     counts = job_counts(replications, backend, quick)
     decisions = checked_decisions(decisions)
     v0_1 = Decisions.v0_1()

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.segmentation import check_frame
-from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -42,7 +42,7 @@ def draw_scene(
         ImportError: OpenCV is not installed.
         ValueError: A frame that is not 480 x 640 grey levels.
     """
-    require_opencv("drawing a scene")
+    require("drawing a scene", "camera")
     import cv2
 
     check_frame(frame)

@@ -2,12 +2,12 @@
 
 import math
 
+from khepera_forage.extras import require
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.detector import Detector
 from khepera_forage.vision.detection.floor_visibility import FloorVisibility
 from khepera_forage.vision.detection.segmentation import Frame, Segmentation, Segmenter
-from khepera_forage.vision.opencv import require_opencv
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -51,7 +51,7 @@ class Tracker:
     def __init__(
         self, settings: TrackerSettings | None = None, calibration: Calibration | None = None
     ) -> None:
-        require_opencv("the tracker")
+        require("the tracker", "camera")
         self.settings = settings = settings or TrackerSettings()
         self.calibration = calibration or Calibration.identity()
         scale = _pixels_per_mm(self.calibration, settings)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.extras import require
 from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
-from khepera_forage.vision.opencv import require_opencv
 
 if TYPE_CHECKING:
     import cv2
@@ -70,7 +70,7 @@ class VideoSource:
     """
 
     def __init__(self, source: int | str | Path, *, timeout: float = 2.0) -> None:
-        require_opencv("a video source")
+        require("a video source", "camera")
         if not 0 < timeout < float("inf"):
             raise ValueError(f"timeout is {timeout!r} s; allowed: above 0")
         if isinstance(source, Path) or (isinstance(source, str) and "://" not in source):

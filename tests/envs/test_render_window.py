@@ -103,7 +103,7 @@ for missing in (lambda: Renderer("rgb_array"), lambda: save_gif([frame], "never.
     try:
         missing()
     except DependencyNotInstalled as error:
-        assert "pip install khepera-forage[render]" in str(error), error
+        assert "pip install 'khepera-forage[render]'" in str(error), error
     else:
         raise AssertionError("no error")
 """

@@ -1,6 +1,5 @@
 """Opening a serial port: errors, and the transmission time of bytes."""
 
-import builtins
 import sys
 
 import pytest
@@ -24,15 +23,7 @@ def test_port_in_use_is_reported(stage: Stage) -> None:
 
 
 def test_missing_pyserial_is_reported_with_the_command_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = builtins.__import__
-
-    def without_serial(name: str, *rest: object) -> object:
-        if name == "serial":
-            raise ImportError(name)
-        return original(name, *rest)  # type: ignore[arg-type]
-
-    monkeypatch.delitem(sys.modules, "serial", raising=False)
-    monkeypatch.setattr(builtins, "__import__", without_serial)
+    monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(ImportError, match=r"pip install 'khepera-forage\[robots\]'"):
         open_port("/dev/nowhere", 38400)
 

@@ -13,6 +13,7 @@ from khepera_forage.cli.arguments import add_out_argument
 from khepera_forage.cli.camera.preview import described
 from khepera_forage.cli.camera.source import add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
+from khepera_forage.extras import require
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -63,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: The camera cannot be opened, or the file cannot be written.
         ImportError: OpenCV is not installed.
     """
+    require("khepera-forage camera calibrate", "camera")
     camera = _numbers("--camera", arguments.camera, 3) if arguments.camera else None
     source = open_source(arguments, paced=False) if arguments.places or arguments.check else None
     try:

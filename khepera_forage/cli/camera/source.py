@@ -4,6 +4,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from khepera_forage.cli.arguments import add_seed_argument
+from khepera_forage.extras import require
 
 if TYPE_CHECKING:
     from khepera_forage.vision.video import FrameSource
@@ -33,9 +34,7 @@ def open_source(arguments: argparse.Namespace, paced: bool) -> "FrameSource":
         OSError: The source cannot be opened.
         ImportError: OpenCV is not installed.
     """
-    from khepera_forage.vision.opencv import require_opencv
-
-    require_opencv("khepera-forage camera")
+    require("khepera-forage camera", "camera")
     if arguments.source == VIRTUAL:
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 

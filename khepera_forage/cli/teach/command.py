@@ -22,6 +22,7 @@ from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
 from khepera_forage.cli.values import real_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
+from khepera_forage.extras import require
 from khepera_forage.rollouts import training
 from khepera_forage.sim.arena import CORRIDOR
 
@@ -67,6 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     decisions, arena = decisions_of(arguments), arguments.arena or CORRIDOR
     paths = new_experience_paths(arguments.out, arguments.episodes)
+    require("teaching", "render")
     from khepera_forage.cli.teach.window import TeachingWindow
 
     env = TrainingEnv(arena=arena, food_types=arguments.food_type, decisions=decisions)

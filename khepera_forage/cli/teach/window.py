@@ -8,14 +8,9 @@ from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.caption import Caption
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-try:
-    import pygame
+import pygame
 
-    from khepera_forage.envs.rendering.keyboard import KeyboardPainter
-except ImportError as error:
-    raise ImportError(
-        "pygame is not installed; teaching needs it: pip install khepera-forage[render]"
-    ) from error
+from khepera_forage.envs.rendering.keyboard import KeyboardPainter
 
 INVISIBLE_DRIVERS = ("offscreen", "dummy")
 """Video drivers of SDL whose windows are invisible."""

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
+
+from khepera_forage.extras import require
 
 if TYPE_CHECKING:
     import PIL.Image
@@ -34,12 +35,9 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
         DependencyNotInstalled: Pillow is not installed.
     """
     _check(frames, fps)
-    try:
-        import PIL.Image
-    except ImportError as error:
-        raise DependencyNotInstalled(
-            "Pillow is not installed; animated GIFs need it: pip install khepera-forage[render]"
-        ) from error
+    require("an animated GIF", "render")
+    import PIL.Image
+
     path = Path(path)
     palette = _palette([frames[i] for i in _palette_frames(len(frames))])
     # With one palette and no dithering, static parts are equal from frame to frame and take no bytes.

@@ -1,14 +1,13 @@
 """The renderer of the environments: draws views as arrays or in a window."""
 
-import importlib
 import os
 from typing import TYPE_CHECKING
 
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering.view import View
+from khepera_forage.extras import require
 
 if TYPE_CHECKING:
     from khepera_forage.envs.rendering.painter import Painter
@@ -87,9 +86,4 @@ class Renderer:
 
 def _require_pygame() -> None:
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # a library does not print
-    try:
-        importlib.import_module("pygame")
-    except ImportError as error:
-        raise DependencyNotInstalled(
-            "pygame is not installed; rendering needs it: pip install khepera-forage[render]"
-        ) from error
+    require("rendering", "render")

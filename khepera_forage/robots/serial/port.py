@@ -6,6 +6,8 @@ Requires pyserial, the extra `robots`; it is imported when a port is opened, not
 import contextlib
 from typing import TYPE_CHECKING
 
+from khepera_forage.extras import require
+
 if TYPE_CHECKING:
     from serial import Serial
 
@@ -39,10 +41,9 @@ def open_port(port: str, baud: int) -> "Serial":
     """
     if baud not in BAUD_RATES:
         raise ValueError(f"baud {baud}; allowed: {', '.join(map(str, BAUD_RATES))}")
-    try:
-        import serial
-    except ImportError as error:
-        raise ImportError("a serial port requires pyserial: pip install 'khepera-forage[robots]'") from error
+    require("a serial port", "robots")
+    import serial
+
     try:
         opened = serial.serial_for_url(
             port,

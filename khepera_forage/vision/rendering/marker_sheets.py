@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
 
@@ -145,12 +146,9 @@ def save_marker_sheet(path: str | os.PathLike[str]) -> Path:
 
 def _image() -> "Image":
     """The page as a grey image."""
-    try:
-        from PIL import Image, ImageDraw, ImageFont
-    except ImportError as error:
-        raise ImportError(
-            "Pillow is not installed; PNG and PDF need it (SVG does not): pip install 'khepera-forage[render]'"
-        ) from error
+    require("a PNG or PDF", "render", otherwise="; SVG works without")
+    from PIL import Image, ImageDraw, ImageFont
+
     scale = DPI / 25.4
     image = Image.new("L", (round(PAGE_WIDTH * scale), round(PAGE_HEIGHT * scale)), 255)
     drawing = ImageDraw.Draw(image)

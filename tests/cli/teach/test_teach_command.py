@@ -185,7 +185,7 @@ def test_without_pygame_the_error_says_what_to_install(
     monkeypatch.setitem(sys.modules, "pygame", None)
     monkeypatch.delitem(sys.modules, "khepera_forage.cli.teach.window", raising=False)
     assert main(["teach"]) == 2
-    assert "pip install khepera-forage[render]" in capsys.readouterr().err
+    assert "pip install 'khepera-forage[render]'" in capsys.readouterr().err
     assert not Path("taught").exists()
 
 

@@ -1,0 +1,118 @@
+"""What is said without optional dependencies: at once, in one line, with one command that installs all of them."""
+
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.extras import EXTRAS, MissingExtraError, require
+
+ROOT = Path(__file__).parents[1]
+MODULES = [module for modules in EXTRAS.values() for module in modules]
+
+
+@pytest.fixture
+def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No optional dependency can be imported, and results go to an empty folder."""
+    for module in MODULES:
+        monkeypatch.setitem(sys.modules, module, None)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.usefixtures("bare")
+@pytest.mark.parametrize(
+    ("command", "extras"),
+    [
+        ("reproduce --quick", "fast,plots"),
+        ("reproduce --quick --backend pymunk", "plots"),
+        ("watch training", "render"),
+        ("watch recall --out film.gif", "render"),
+        ("watch recall --lab virtual --out film.gif", "render,robots,camera"),
+        ("teach", "render"),
+        ("train --lab virtual", "robots,camera"),
+        ("recall --lab virtual", "robots,camera"),
+        ("recall --lab lab.toml", "robots,camera"),
+        ("robot probe --port /dev/ttyUSB0", "robots"),
+        ("camera preview", "camera"),
+        ("camera calibrate --points 0,0=0,0 1,0=1,0 1,1=1,1 0,1=0,1", "camera"),
+        ("camera markers --out markers.png", "render"),
+    ],
+)
+def test_command_says_at_once_what_to_install(
+    command: str, extras: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(command.split()) == 2
+    error = capsys.readouterr().err
+    assert f"pip install 'khepera-forage[{extras}]'" in error
+    assert error.count("\n") == 1
+    assert not list(Path().rglob("*.*")), "nothing was written"
+
+
+@pytest.mark.usefixtures("bare")
+@pytest.mark.parametrize(
+    "command",
+    [
+        "decisions",
+        "train --episodes 1 --out g",
+        "recall --episodes 1 --out r.csv",
+        "camera markers --out m.svg",
+    ],
+)
+def test_command_works_without_extras(command: str) -> None:
+    assert main(command.split()) == 0
+
+
+def test_extras_are_those_of_the_package() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert set(EXTRAS) <= set(project["optional-dependencies"])
+
+
+@pytest.mark.usefixtures("bare")
+def test_one_command_installs_everything_and_nothing_twice() -> None:
+    with pytest.raises(MissingExtraError) as error:
+        require("this", "render", "plots", otherwise="; or do without")
+    told = "this needs pygame, PIL, matplotlib: pip install 'khepera-forage[render,plots]'; or do without"
+    assert str(error.value) == told
+    require("that")
+
+
+def test_every_module_of_the_wheel_imports_or_says_what_to_install(tmp_path: Path) -> None:
+    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    wheels, installed = tmp_path / "wheels", tmp_path / "installed"
+    sources = tmp_path / "sources"  # a build leaves files beside them
+    shutil.copytree(ROOT / "khepera_forage", sources / "khepera_forage")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, sources)
+    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels), str(sources)]
+    subprocess.run([*pip, *build], check=True, capture_output=True)
+    (wheel,) = wheels.iterdir()
+    subprocess.run([*pip, "install", "--no-deps", "--target", str(installed), str(wheel)], check=True)
+    program = f"""
+import importlib, pkgutil, sys
+sys.path.insert(0, {str(installed)!r})
+for module in {MODULES!r}:
+    sys.modules[module] = None
+import khepera_forage
+assert khepera_forage.__file__.startswith({str(installed)!r}), khepera_forage.__file__
+count = 0
+for found in pkgutil.walk_packages(khepera_forage.__path__, "khepera_forage.", onerror=lambda name: None):
+    try:
+        importlib.import_module(found.name)
+        count += 1
+    except ImportError as error:
+        print(found.name, error)
+print(count)
+"""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    *refused, count = done.stdout.splitlines()
+    assert int(count) > 100
+    assert refused
+    for line in refused:
+        assert "pip install 'khepera-forage[" in line or "pygame" in line or "cv2" in line, line
