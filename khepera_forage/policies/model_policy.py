@@ -1,5 +1,6 @@
 """Models of stable-baselines3 as policies; `rollouts.reinforcement` trains such models (extra `baselines`)."""
 
+import inspect
 import io
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -27,10 +28,11 @@ class Model(Protocol):
 
 @dataclass
 class ModelPolicy:
-    """Executes the actions of a trained model that has no memory: behaviours, or motors.
+    """Executes the actions of a trained model: behaviours, or motors.
 
     An action may hold for several rounds, as it did in training. It holds for one generator: another generator means
-    another episode, and a new action. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
+    another episode, and a new action. A recurrent model, whose `predict` returns a state, likewise forgets its state
+    with another generator. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
 
     Attributes:
         model: Trained on what `features` makes of the environment's observations.
@@ -49,6 +51,14 @@ class ModelPolicy:
     deterministic: bool = True
     _held: tuple[Generator | None, int, Any] = field(default=(None, 0, None), init=False, repr=False)
     """The generator of the last action, for how many more rounds the action holds, and the action."""
+    _memory: tuple[Generator | None, Any] = field(default=(None, None), init=False, repr=False)
+    """The generator of the last prediction, and the state that a recurrent model returned with it."""
+    _recurs: bool = field(init=False, repr=False)
+    """Whether the model takes a state."""
+
+    def __post_init__(self) -> None:
+        parameters = inspect.signature(self.model.predict).parameters
+        self._recurs = {"state", "episode_start"} <= set(parameters)
 
     def act(self, observation: Any, rng: Generator | None = None) -> Any:
         """The model's action.
@@ -61,7 +71,7 @@ class ModelPolicy:
             A `Behaviour`, or motors: four numbers in -1..1, as `CorridorWheels-v1` takes them.
 
         Raises:
-            TypeError: `rng` is not a NumPy generator, with `sample`.
+            TypeError: `rng` is not a NumPy generator, with `sample` or with a recurrent model.
             ValueError: The observation lacks what `features` needs, or the model's action is not a behaviour.
         """
         if self.sample and not isinstance(rng, Generator):
@@ -78,9 +88,28 @@ class ModelPolicy:
             assert rng is not None
             action = _drawn(self.model, shown, rng)
         else:
-            action, _ = self.model.predict(shown, deterministic=self.deterministic)
+            action = self._predicted(shown, rng)
         numbers = np.ravel(action)
         return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32)
+
+    def _predicted(self, shown: Any, rng: Generator | None) -> Any:
+        if not self._recurs:
+            return self.model.predict(shown, deterministic=self.deterministic)[0]
+        generator, state = self._memory
+        begins = generator is not rng or state is None
+        recurrent: Any = self.model
+        action, state = recurrent.predict(
+            shown,
+            state=None if begins else state,
+            episode_start=np.array([begins]),
+            deterministic=self.deterministic,
+        )
+        if state is not None and rng is None:
+            raise TypeError(
+                "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
+            )
+        self._memory = rng, state
+        return action
 
     def __getstate__(self) -> dict[str, Any]:
         model: Any = self.model
@@ -89,7 +118,7 @@ class ModelPolicy:
             file = io.BytesIO()
             model.save(file)
             model = name, file.getvalue()
-        return {**self.__dict__, "model": model, "_held": (None, 0, None)}
+        return {**self.__dict__, "model": model, "_held": (None, 0, None), "_memory": (None, None)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         model = state["model"]

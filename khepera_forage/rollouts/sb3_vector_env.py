@@ -7,12 +7,12 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import create_empty_array
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.extras import require
+from khepera_forage.wrappers import HoldVectorAction, check_same_step
 
 require("VecEnvAdapter", "baselines")
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402 (after the check)
@@ -32,19 +32,16 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
     Args:
         env: Its environments begin a new episode in the step that ends one (`AutoresetMode.SAME_STEP`).
         features: From the observations of all environments to one row of numbers each.
-        hold: Rounds that an action holds; their rewards are added up. Above 1 the environment must know the option
-            `reset_mask`, as Gymnasium's own do: an episode that ends in between begins again at the last round.
+        hold: Rounds that an action holds, as in `HoldVectorAction`.
 
     Raises:
         ValueError: Another `AutoresetMode`, or `hold` out of range.
     """
 
     def __init__(self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features, hold: int = 1) -> None:
-        mode = env.metadata.get("autoreset_mode")
-        if mode != AutoresetMode.SAME_STEP:
-            raise ValueError(f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}")
-        self.hold = whole_number("hold", hold, 1)
-        self._env, self._features = env, features
+        check_same_step(env)
+        self._env = env if whole_number("hold", hold, 1) == 1 else HoldVectorAction(env, hold)
+        self._features = features
         self._next_seed: int | None = None
         self._actions: NDArray[Any] | None = None
         self._returns, self._lengths = np.zeros(env.num_envs), np.zeros(env.num_envs, np.int64)
@@ -80,24 +77,16 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Carry out the actions; returns observations, rewards, ends and infos."""
-        rewards, ended = np.zeros(self.num_envs), np.zeros(self.num_envs, np.bool_)
+        shown, rewards, terminated, truncated, info = self._env.step(self._actions)
+        ended = terminated | truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        early = ended
-        for _ in range(self.hold):
-            early = ended
-            shown, more, terminated, truncated, info = self._env.step(self._actions)
-            rewards += np.where(ended, 0.0, more)
-            self._lengths += ~ended
-            for i in (~ended & (terminated | truncated)).nonzero()[0].tolist():
-                infos[i] = self._final_info(info, i, bool(terminated[i]), bool(truncated[i]))
-            ended = ended | terminated | truncated
         self._returns += rewards
+        self._lengths += info.get("held_rounds", 1)
         for i in ended.nonzero()[0].tolist():
+            infos[i] = self._final_info(info, i, bool(terminated[i]), bool(truncated[i]))
             seconds = perf_counter() - self._made
             infos[i]["episode"] = {"r": float(self._returns[i]), "l": int(self._lengths[i]), "t": seconds}
         self._returns[ended], self._lengths[ended] = 0.0, 0
-        if early.any():
-            shown, _ = self._env.reset(options={"reset_mask": early})
         return self._features(shown), rewards.astype(np.float32), ended, infos
 
     def close(self) -> None:

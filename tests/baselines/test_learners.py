@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.policies import ModelPolicy, Policy
+from khepera_forage.policies import ModelPolicy, Policy, as_policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
 from khepera_forage.policies.model_policy import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env
@@ -217,3 +217,20 @@ def test_code_on_the_page_about_learners_runs(capsys: pytest.CaptureFixture[str]
     (block,) = re.findall(r"```python\n(# needs the extra: baselines\n.*?)```", page, flags=re.DOTALL)
     exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": recall_env("corridor", limit=50)})
     assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2560", "5120"]
+
+
+@pytest.mark.parametrize("form", ["flattened", "dictionary", "adapter"])
+def test_model_trained_in_any_form_can_be_recalled(form: str) -> None:
+    """As users train one: behind a wrapper, on the dictionary itself, or in the vector environments shipped."""
+    from gymnasium.wrappers import FlattenObservation
+    from stable_baselines3 import PPO
+
+    settings: dict[str, Any] = {"n_steps": 32, "batch_size": 32, "n_epochs": 1, "seed": 0, "device": "cpu"}
+    env: Any = gym.make("khepera_forage/Corridor-v1", limit=40)
+    if form == "flattened":
+        env = FlattenObservation(env)
+    elif form == "adapter":
+        env = vec_env(FROM_STEPS["ppo"], envs=2, backend="pymunk")
+    model = PPO("MultiInputPolicy" if form == "dictionary" else "MlpPolicy", env, **settings).learn(64)
+    row = recall(recall_env("corridor", limit=20), as_policy(model), seed=1)
+    assert 1 <= row.steps <= 20

@@ -71,3 +71,24 @@ def test_sampling_without_a_generator_is_refused() -> None:
         TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator, to draw actions from"
     ):
         ModelPolicy(Counter(), sample=True).act(OBSERVATION)
+
+
+class Recurrent:
+    """Counts its own steps in its state, as a recurrent model of sb3-contrib carries its memory."""
+
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = False
+    ) -> tuple[Any, Any]:
+        assert episode_start.shape == (1,)
+        count = 0 if episode_start[0] else state[0] + 1
+        return np.array([count]), (count,)
+
+
+def test_recurrent_model_remembers_within_an_episode_and_forgets_after_it() -> None:
+    policy = ModelPolicy(Recurrent())
+    first, second = np.random.default_rng(0), np.random.default_rng(0)
+    assert [int(policy.act(OBSERVATION, first)) for _ in range(4)] == [0, 1, 2, 3]
+    assert [int(policy.act(OBSERVATION, second)) for _ in range(3)] == [0, 1, 2]
+    assert int(pickle.loads(pickle.dumps(policy)).act(OBSERVATION, second)) == 0
+    with pytest.raises(TypeError, match="rng is None; allowed for a recurrent model"):
+        policy.act(OBSERVATION)

@@ -1,0 +1,117 @@
+"""Wrappers for learners: an action that holds for several rounds, in one environment or in many."""
+
+from typing import Any, SupportsFloat
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+from numpy.typing import NDArray
+
+from khepera_forage.envs.arguments import whole_number
+
+ROUNDS = 5
+"""Rounds that an action holds, by default."""
+
+
+class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """An action that holds for several rounds, or until the episode ends; their rewards are added up.
+
+    A learner that explores at random needs it: a random behaviour in every round delivers almost no food, so that there
+    is nothing to learn from.
+
+    ```python
+    env = HoldAction(gym.make("khepera_forage/Corridor-v1"), rounds=5)
+    ```
+
+    Args:
+        env: Any environment.
+        rounds: That an action holds, at least 1.
+
+    Raises:
+        ValueError: `rounds` is no such number.
+    """
+
+    def __init__(self, env: gym.Env[Any, Any], rounds: int = ROUNDS) -> None:
+        RecordConstructorArgs.__init__(self, rounds=rounds)
+        super().__init__(env)
+        self.rounds = whole_number("rounds", rounds, 1)
+
+    def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
+        """The rounds of one action; observation and info are those after the last of them."""
+        total = 0.0
+        for _ in range(self.rounds):
+            shown, reward, terminated, truncated, info = self.env.step(action)
+            total += float(reward)
+            if terminated or truncated:
+                break
+        return shown, total, terminated, truncated, info
+
+
+class HoldVectorAction(VectorWrapper):
+    """`HoldAction` for vector environments that begin a new episode in the step that ends one.
+
+    An episode that begins within the rounds of an action begins again after the last of them, so that every episode has
+    its full length. The info also has `held_rounds`: how many rounds of the action each environment has carried out.
+
+    Args:
+        env: Has `AutoresetMode.SAME_STEP` and knows the option `reset_mask`, as Gymnasium's own vector environments and
+            compiled ones do.
+        rounds: That an action holds, at least 1.
+
+    Raises:
+        ValueError: Another `AutoresetMode`, or `rounds` is no such number.
+    """
+
+    def __init__(self, env: VectorEnv[Any, Any, Any], rounds: int = ROUNDS) -> None:
+        check_same_step(env)
+        super().__init__(env)
+        self.rounds = whole_number("rounds", rounds, 1)
+
+    def step(
+        self, actions: Any
+    ) -> tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """The rounds of one action in every environment; final observations and infos are those of each episode."""
+        count = self.num_envs
+        rewards, held = np.zeros(count), np.zeros(count, np.int64)
+        terminated, truncated, early = (np.zeros(count, np.bool_) for _ in range(3))
+        final: dict[str, Any] = {"final_obs": np.full(count, None, dtype=object), "final_info": {}}
+        for _ in range(self.rounds):
+            early = terminated | truncated
+            shown, more, now_terminated, now_truncated, info = self.env.step(actions)
+            rewards += np.where(early, 0.0, more)
+            held += ~early
+            now = ~early & (now_terminated | now_truncated)
+            terminated |= now & now_terminated
+            truncated |= now & now_truncated
+            if now.any():
+                final["final_obs"][now] = info["final_obs"][now]
+                _put(final["final_info"], info["final_info"], now)
+        ended = terminated | truncated
+        if early.any():
+            shown, begun = self.env.reset(options={"reset_mask": early})
+            _put(info, begun, early)
+        if ended.any():
+            info |= {**final, "_final_obs": ended.copy(), "_final_info": ended.copy()}
+        info |= {"held_rounds": held, "_held_rounds": np.ones(count, np.bool_)}
+        return shown, rewards, terminated, truncated, info
+
+
+def check_same_step(env: VectorEnv[Any, Any, Any]) -> None:
+    """Check that a vector environment begins a new episode in the step that ends one.
+
+    Raises:
+        ValueError: It has another `AutoresetMode`.
+    """
+    mode = env.metadata.get("autoreset_mode")
+    if mode != AutoresetMode.SAME_STEP:
+        raise ValueError(f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}")
+
+
+def _put(infos: dict[str, Any], others: dict[str, Any], mask: NDArray[np.bool_]) -> None:
+    """Take the infos of the environments of a mask from others."""
+    for name, values in others.items():
+        if isinstance(values, np.ndarray):
+            kept = np.array(infos[name]) if name in infos else np.zeros_like(values)
+            kept[mask] = values[mask]
+            infos[name] = kept

@@ -1,0 +1,88 @@
+"""Models are shown observations in the form of the space that they were trained on."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium import spaces
+from gymnasium.wrappers import FlattenObservation
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.policies import as_policy
+from khepera_forage.policies.features import observation_features, wheels_features
+from khepera_forage.policies.model_observations import flattened, form_for
+
+NAMES = ("Corridor", "CorridorWheels", "RectangleWheels")
+
+
+class Model:
+    """A model that notes what it is shown."""
+
+    def __init__(self, space: spaces.Space[Any]) -> None:
+        self.observation_space = space
+        self.shown: list[Any] = []
+
+    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
+        self.shown.append(observation)
+        return np.array([0]), None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_flattened_observations_are_those_of_gymnasium(name: str) -> None:
+    env = gym.make(f"khepera_forage/{name}-v1")
+    other = FlattenObservation(gym.make(f"khepera_forage/{name}-v1"))
+    env.action_space.seed(0)
+    shown, expected = env.reset(seed=3)[0], other.reset(seed=3)[0]
+    for _ in range(30):
+        row = flattened(shown)
+        np.testing.assert_array_equal(row, expected)
+        assert other.observation_space.contains(row)
+        action = env.action_space.sample()
+        shown, expected = env.step(action)[0], other.step(action)[0]
+
+
+def test_a_state_vector_is_flattened_as_its_observation() -> None:
+    shown, _ = gym.make("khepera_forage/Corridor-v1").reset(seed=3)
+    vector = [int(np.ravel(value)[0]) for value in shown.values()]
+    np.testing.assert_array_equal(flattened(vector), flattened(shown))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_form_is_that_of_the_space(name: str) -> None:
+    env = gym.make(f"khepera_forage/{name}-v1")
+    wheels = "Wheels" in name
+    assert form_for(Model(env.observation_space)) is None
+    assert form_for(Model(FlattenObservation(env).observation_space)) is flattened
+    features = spaces.Box(-np.inf, np.inf, (25 if wheels else 9,), np.float32)
+    assert form_for(Model(features)) is (wheels_features if wheels else observation_features)
+    assert form_for(object()) is None
+
+
+def test_policy_shows_its_model_what_it_was_trained_on() -> None:
+    env = gym.make("khepera_forage/Corridor-v1")
+    shown, _ = env.reset(seed=3)
+    for space, expected in (
+        (env.observation_space, shown),
+        (FlattenObservation(env).observation_space, flattened(shown)),
+        (spaces.Box(-np.inf, np.inf, (9,), np.float32), observation_features(shown)),
+    ):
+        model = Model(space)
+        as_policy(model).act(shown)
+        np.testing.assert_equal(model.shown[0], expected)
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        spaces.Box(0, 255, (84, 84, 3), np.uint8),
+        spaces.Box(0, 138, (7,), np.int64),
+        spaces.Discrete(10),
+        spaces.Dict(position=spaces.Discrete(2)),
+    ],
+)
+def test_other_spaces_are_refused(space: spaces.Space[Any]) -> None:
+    with pytest.raises(
+        ValueError, match=r"model was trained on observations .*; allowed: .*FlattenObservation"
+    ):
+        as_policy(Model(space))

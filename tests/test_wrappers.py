@@ -1,0 +1,118 @@
+"""An action that holds equals the same action in every round, in one environment and in many."""
+
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.wrappers import HoldAction, HoldVectorAction
+
+NAME, LIMIT, WORLDS = "khepera_forage/Corridor-v1", 40, 3
+needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
+modes = pytest.mark.parametrize("mode", ["sync", pytest.param("vector_entry_point", marks=needs_numba)])
+
+
+def single(**kwargs: Any) -> gym.Env[Any, Any]:
+    return gym.make(NAME, limit=LIMIT, **kwargs)
+
+
+def vector(mode: str) -> gym.vector.VectorEnv[Any, Any, Any]:
+    same_step: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP}
+    kwargs: dict[str, Any] = {"vector_kwargs": same_step} if mode == "sync" else same_step
+    return gym.make_vec(NAME, num_envs=WORLDS, vectorization_mode=mode, limit=LIMIT, **kwargs)
+
+
+def assert_equal(one: Any, other: Any) -> None:
+    assert one.keys() == other.keys()
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+def test_held_action_equals_a_repeated_action() -> None:
+    held, each = HoldAction(single(), rounds=3), single()
+    assert_equal(held.reset(seed=4)[0], each.reset(seed=4)[0])
+    rng = np.random.default_rng(1)
+    for decision in range(1, 15):
+        action = int(rng.integers(10))
+        shown, reward, terminated, truncated, info = held.step(action)
+        parts = [each.step(action) for _ in range(3 if decision < 14 else 1)]  # 13 * 3 + 1 is the limit
+        assert reward == pytest.approx(sum(float(part[1]) for part in parts))
+        assert_equal(shown, parts[-1][0])
+        assert (terminated, truncated) == parts[-1][2:4]
+        assert_equal(info, parts[-1][4])
+    assert truncated
+    assert info["steps"] == LIMIT
+
+
+def test_environment_with_held_actions_passes_the_check_and_is_made_again() -> None:
+    env = HoldAction(single(), rounds=2)
+    check_env(env.unwrapped, skip_render_check=True)
+    assert env.spec is not None
+    again: Any = gym.make(env.spec)
+    while not isinstance(again, HoldAction):
+        again = again.env
+    assert again.rounds == 2
+
+
+@modes
+def test_every_world_holds_its_action(mode: str) -> None:
+    held, each = HoldVectorAction(vector(mode), rounds=3), vector(mode)
+    assert_equal(held.reset(seed=4)[0], each.reset(seed=4)[0])
+    rng = np.random.default_rng(1)
+    for decision in range(1, 15):
+        actions = rng.integers(0, 10, WORLDS)
+        shown, rewards, terminated, truncated, info = held.step(actions)
+        parts = [each.step(actions) for _ in range(3 if decision < 14 else 1)]
+        np.testing.assert_allclose(rewards, np.sum([part[1] for part in parts], axis=0))
+        if decision < 14:
+            assert_equal(shown, parts[-1][0])
+            assert not (terminated | truncated).any()
+            assert "final_obs" not in info
+            assert info["held_rounds"].tolist() == [3] * WORLDS
+    assert truncated.all()
+    assert info["held_rounds"].tolist() == [1] * WORLDS
+    for i in range(WORLDS):
+        assert_equal(info["final_obs"][i], parts[-1][4]["final_obs"][i])
+    assert info["final_info"]["steps"].tolist() == [LIMIT] * WORLDS
+    # Episodes that ended early begin again at the end of the decision: the next one has its full length.
+    assert info["steps"].tolist() == [0] * WORLDS
+    lengths = [bool(held.step(rng.integers(0, 10, WORLDS))[3].any()) for _ in range(14)]
+    assert lengths == [False] * 13 + [True]
+
+
+@modes
+def test_worlds_may_end_at_different_rounds(mode: str) -> None:
+    held = HoldVectorAction(vector(mode), rounds=3)
+    held.reset(seed=4)
+    held.env.step(np.zeros(WORLDS, np.int64))
+    mask = np.array([True, False, False])
+    held.reset(options={"reset_mask": mask})  # the first world is now one round behind
+    actions = np.zeros(WORLDS, np.int64)
+    for _ in range(12):
+        held.step(actions)
+    _, _, _, truncated, info = held.step(actions)
+    assert truncated.tolist() == [False, True, True]
+    assert info["held_rounds"].tolist() == [3, 3, 3]
+    assert info["_final_obs"].tolist() == truncated.tolist()
+    assert info["final_info"]["steps"][1:].tolist() == [LIMIT] * 2
+    _, _, _, truncated, info = held.step(actions)
+    assert truncated.tolist() == [True, False, False]
+    assert info["held_rounds"].tolist() == [1, 3, 3]
+    assert info["steps"].tolist() == [0, 3, 3]
+
+
+@pytest.mark.parametrize("rounds", [0, -1, 1.5, "2"])
+def test_wrong_number_of_rounds_is_named(rounds: Any) -> None:
+    with pytest.raises(ValueError, match=f"rounds is {rounds!r}; allowed: a whole number of at least 1"):
+        HoldAction(single(), rounds=rounds)
+
+
+def test_other_autoreset_modes_are_refused() -> None:
+    env = gym.make_vec(NAME, num_envs=2, vectorization_mode="sync")
+    with pytest.raises(ValueError, match=r"autoreset_mode is .*; allowed: AutoresetMode.SAME_STEP"):
+        HoldVectorAction(env)
