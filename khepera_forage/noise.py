@@ -106,6 +106,24 @@ class Noise:
         )
 
 
+def checked_noise(noise: Any) -> Noise:
+    """The noise that a user asked for.
+
+    Args:
+        noise: A `Noise`, `"laboratory"`, `"none"`, or None for the laboratory's.
+
+    Raises:
+        ValueError: Anything else.
+    """
+    if isinstance(noise, Noise):
+        return noise
+    if noise is None or noise == "laboratory":
+        return Noise.laboratory()
+    if noise == "none":
+        return Noise.none()
+    raise ValueError(f"noise is {noise!r}; allowed: a Noise, 'laboratory' or 'none'")
+
+
 def _quiet(source: str) -> Iterator[tuple[str, Any]]:
     """The fields of a source with the values that switch it off."""
     for name in SOURCES[source]:

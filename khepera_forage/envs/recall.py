@@ -53,7 +53,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         arena: Arena | str = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         render_mode: str | None = None,
         world: World | None = None,

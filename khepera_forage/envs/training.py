@@ -29,7 +29,7 @@ from khepera_forage.envs.rendering.forager_view import training_view
 from khepera_forage.envs.rendering.renderer import RENDER_MODES
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.envs.training_episode import TrainingEpisode
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -106,7 +106,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         num_learners: int = 1,
         max_cycles: int = 600,
         arena: Arena | str = "corridor",
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         patience: int | None = None,
         render_mode: str | None = None,
@@ -132,7 +132,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             check_round_duration(world, self.decisions)
         self.world: World = world
         self.arenas = arenas_of(world, learners + 1)
-        self._noise = Noise.laboratory() if noise is None else noise
+        self._noise = checked_noise(noise)
         self._odds = food_odds(food_types)
         self._markers = tuple(world.markers)
         self._maps = [arena_map_of(a) for a in self.arenas]

@@ -13,7 +13,7 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.lab.virtual_operator import VirtualOperator
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
@@ -69,7 +69,7 @@ class VirtualLaboratory(Laboratory):
         *,
         arm_speed: float,
         jaw_speed: float,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         appearance: CameraAppearance | None = None,
         paced: bool = False,
         faults: Faults | Sequence[Faults | None] | None = None,
@@ -77,7 +77,7 @@ class VirtualLaboratory(Laboratory):
         real_time: bool = False,
         operator: Operator | None = None,
     ) -> None:
-        noise = Noise.laboratory() if noise is None else noise
+        noise = checked_noise(noise)
         appearance = CameraAppearance.laboratory() if appearance is None else appearance
         arenas = settings.arenas
         # Rounds of the simulation last about as long as a control period of the firmware.

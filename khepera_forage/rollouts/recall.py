@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 import gymnasium as gym
 import numpy as np
+from gymnasium import spaces
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
@@ -28,7 +29,7 @@ class RecallInterruptedError(ConnectionError):
 
 
 def recall_env(
-    arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
+    arena: str, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
     """The recall environment of one of the thesis's arenas.
 
@@ -41,7 +42,9 @@ def recall_env(
     return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v1", noise, limit, **kwargs)
 
 
-def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int | None, **kwargs: Any) -> _Env:
+def unwrapped_env(
+    kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any
+) -> _Env:
     """A registered environment without its wrappers.
 
     Args:
@@ -58,8 +61,20 @@ def unwrapped_env(kind: type[_Env], name: str, noise: Noise | None, limit: int |
     return env
 
 
+def behaviours_env(env: gym.Env[Any, Any]) -> Any:
+    """An environment of behaviours without its wrappers, on either backend.
+
+    Raises:
+        TypeError: The environment is of another kind.
+    """
+    own = env.unwrapped
+    if not hasattr(type(own), "forager") or not isinstance(own.action_space, spaces.Discrete):
+        raise TypeError(f"env is {env}; allowed: Corridor-v1, Rectangle-v1, or another BehavioursEnv")
+    return own
+
+
 def recall(
-    env: BehavioursEnv,
+    env: gym.Env[Any, Any],
     policy: Policy,
     seed: int,
     *,
@@ -75,7 +90,8 @@ def recall(
     """Forage alone until all food is at home or the time limit is reached.
 
     Args:
-        env: From `recall_env`.
+        env: From `recall_env`, or another environment of behaviours as `gym.make` returns it. Wrappers are left out:
+            the policy sees the environment's own observations.
         policy: Chooses the behaviours; the ties of a nearest-neighbour imitator are counted.
         seed: Of the episode: places, noise, and random choices of the policy.
         learner: Name of the policy, for the row.
@@ -90,11 +106,13 @@ def recall(
 
     Raises:
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
+        TypeError: An environment of another kind.
     """
+    own = behaviours_env(env)
     rng = np.random.default_rng((seed, 1))
     imitator = policy if isinstance(policy, HasNeighbours) else None
-    observation, info = env.reset(seed=seed)
-    decisions, counts = env.decisions.values(), DecisionCounts()
+    observation, info = own.reset(seed=seed)
+    decisions, counts = own.decisions.values(), DecisionCounts()
     ties = conflicts = 0
     done = False
     while not done:
@@ -105,24 +123,24 @@ def recall(
             action = neighbours.draw(rng)
             if callback is not None:
                 levels = neighbours.confidence_levels()
-                env.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
+                own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
         else:
             action = Behaviour(policy.act(observation, rng))
         if callback is not None:
             callback()
-        count_decision(counts, info["state"], action, env.forager.vector.robot_food_distance, decisions)
-        observation, _, terminated, truncated, info = env.step(action)
+        count_decision(counts, info["state"], action, own.forager.vector.robot_food_distance, decisions)
+        observation, _, terminated, truncated, info = own.step(action)
         done = terminated or truncated
     if callback is not None:
         callback()
     if "robot_lost" in info:
         raise RecallInterruptedError(f"after {info['steps']} steps: {info['robot_lost']}")
-    start = env.layout.starts[0]
-    x, y, heading = _in_arena(env.arena, start.x, start.y, start.heading)
-    foods = [_in_arena(env.arena, food.x, food.y) for food in env.layout.foods]
+    start = own.layout.starts[0]
+    x, y, heading = _in_arena(own.arena, start.x, start.y, start.heading)
+    foods = [_in_arena(own.arena, food.x, food.y) for food in own.layout.foods]
     return RecallRow(
         replication=replication,
-        arena=env.arena.name,
+        arena=own.arena.name,
         episodes=episodes,
         file_id=file_id,
         recall=number,
@@ -131,15 +149,15 @@ def recall(
         noise=noise,
         correct=info["correct"],
         steps=info["steps"],
-        limit=env.limit,
+        limit=own.limit,
         penalty=int(info["penalty"]),
         score=info["score"],
         delivered=info["delivered"],
-        foods=env.foods,
+        foods=own.foods,
         poison_home=info["poison_home"],
         food_x=tuple(food[0] for food in foods),
         food_y=tuple(food[1] for food in foods),
-        food_delivered=tuple(is_collected(food) for food in env.forager.tracker.foods),
+        food_delivered=tuple(is_collected(food) for food in own.forager.tracker.foods),
         start_x=x,
         start_y=y,
         start_heading=heading,
@@ -149,7 +167,7 @@ def recall(
         ties=ties,
         conflicts=conflicts,
         experience_size=experience_size,
-        decisions=decisions_text(env.decisions),
+        decisions=decisions_text(own.decisions),
     )
 
 

@@ -44,7 +44,7 @@ class RenderedTraining:
         self,
         seed: int,
         look: CameraAppearance | None = None,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         paced: bool = False,
         anchor: tuple[float, float] | None = None,
         decisions: Decisions = DEFAULT_DECISIONS,

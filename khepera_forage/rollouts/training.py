@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pettingzoo.utils.env import AECEnv
 
+from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Listener, Policy, Teacher
@@ -122,9 +124,21 @@ def _result(env: TrainingEnv, resumed: int) -> Attempt:
     return Attempt(complete, rounds, separations, resumed, reason, lost)
 
 
+def training_env(env: AECEnv[str, Any, Any]) -> TrainingEnv:
+    """The paired corridors without their wrappers.
+
+    Raises:
+        TypeError: Another environment.
+    """
+    own = env.unwrapped
+    if not isinstance(own, TrainingEnv):
+        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
+    return own
+
+
 def train(
-    env: TrainingEnv,
-    seed: np.random.SeedSequence,
+    env: AECEnv[str, Any, Any],
+    seed: int | np.random.SeedSequence,
     noise: str = "laboratory",
     replication: int = 0,
     file: int = 1,
@@ -143,8 +157,8 @@ def train(
     `Experience.load(..., recover=True)` reads it. A warning is logged.
 
     Args:
-        env: The paired corridors.
-        seed: Of the training; every attempt has its own seed, derived from it.
+        env: The paired corridors, as `TrainingEnv` or in PettingZoo's wrappers, which are left out.
+        seed: Of the training, a whole number or a seed sequence; every attempt has its own seed, derived from it.
         noise: Name of the noise condition, for the rows.
         replication: For the rows.
         file: Number of the experience file, for the rows.
@@ -162,9 +176,12 @@ def train(
         IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
+    env = training_env(env)
     arena = env.arenas[0].name
     rows = []
     attempts = env.decisions.most_attempts if attempts is None else attempts
+    if not isinstance(seed, np.random.SeedSequence):
+        seed = np.random.SeedSequence(whole_number("seed", seed, 0))
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
         recorder = ExperienceRecorder(path)
         try:

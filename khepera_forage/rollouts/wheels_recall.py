@@ -45,7 +45,7 @@ class WheelsRecall(NamedTuple):
 
 
 def recall_wheels_env(
-    arena: str, noise: Noise | None = None, limit: int | None = None, **kwargs: Any
+    arena: str, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
 ) -> WheelsEnv:
     """The recall environment of one of the thesis's arenas whose actions are motor commands.
 

@@ -45,7 +45,7 @@ class CompiledBatch:
         arena: Arena | str = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         decisions: Decisions | None = None,
     ) -> None:

@@ -47,7 +47,7 @@ def recall_parameters(
     arena: Arena | str,
     foods: int,
     limit: int,
-    noise: Noise | None,
+    noise: Noise | str | None,
     food_types: FoodOdds,
     decisions: Decisions | None = None,
     wheel_speed: float = 1.0,

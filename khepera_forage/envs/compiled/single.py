@@ -76,7 +76,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         arena: Arena | str = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         render_mode: str | None = None,
         decisions: Decisions | None = None,

@@ -52,7 +52,7 @@ class RecallVectorEnv(VectorEnv):
         arena: Arena | str = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: None = None,

@@ -75,7 +75,7 @@ def run_recalls(
     *,
     foods: int = 1,
     limit: int = 500,
-    noise: Noise | None = None,
+    noise: Noise | str | None = None,
     food_types: FoodOdds = None,
     wheel_speed: float = 1.0,
     decisions: Decisions | None = None,

@@ -25,7 +25,7 @@ from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.envs.compiled.parameters import MOST_FOODS, task_parameters
 from khepera_forage.envs.compiled.worlds import empty_worlds
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.rollouts.compiled.records import VECTOR_COLUMNS, attempt_dtype, pair_dtype
 from khepera_forage.rollouts.compiled.training_kernel import Records, train_all
 from khepera_forage.rollouts.compiled.training_results import Trained, trained
@@ -48,7 +48,7 @@ def train_learners(
     arena: Arena | str = "corridor",
     seed: int = 0,
     *,
-    noise: Noise | None = None,
+    noise: Noise | str | None = None,
     food_types: FoodOdds = None,
     max_cycles: int = 600,
     patience: int | None = None,
@@ -84,7 +84,7 @@ def train_learners(
     """
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
     decisions = checked_decisions(decisions)
-    noise = Noise.laboratory() if noise is None else noise
+    noise = checked_noise(noise)
     terms = Terms(
         whole_number("max_cycles", max_cycles, 1),
         decisions.patience if patience is None else whole_number("patience", patience, 1),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.geometry.polygon import area, edges, line_of
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import constants_dtype, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor
@@ -32,7 +32,7 @@ class Parameters(NamedTuple):
 def parameters_of(
     arena: Arena,
     foods: int,
-    noise: Noise | None = None,
+    noise: Noise | str | None = None,
     *,
     holes: int,
     timing: Timing,
@@ -51,7 +51,7 @@ def parameters_of(
         anchor: Where the cable hangs from, mm; by default above the middle of the arena.
     """
     constants = np.zeros(1, constants_dtype)
-    _write_noise(constants, Noise.laboratory() if noise is None else noise, holes)
+    _write_noise(constants, checked_noise(noise), holes)
     constants["anchor_x"], constants["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
     constants["wheel_speed"] = wheel_speed
     for name, value in timing._asdict().items():

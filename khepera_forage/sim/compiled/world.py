@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.compilation.trigonometry import cosine_sine
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, Motors, Senses, applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.bodies import Bodies, empty_bodies
@@ -126,13 +126,13 @@ class CompiledWorld:
         ValueError: Another number of holes, or an arena that the camera does not see.
     """
 
-    def __init__(self, arena: Arena, noise: Noise | None = None, *, holes: int, timing: Timing) -> None:
+    def __init__(self, arena: Arena, noise: Noise | str | None = None, *, holes: int, timing: Timing) -> None:
         if holes not in (1, 2):
             raise ValueError(f"holes is {holes!r}; allowed: 1 or 2")
         check_seen([arena])
         self.arenas = (arena,)
         self.markers = (holes,)
-        self.noise = Noise.laboratory() if noise is None else noise
+        self.noise = checked_noise(noise)
         self._timing = timing
         self.round_duration = self._timing.round_duration
         self.robots: tuple[CompiledKhepera, ...] = ()

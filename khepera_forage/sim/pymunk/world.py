@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pymunk
 
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -44,7 +44,7 @@ class PymunkWorld:
         self,
         arenas: Sequence[Arena],
         markers: Sequence[int],
-        noise: Noise | None = None,
+        noise: Noise | str | None = None,
         robot_parameters: Sequence[RobotParameters] | None = None,
         *,
         timing: Timing,
@@ -64,7 +64,7 @@ class PymunkWorld:
         self.arenas = tuple(arenas)
         self._timing = timing
         self.round_duration = self._timing.round_duration
-        self.noise = Noise.laboratory() if noise is None else noise
+        self.noise = checked_noise(noise)
         self.foods: tuple[PymunkFood, ...] = ()
         self.robots: tuple[PymunkKhepera, ...] = ()
         self.markers = tuple(markers)

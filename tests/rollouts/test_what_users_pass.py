@@ -1,0 +1,80 @@
+"""Rollouts take what users have: wrapped environments, plain seeds, noise by name."""
+
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pettingzoo
+import pytest
+
+import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs import paired_corridors_v1
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.training import train
+
+NAME = "khepera_forage/Corridor-v1"
+needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
+
+
+@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+def test_recall_takes_what_make_returns(backend: str) -> None:
+    env = gym.make(NAME, backend=backend, noise="none")
+    row = recall(env, Teacher.of(env), seed=1)
+    assert row.delivered == 1
+    assert row == recall(env.unwrapped, Teacher.of(env), seed=1)
+
+
+def test_recall_names_another_environment() -> None:
+    for env in (gym.make("khepera_forage/CorridorWheels-v1"), gym.make("CartPole-v1")):
+        with pytest.raises(TypeError, match=r"env is <.*>; allowed: Corridor-v1, Rectangle-v1"):
+            recall(env, Teacher(), seed=0)
+
+
+def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:
+    made: Any = pettingzoo.make("aec", "khepera_forage/PairedCorridors-v1")
+    results = [
+        train(paired_corridors_v1.raw_env(), np.random.SeedSequence(3))[1],
+        train(paired_corridors_v1.env(), 3)[1],
+        train(made, 3)[1],
+    ]
+    assert results[0] == results[1] == results[2]
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
+def test_train_names_a_wrong_seed(seed: Any) -> None:
+    with pytest.raises(ValueError, match=f"seed is {seed!r}; allowed: a whole number of at least 0"):
+        train(paired_corridors_v1.env(), seed)
+
+
+def test_train_names_another_environment() -> None:
+    with pytest.raises(TypeError, match="allowed: a TrainingEnv, such as paired_corridors_v1"):
+        train(gym.make("CartPole-v1"), 0)
+
+
+@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+def test_noise_has_names(backend: str) -> None:
+    shown = []
+    for noise in ("none", Noise.none(), "laboratory", None, Noise.laboratory()):
+        env = gym.make(NAME, backend=backend, noise=noise)
+        env.reset(seed=2)
+        for _ in range(5):
+            _, _, _, _, info = env.step(0)
+        shown.append((info["pose"].tolist(), info["steps"]))
+    assert shown[0] == shown[1] != shown[2] == shown[3] == shown[4]
+
+
+@pytest.mark.parametrize("noise", ["quiet", 0.5, {"wheel_slip": 0}])
+def test_other_noise_is_named(noise: Any) -> None:
+    message = "noise is .*; allowed: a Noise, 'laboratory' or 'none'"
+    with pytest.raises(ValueError, match=message):
+        gym.make(NAME, noise=noise)
+    with pytest.raises(ValueError, match=message):
+        recall_env("corridor", noise)
+    with pytest.raises(ValueError, match=message):
+        paired_corridors_v1.env(noise=noise)
+    if find_spec("numba") is not None:
+        with pytest.raises(ValueError, match=message):
+            gym.make_vec(NAME, num_envs=2, noise=noise)
