@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-from khepera_forage.envs.arguments import behaviour_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training import TrainingEnv
@@ -11,7 +10,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
-from khepera_forage.task.states import BEHAVIOURS
+from khepera_forage.task.states import BEHAVIOURS, behaviour_number
 
 
 class CopiedMotorsEnv(TrainingEnv):

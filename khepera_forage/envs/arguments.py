@@ -13,30 +13,12 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_
 from khepera_forage.sim.arena import ARENAS, Arena, SetUp, named_arena
 from khepera_forage.sim.world import Timing, World
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import FoodType
 
 FoodOdds = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
 
 _DRAWABLE = tuple(FoodType)[1:]
-
-
-def behaviour_number(action: Any, count: int, agent: str = "") -> int:
-    """An action as a behaviour number.
-
-    Raises:
-        ValueError: Not a whole number in 0..count-1.
-    """
-    if type(action) in (int, Behaviour) and 0 <= action < count:  # nearly always, and the quickest to tell
-        return int(action)
-    if isinstance(action, np.ndarray) and action.size == 1:
-        action = action.item()
-    if isinstance(action, numbers.Integral) and not isinstance(action, bool) and 0 <= int(action) < count:
-        return int(action)
-    who = f" of {agent}" if agent else ""
-    raise ValueError(
-        f"action{who} is {action!r}; allowed: a whole number from 0 to {count - 1}, one behaviour each"
-    )
 
 
 def motor_action(action: Any) -> NDArray[np.float64]:

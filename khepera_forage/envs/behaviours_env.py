@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from khepera_forage.envs.arguments import behaviour_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
-from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
 """The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""

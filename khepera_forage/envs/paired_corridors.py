@@ -8,9 +8,8 @@ from pettingzoo.utils import BaseParallelWrapper, OrderEnforcingWrapper
 from pettingzoo.utils.conversions import aec_to_parallel
 from pettingzoo.utils.env import AECEnv, ParallelEnv
 
-from khepera_forage.envs.arguments import behaviour_number
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import Behaviour, behaviour_number
 
 
 class CheckedActions(BaseParallelWrapper[str, Any, Any]):

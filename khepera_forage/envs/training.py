@@ -14,7 +14,6 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
-    behaviour_number,
     check_round_duration,
     checked_arena,
     checked_decisions,
@@ -36,7 +35,7 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import Behaviour, FoodType, behaviour_number
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 TEACHER = "teacher_0"

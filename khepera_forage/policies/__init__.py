@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, as_policy
+from khepera_forage.policies.contiguous_labels import ContiguousLabels
 from khepera_forage.policies.listener import Listener
 from khepera_forage.policies.model_policy import ModelPolicy
 from khepera_forage.policies.nearest_neighbour.distance import distance
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AgentPolicy",
     "ClassifierPolicy",
+    "ContiguousLabels",
     "GrowingMemory",
     "KNearestImitator",
     "Listener",

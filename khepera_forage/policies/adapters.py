@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 
 from khepera_forage.policies.model_observations import form_for
 from khepera_forage.policies.model_policy import ModelPolicy
+from khepera_forage.policies.nearest_neighbour.distance import STATE_WIDTH
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
-from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.task.states import Behaviour, StateVector, behaviour_number
 
 CACHE_SIZE = 32768
 """State vectors whose probabilities are cached."""
+TOLERANCE = 1e-3
+"""How much the sum of probabilities may differ from 1: learners with 32-bit floats round."""
 
 
 class Classifier(Protocol):
@@ -55,7 +58,8 @@ class ClassifierPolicy:
 
         Raises:
             TypeError: A behaviour is to be drawn and `rng` is not a NumPy generator.
-            ValueError: The observation holds no state vector, or the label found is not a behaviour.
+            ValueError: The observation holds no state vector, the classifier's probabilities are none, or the label
+                found is not a behaviour.
         """
         levels = self._levels(state_vector_of(observation))
         if not self.sample:
@@ -77,8 +81,16 @@ class ClassifierPolicy:
         return levels
 
     def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
-        levels: NDArray[np.float64] = self.classifier.predict_proba(np.array([vector], np.int64))[0]
-        return levels
+        levels = np.asarray(self.classifier.predict_proba(np.array([vector], np.int64)))[0]
+        classes = self.classifier.classes_
+        fine = levels.shape == np.shape(classes) and np.all(levels >= 0.0)  # NaN fails the comparison
+        if not fine or abs(levels.sum() - 1.0) > TOLERANCE:
+            raise ValueError(
+                f"{type(self.classifier).__name__} predicts the probabilities {levels} of the classes {classes}; "
+                "allowed: one for each class, none negative, with the sum 1"
+            )
+        probabilities: NDArray[np.float64] = levels.astype(np.float64, copy=False)
+        return probabilities
 
 
 class Agent(Protocol):
@@ -109,7 +121,7 @@ class AgentPolicy:
         Raises:
             ValueError: The agent's action is not a behaviour.
         """
-        return Behaviour(int(self.agent.act(observation)))
+        return Behaviour(behaviour_number(self.agent.act(observation), who=type(self.agent).__name__))
 
 
 def as_policy(learner: Any) -> Policy:
@@ -124,12 +136,14 @@ def as_policy(learner: Any) -> Policy:
 
     Raises:
         TypeError: The learner is none of these, or a class where an instance is needed.
-        ValueError: A model was trained on observations of another kind.
+        ValueError: A classifier has no `classes_` or was not fitted on five columns; or a model was trained on
+            observations of another kind.
     """
     if not isinstance(learner, type):
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
+            _check_classifier(learner)
             return ClassifierPolicy(copy.deepcopy(learner), remember=True)
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
@@ -138,6 +152,23 @@ def as_policy(learner: Any) -> Policy:
         f"learner is {learner!r}; allowed: an instance with act(observation), act(observation, rng), "
         "predict_proba(rows) or predict(observation, deterministic=...)"
     )
+
+
+def _check_classifier(learner: Any) -> None:
+    """Check that a classifier says what its columns of probabilities are, and knows state vectors.
+
+    Raises:
+        ValueError: It does not.
+    """
+    kind = type(learner).__name__
+    if not hasattr(learner, "classes_"):
+        raise ValueError(
+            f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "
+            "of predict_proba stand for"
+        )
+    columns = getattr(learner, "n_features_in_", STATE_WIDTH)
+    if columns != STATE_WIDTH:
+        raise ValueError(f"{kind} was fitted on {columns} columns; allowed: {STATE_WIDTH}, state vectors")
 
 
 def _takes(method: Any, count: int) -> bool:

@@ -1,7 +1,8 @@
 """State vectors, states and behaviours, and the teacher's decision tree (sections 4.2.1, 4.3, 4.4)."""
 
 from enum import IntEnum
-from typing import NamedTuple
+from numbers import Integral
+from typing import Any, NamedTuple
 
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.task.decision_readings import FARTHER_STATE
@@ -117,3 +118,25 @@ def is_raised(arm: int, decisions: DecisionValues) -> bool:
 def behaviour_for(state: State) -> Behaviour:
     """The IF-THEN rules of 4.4.1: states and behaviours correspond one to one, in the order of table 4.1."""
     return BEHAVIOURS[state]
+
+
+def behaviour_number(action: Any, count: int = NUM_BEHAVIOURS + 1, who: str = "") -> int:
+    """An action as a behaviour number.
+
+    Args:
+        action: A whole number of Python or NumPy, or an array that holds one.
+        count: Of behaviours allowed, 10 without WAIT.
+        who: Whose action, for the message.
+
+    Raises:
+        ValueError: Not a whole number in 0..count-1.
+    """
+    if type(action) in (int, Behaviour) and 0 <= action < count:  # nearly always, and the quickest to tell
+        return int(action)
+    value = action.item() if getattr(action, "size", 0) == 1 else action
+    if isinstance(value, Integral) and not isinstance(value, bool) and 0 <= int(value) < count:
+        return int(value)
+    of_whom = f" of {who}" if who else ""
+    raise ValueError(
+        f"action{of_whom} is {action!r}; allowed: a whole number from 0 to {count - 1}, one behaviour each"
+    )

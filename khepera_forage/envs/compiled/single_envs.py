@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arguments import behaviour_number, motor_action
+from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.records import TASK, VECTOR
 from khepera_forage.envs.compiled.single import CompiledRecallEnv
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, behaviour_number
 
 _FOOD_SEEN, _FOOD_X, _FOOD_Y, _FOOD_TYPE, _WALL_DISTANCE, _WALL_BEARING = map(
     TASK.index, ("food_seen", "food_x", "food_y", "food_type", "wall_distance", "wall_bearing")
