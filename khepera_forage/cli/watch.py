@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     Raises:
         ValueError: A number or a decision is not allowed, or an experience file cannot be used.
-        OSError: The laboratory of `--lab` cannot be used.
+        OSError: The laboratory of `--lab` cannot be used, or there is no display.
     """
     _check(arguments)
     require("khepera-forage watch", "render", *([] if arguments.lab is None else ["robots", "camera"]))

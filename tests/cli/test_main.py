@@ -97,6 +97,16 @@ def test_user_error_is_reported_in_one_line(
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize("phase", ["training", "recall"])
+def test_watch_without_a_display_says_so(
+    phase: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+        monkeypatch.delenv(name, raising=False)
+    assert main(["watch", phase]) == 2
+    assert capsys.readouterr().err.startswith("khepera-forage watch: no display to open a window on")
+
+
 def test_installed_command_prints_its_version() -> None:
     command = Path(sys.executable).with_name("khepera-forage")
     done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)

@@ -1,7 +1,5 @@
 """A window for camera pictures; needs a display and pygame (extra `render`)."""
 
-import os
-import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,12 +27,12 @@ class PictureWindow:
             import pygame
         except ImportError:
             return None
-        if not _has_display():
-            return None
+        from khepera_forage.envs.rendering.display import open_display
+
         try:
-            pygame.display.init()
+            open_display()
             screen = pygame.display.set_mode((width, height))
-        except pygame.error:
+        except (OSError, pygame.error):
             return None
         pygame.display.set_caption(title)
         return cls(screen)
@@ -73,10 +71,3 @@ class PictureWindow:
         import pygame
 
         pygame.display.quit()
-
-
-def _has_display() -> bool:
-    """Whether a window would be visible: without a display, SDL opens invisible windows."""
-    if os.environ.get("SDL_VIDEODRIVER") or not sys.platform.startswith("linux"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

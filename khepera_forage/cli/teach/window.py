@@ -10,10 +10,9 @@ from khepera_forage.envs.rendering.caption import Caption
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import pygame
 
+from khepera_forage.envs.rendering.display import open_display
 from khepera_forage.envs.rendering.keyboard import KeyboardPainter
 
-INVISIBLE_DRIVERS = ("offscreen", "dummy")
-"""Video drivers of SDL whose windows are invisible."""
 MAX_SCREEN_SHARE = 0.92
 """Largest share of the screen's width or height that the window takes when it opens."""
 POLL_MILLISECONDS = 200
@@ -24,22 +23,11 @@ class TeachingWindow:
     """A resizable window that shows pictures and waits for keys; the picture is scaled to the window.
 
     Raises:
-        OSError: There is no display. SDL would then open an invisible window, which is only accepted if the environment
-            variable SDL_VIDEODRIVER is set.
+        OSError: There is no display (see `envs.rendering.display`).
     """
 
     def __init__(self) -> None:
-        try:
-            pygame.display.init()
-        except pygame.error as error:
-            raise OSError(f"no display to open a window on: {error}") from None
-        driver = pygame.display.get_driver()
-        if driver in INVISIBLE_DRIVERS and not os.environ.get("SDL_VIDEODRIVER"):
-            pygame.display.quit()
-            raise OSError(
-                "no display to open a window on (SDL would draw off screen); "
-                "run it on a desktop, or set DISPLAY or WAYLAND_DISPLAY"
-            )
+        open_display()
         self._painter = KeyboardPainter()
         self._picture = pygame.Surface((1, 1))
 

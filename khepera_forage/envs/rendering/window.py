@@ -2,6 +2,8 @@
 
 import pygame
 
+from khepera_forage.envs.rendering.display import open_display
+
 
 class Window:
     """One window, opened by the first picture.
@@ -17,11 +19,15 @@ class Window:
         self._surface: pygame.Surface | None = None
 
     def show(self, picture: pygame.Surface, title: str) -> None:
-        """Show a picture, then wait until the next one is due."""
+        """Show a picture, then wait until the next one is due.
+
+        Raises:
+            OSError: There is no display.
+        """
         if self.closed_by_user:
             return
         if self._surface is None or self._surface.get_size() != picture.get_size():
-            pygame.display.init()
+            open_display()
             self._surface = pygame.display.set_mode(picture.get_size())
         pygame.display.set_caption(title or "khepera_forage")
         self._surface.blit(picture, (0, 0))
