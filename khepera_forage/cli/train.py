@@ -90,8 +90,9 @@ def _train(
     seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
     files = list(zip(paths, seeds, strict=True))
     for number, (path, seed) in enumerate(tqdm(files, unit="episode", disable=hide_progress), 1):
-        experience, rows = training.train(env, seed, file=number, path=path, resume=arguments.resume)
-        attempts.write(*rows)
+        experience, rows = training.train(
+            env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
+        )
         print(
             f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
         )

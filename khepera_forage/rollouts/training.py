@@ -149,6 +149,7 @@ def train(
     teacher: Policy | None = None,
     options: Mapping[str, Any] | None = None,
     attempts: int | None = None,
+    on_attempt: Callable[[TrainingRow], object] | None = None,
 ) -> tuple[Experience, list[TrainingRow]]:
     """Repeat a training episode "as if it was the first time" until it is complete; discard incomplete ones (5.2).
 
@@ -168,6 +169,7 @@ def train(
         teacher: Policy of the teacher; by default that of section 4.4.
         options: For the environment's reset in every attempt.
         attempts: Largest number of attempts; by default that of the environment's decisions.
+        on_attempt: Called with the row of every attempt, as soon as that has ended.
 
     Returns:
         The experience of the complete episode, and one row for each attempt.
@@ -208,6 +210,8 @@ def train(
                 decisions=decisions_text(env.decisions),
             )
         )
+        if on_attempt is not None:
+            on_attempt(rows[-1])
         if result.complete:
             experience = Experience(
                 recorder.vectors, recorder.behaviours, arena, attempt_seed, decisions=env.decisions

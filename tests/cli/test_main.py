@@ -107,6 +107,16 @@ def test_watch_without_a_display_says_so(
     assert capsys.readouterr().err.startswith("khepera-forage watch: no display to open a window on")
 
 
+def test_attempts_are_written_even_if_none_is_complete(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hopeless = ["--decision", "next_to_food=12", "--decision", "most_attempts=3"]
+    assert main(["train", "--episodes", "1", "--out", str(tmp_path), *hopeless]) == 2
+    assert "none of 3 attempts" in capsys.readouterr().err
+    rows = read_rows(tmp_path / "attempts.csv", TrainingRow)
+    assert [(row.attempt, row.complete) for row in rows] == [(1, False), (2, False), (3, False)]
+
+
 def test_installed_command_prints_its_version() -> None:
     command = Path(sys.executable).with_name("khepera-forage")
     done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
