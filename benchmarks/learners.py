@@ -23,6 +23,7 @@ from learner_comparison.page import page
 from learner_comparison.rows import RecallBatch, Size, in_order, steps_up_to
 from learner_comparison.units import all_learners, missing_extra, plan, planned_or_finished, settings_of
 
+from khepera_forage.policies.learner_registry import installed_learners, learner_at
 from khepera_forage.rollouts.row_files import read_rows
 
 TUNING = "tuning"
@@ -66,9 +67,12 @@ def rows_of(
 
 def compare(size: Size, given: Arguments) -> Page:
     """All learners of the registry."""
-    known = all_learners()
-    wanted = {name: learner for name, learner in known.items() if name in (given.only or known)}
+    known = all_learners() | own_learners(given)
+    chosen = [*(given.only or ()), *own_learners(given)] or known
+    wanted = {name: learner for name, learner in known.items() if name in chosen}
     missing = {name: reason for name, learner in wanted.items() if (reason := missing_extra(learner))}
+    if not given.only:
+        missing |= installed_learners().broken
     for name, reason in missing.items():
         print(f"{name} is left out: {reason}")
     learners = {name: learner for name, learner in wanted.items() if name not in missing}
@@ -77,6 +81,26 @@ def compare(size: Size, given: Arguments) -> Page:
     rows = rows_of(learners, known, range(given.seeds), size, given)
     found = curves(rows, np.random.default_rng(given.seed))
     return page(found, known, missing, tuning_result(given))
+
+
+def own_learners(given: Arguments) -> dict[str, Compared]:
+    """The learners of `--learner`, by name.
+
+    Raises:
+        SystemExit: There is no such learner, or its name is that of another.
+    """
+    found: dict[str, Compared] = {}
+    for place in given.learner or ():
+        try:
+            name, learner = learner_at(place)
+        except ValueError as error:
+            sys.exit(f"learners.py: --{error}")
+        if name in all_learners() or name in found:
+            sys.exit(
+                f"learners.py: --learner is {place!r}, a name that another learner has; allowed: a new name"
+            )
+        found[name] = learner
+    return found
 
 
 def tune(size: Size, given: Arguments) -> Page:
@@ -109,6 +133,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of this script alone."""
     text = "one learner; may be given several times (all)"
     parser.add_argument("--only", action="append", choices=list(all_learners()), help=text)
+    text = "a learner of your own, package.module:name of what makes a classifier; beside those of --only, if any"
+    parser.add_argument("--learner", action="append", metavar="PLACE", help=text)
     parser.add_argument("--tune", action="store_true", help="compare settings of each learner instead")
     text = "where the work is done: loky is this machine (loky)"
     parser.add_argument("--backend", choices=list(BACKENDS), default="loky", help=text)
@@ -129,13 +155,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         steps=steps_up_to(given.steps),
     )
     options = [f"--only {name}" for name in given.only or ()]
+    if given.tune and given.learner:
+        sys.exit("learners.py: --learner has no effect with --tune; allowed: without")
     if given.tune:
         given.out /= TUNING
         written = tune(size, given)
         write(given.out, TUNING, written, given.command("--tune", *options))
     else:
         written = compare(size, given)
-        write(given.out, "learners", written, given.command())
+        own = [f"--learner {place}" for place in given.learner or ()]
+        write(given.out, "learners", written, given.command(*own))
     print("\n".join(table.markdown() for table in written.tables))
     print(f"Page, picture, tables and rows are in {given.out}")
     return 0

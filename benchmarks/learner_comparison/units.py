@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from khepera_forage.policies.learner_registry import installed_learners
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RecallRow
@@ -89,8 +90,8 @@ def forager(learner: Compared, arena: str) -> Callable[[Any, int], RecallRow | W
 
 
 def all_learners() -> dict[str, Compared]:
-    """The references and all learners of the registry, by name."""
-    return {**REFERENCES, **LEARNERS}
+    """The references, all learners of the registry, and those of installed packages, by name."""
+    return {**REFERENCES, **LEARNERS, **installed_learners().learners}
 
 
 def missing_extra(learner: Compared) -> str:

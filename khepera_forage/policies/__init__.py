@@ -1,6 +1,6 @@
 """Policies: the teacher, the imitator, other learners, and adapters.
 
-What is a scikit-learn estimator is imported when it is first used, because scikit-learn takes about a second to import.
+What needs scikit-learn is imported when it is first used, because scikit-learn takes about a second to import.
 """
 
 from importlib import import_module
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from khepera_forage.policies.growing_memory import GrowingMemory
     from khepera_forage.policies.imitator import NearestNeighbourImitator
     from khepera_forage.policies.k_nearest import KNearestImitator
+    from khepera_forage.policies.learner_registry import register_learner
 
 __all__ = [
     "AgentPolicy",
@@ -39,23 +40,25 @@ __all__ = [
     "WeightedImitator",
     "as_policy",
     "distance",
+    "register_learner",
     "state_vector_of",
 ]
 
-ESTIMATORS = {
+LATER = {
     "GrowingMemory": "growing_memory",
     "KNearestImitator": "k_nearest",
     "NearestNeighbourImitator": "imitator",
     "WeightedImitator": "attribute_weights",
+    "register_learner": "learner_registry",
 }
-"""The module of each estimator."""
+"""The module of each name that needs scikit-learn."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in ESTIMATORS:
+    if name not in LATER:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{ESTIMATORS[name]}"), name)
+    return getattr(import_module(f"{__name__}.{LATER[name]}"), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *ESTIMATORS})
+    return sorted({*globals(), *LATER})

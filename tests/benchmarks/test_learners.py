@@ -26,7 +26,7 @@ from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import command_of, quick, read
+from tests.benchmarks.running import command_of, quick, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
 
 NAMES = ("teacher", "random", "imitator", "tree", "dagger_tree")
@@ -318,3 +318,22 @@ def test_contradictions_in_rows_are_refused() -> None:
     for name, value in wrong.items():
         with pytest.raises(ValueError, match=f"{name} is {value!r}; allowed: "):
             RecallBatch(**{**row, name: value})
+
+
+def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
+    """From a file in the folder in which the benchmark is started; other learners have no rows."""
+    (tmp_path / "mine.py").write_text(
+        "from sklearn.ensemble import RandomForestClassifier\n"
+        "def small_forest(random_state=None):\n"
+        "    return RandomForestClassifier(3, random_state=random_state)\n"
+    )
+    printed = quick("learners", tmp_path / "out", "--learner", "mine:small_forest", "--seeds", "1")
+    assert "| small forest |" in printed
+    assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {"small_forest"}
+    page = (tmp_path / "out" / "learners.md").read_text(encoding="utf-8")
+    assert "python benchmarks/learners.py --learner mine:small_forest" in page
+
+
+def test_a_learner_that_cannot_be_found_is_named() -> None:
+    told = refused("learners", "--learner", "nowhere:forest")
+    assert "--learner is 'nowhere:forest': No module named 'nowhere'; allowed: package.module:name" in told

@@ -1,0 +1,116 @@
+"""Learners from other packages: registered by a program, found among the installed packages, or named as text.
+
+A package makes its learners known with an entry point in its `pyproject.toml`:
+
+```toml
+[project.entry-points."khepera_forage.learners"]
+forest = "my_package.learners:forest"
+```
+
+It names a `FromVectors`, `FromQueries` or `FromSteps`, or a function or class that makes a scikit-learn classifier.
+"""
+
+import inspect
+import os
+import sys
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any, NamedTuple
+
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
+
+GROUP = "khepera_forage.learners"
+"""The group of the entry points."""
+
+
+class Installed(NamedTuple):
+    """What the installed packages offer.
+
+    Attributes:
+        learners: By name.
+        broken: Why a learner cannot be used, by its name.
+    """
+
+    learners: dict[str, Learner]
+    broken: dict[str, str]
+
+
+def register_learner(name: str, learner: Any) -> Learner:
+    """Make a learner known to every comparison of this process.
+
+    Args:
+        name: Of its rows: letters, digits and underscores.
+        learner: A `FromVectors`, `FromQueries` or `FromSteps`; or what makes a scikit-learn classifier when called. It
+            gets `random_state` and `diagonal` (of the arena, in pixels) if it takes them.
+
+    Returns:
+        The learner as comparisons take it.
+
+    Raises:
+        ValueError: The name is no identifier, or another learner has it.
+        TypeError: The learner is none of these.
+    """
+    if not name.isidentifier():
+        raise ValueError(f"name of a learner is {name!r}; allowed: letters, digits and underscores")
+    described = _described(name, learner)
+    if LEARNERS.get(name, described) != described:
+        raise ValueError(f"name of a learner is {name!r}, as that of another; allowed: a new name")
+    LEARNERS[name] = described
+    return described
+
+
+def installed_learners() -> Installed:
+    """The learners of all installed packages that have entry points; none that cannot be imported stops the others."""
+    found = Installed({}, {})
+    for entry in entry_points(group=GROUP):
+        try:
+            if entry.name in LEARNERS:
+                raise ValueError(f"its name is that of a learner of {__package__.partition('.')[0]}")
+            found.learners[entry.name] = _described(entry.name, entry.load())
+        except Exception as error:
+            found.broken[entry.name] = f"{entry.value}: {type(error).__name__}: {error}"
+    return found
+
+
+def learner_at(place: str) -> tuple[str, Learner]:
+    """A learner in any module, also in the present folder.
+
+    Args:
+        place: Such as `my_package.learners:forest`.
+
+    Returns:
+        Its name, which is what follows the colon, and the learner.
+
+    Raises:
+        ValueError: There is no such place, or no learner.
+    """
+    module, colon, name = place.partition(":")
+    allowed = "allowed: package.module:name of what makes a classifier"
+    if not colon or not module or not name.isidentifier():
+        raise ValueError(f"learner is {place!r}; {allowed}")
+    if os.getcwd() not in sys.path:
+        sys.path.insert(0, os.getcwd())
+    try:
+        return name, _described(name, getattr(import_module(module), name))
+    except (ImportError, AttributeError, TypeError) as error:
+        raise ValueError(f"learner is {place!r}: {error}; {allowed}") from None
+
+
+def _described(name: str, learner: Any) -> Learner:
+    if isinstance(learner, FromVectors | FromQueries | FromSteps):
+        return learner
+    if callable(learner):
+        taken = _parameters(learner)
+        title = name.replace("_", " ")
+        return FromVectors(title, learner, seeded="random_state" in taken, diagonal="diagonal" in taken)
+    raise TypeError(
+        f"learner {name} is {learner!r}; allowed: FromVectors, FromQueries, FromSteps, or what makes a classifier"
+    )
+
+
+def _parameters(make: Any) -> set[str]:
+    """Names of the arguments that something callable takes."""
+    try:
+        return set(inspect.signature(make).parameters)
+    except (TypeError, ValueError):  # a builtin without a signature
+        return set()

@@ -1,0 +1,99 @@
+"""Learners from other packages: registered, installed, or named as text."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.naive_bayes import GaussianNB
+
+from khepera_forage.policies import as_policy, register_learner
+from khepera_forage.policies.learner_registry import installed_learners, learner_at
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
+
+X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
+Y = np.array([0, 2, 3, 7] * 3)
+
+
+@pytest.fixture(autouse=True)
+def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = dict(LEARNERS)
+    monkeypatch.setattr("khepera_forage.policies.learner_registry.LEARNERS", known)
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A package as pip installs it, with entry points; one of them does not exist, and one has a name of ours."""
+    name = "learners_of_a_test"
+    (tmp_path / f"{name}.py").write_text(
+        "from sklearn.ensemble import RandomForestClassifier\n"
+        "from sklearn.naive_bayes import GaussianNB as bayes\n"
+        "def forest(random_state=None):\n"
+        "    return RandomForestClassifier(3, random_state=random_state)\n"
+        "number = 7\n"
+    )
+    info = tmp_path / f"{name}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        f"[khepera_forage.learners]\nforest = {name}:forest\nmissing = {name}:missing\n"
+        f"number = {name}:number\ntree = {name}:forest\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    yield name
+    sys.modules.pop(name, None)
+
+
+def test_a_registered_learner_learns_and_decides() -> None:
+    learner = register_learner("forest", RandomForestClassifier)
+    assert isinstance(learner, FromVectors)
+    assert (learner.title, learner.seeded, learner.diagonal) == ("forest", True, False)
+    one, other = (learner.learn(X, Y, seed=3) for _ in range(2))
+    assert one.act(X[2], np.random.default_rng(0)) == other.act(X[2], np.random.default_rng(0))
+    assert register_learner("forest", RandomForestClassifier) == learner, "a second time changes nothing"
+    described = FromVectors("naive Bayes", GaussianNB, sample=False)
+    assert register_learner("naive_bayes", described) is described
+
+
+def test_names_are_checked() -> None:
+    with pytest.raises(ValueError, match="name of a learner is 'my forest'; allowed: letters, digits"):
+        register_learner("my forest", GaussianNB)
+    with pytest.raises(ValueError, match="name of a learner is 'tree', as that of another"):
+        register_learner("tree", GaussianNB)
+
+
+@pytest.mark.parametrize("learner", [7, None, GaussianNB()])
+def test_what_makes_no_classifier_is_refused(learner: Any) -> None:
+    with pytest.raises(TypeError, match=r"learner mine is .*; allowed: FromVectors, FromQueries, FromSteps"):
+        register_learner("mine", learner)
+
+
+def test_learners_of_installed_packages_are_found(package: str) -> None:
+    found = installed_learners()
+    assert set(found.learners) == {"forest"}
+    forest = found.learners["forest"]
+    assert isinstance(forest, FromVectors)
+    assert as_policy(forest.classifier(seed=1).fit(X, Y)).act(X[0], np.random.default_rng(0)) in Y
+    assert set(found.broken) == {"missing", "number", "tree"}
+    assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
+    assert "TypeError: learner number is 7" in found.broken["number"]
+    assert "its name is that of a learner of khepera_forage" in found.broken["tree"]
+
+
+def test_a_learner_is_found_by_its_place(package: str) -> None:
+    name, learner = learner_at(f"{package}:bayes")
+    assert (name, type(learner)) == ("bayes", FromVectors)
+    assert not isinstance(learner, FromQueries)
+
+
+@pytest.mark.parametrize("place", ["nowhere:forest", "{0}", "{0}:", ":forest", "{0}:missing", "{0}:number"])
+def test_a_wrong_place_is_named(place: str, package: str) -> None:
+    place = place.format(package)
+    with pytest.raises(
+        ValueError, match=f"learner is '{place}'.*; allowed: package.module:name of what makes"
+    ):
+        learner_at(place)
