@@ -12,6 +12,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.extras import EXTRAS, MissingExtraError, require
 
 ROOT = Path(__file__).parents[1]
+PIP = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
 MODULES = [module for modules in EXTRAS.values() for module in modules]
 
 
@@ -80,17 +81,30 @@ def test_one_command_installs_everything_and_nothing_twice() -> None:
     require("that")
 
 
-def test_every_module_of_the_wheel_imports_or_says_what_to_install(tmp_path: Path) -> None:
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    wheels, installed = tmp_path / "wheels", tmp_path / "installed"
-    sources = tmp_path / "sources"  # a build leaves files beside them
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The package as it is published."""
+    folder = tmp_path_factory.mktemp("wheel")
+    sources = folder / "sources"  # a build leaves files beside them
     shutil.copytree(ROOT / "khepera_forage", sources / "khepera_forage")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, sources)
-    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels), str(sources)]
-    subprocess.run([*pip, *build], check=True, capture_output=True)
-    (wheel,) = wheels.iterdir()
-    subprocess.run([*pip, "install", "--no-deps", "--target", str(installed), str(wheel)], check=True)
+    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), str(sources)]
+    subprocess.run([*PIP, *build], check=True, capture_output=True)
+    (built,) = folder.glob("*.whl")
+    return built
+
+
+def test_wheel_can_be_published(wheel: Path) -> None:
+    check = [sys.executable, "-m", "twine", "check", "--strict", str(wheel)]
+    done = subprocess.run(check, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+    assert "PASSED" in done.stdout
+
+
+def test_every_module_of_the_wheel_imports_or_says_what_to_install(wheel: Path, tmp_path: Path) -> None:
+    installed = tmp_path / "installed"
+    subprocess.run([*PIP, "install", "--no-deps", "--target", str(installed), str(wheel)], check=True)
     program = f"""
 import importlib, pkgutil, sys
 sys.path.insert(0, {str(installed)!r})
