@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import warnings
 from contextlib import closing
 
 import numpy as np
@@ -22,7 +23,7 @@ from khepera_forage.cli.arguments import (
 from khepera_forage.cli.environments import print_late_rounds, recall_env
 from khepera_forage.cli.values import given_path
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.experience import Experience
+from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter
@@ -48,6 +49,11 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
     add_arena_argument(parser)
     add_food_type_argument(parser)
     add_seed_argument(parser, "the same seed gives the same episodes")
+    parser.add_argument(
+        "--recover",
+        action="store_true",
+        help="also read experience files of interrupted training episodes, as far as they go",
+    )
     add_lab_argument(parser)
     add_decision_argument(parser)
     add_allow_other_decisions_argument(parser)
@@ -62,7 +68,7 @@ def check_policy_arguments(arguments: argparse.Namespace) -> None:
     if is_real(arguments.lab):
         refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
     if not arguments.experience:
-        refuse_ignored(arguments, ["--allow-other-decisions"], "with --experience")
+        refuse_ignored(arguments, ["--allow-other-decisions", "--recover"], "with --experience")
 
 
 def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
@@ -76,11 +82,16 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
         return Teacher.of(env), TEACHER, 0
     from khepera_forage.policies import NearestNeighbourImitator
 
-    experience = Experience.load(
-        *arguments.experience,
-        decisions=env.decisions,
-        allow_other_decisions=arguments.allow_other_decisions,
-    )
+    with warnings.catch_warnings(record=True) as recovered:
+        warnings.simplefilter("always", ExperienceWarning)
+        experience = Experience.load(
+            *arguments.experience,
+            decisions=env.decisions,
+            allow_other_decisions=arguments.allow_other_decisions,
+            recover=arguments.recover,
+        )
+    for warning in recovered:
+        print(warning.message)
     vectors, behaviours = experience.arrays()
     imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
     return imitator.fit(vectors, behaviours), IMITATOR, len(behaviours)

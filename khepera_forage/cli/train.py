@@ -3,9 +3,7 @@
 import argparse
 import sys
 from contextlib import closing
-from pathlib import Path
 
-import numpy as np
 from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
@@ -18,10 +16,16 @@ from khepera_forage.cli.arguments import (
     add_seed_argument,
     decisions_of,
     is_real,
-    new_experience_paths,
     refuse_ignored,
 )
 from khepera_forage.cli.environments import print_late_rounds, training_env
+from khepera_forage.cli.training_plan import (
+    ATTEMPTS,
+    PlannedFile,
+    planned_files,
+    require_new,
+    unfinished,
+)
 from khepera_forage.cli.values import whole_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.rollouts import training
@@ -50,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
     )
+    parser.add_argument(
+        "--continue",
+        dest="continued",
+        action="store_true",
+        help="go on where a run with the same --seed and --out was interrupted, or add episodes to it",
+    )
     add_lab_argument(parser)
     add_decision_argument(parser)
 
@@ -58,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Train, and print a line for each episode.
 
     Raises:
-        ValueError: A number or a decision is not allowed.
+        ValueError: A number or a decision is not allowed, or there are files of another seed or of other decisions.
         IncompleteTrainingError: None of many attempts at an episode was complete.
         OSError: An experience file is there already, or the laboratory of `--lab` cannot be used.
     """
@@ -73,23 +83,31 @@ def run(arguments: argparse.Namespace) -> int:
             f"--patience is {arguments.patience}, --decision patience={decisions.patience}; allowed: one of them"
         )
     arguments.out.mkdir(parents=True, exist_ok=True)
-    paths = new_experience_paths(arguments.out, arguments.episodes)
+    files = planned_files(arguments.out, arguments.episodes, arguments.seed)
+    if arguments.continued:
+        files = unfinished(arguments.out, files, decisions)
+    else:
+        require_new(files)
+    if not files:
+        print(f"all {arguments.episodes} files are in {arguments.out} already")
+        return 0
     with closing(training_env(arguments, patience=arguments.patience)) as env:
-        with RowWriter(arguments.out / "attempts.csv", TrainingRow) as attempts:
-            _train(env, paths, arguments, attempts)
+        with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
+            _train(env, files, arguments, attempts)
         print_late_rounds(env)
     return 0
 
 
 def _train(
-    env: TrainingEnv, paths: list[Path], arguments: argparse.Namespace, attempts: RowWriter[TrainingRow]
+    env: TrainingEnv,
+    files: list[PlannedFile],
+    arguments: argparse.Namespace,
+    attempts: RowWriter[TrainingRow],
 ) -> None:
     """Write one file for each complete episode and one row for each attempt."""
     # An operator of real robots answers questions on the screen that a progress bar would use.
     hide_progress = arguments.lab is not None or not sys.stderr.isatty()
-    seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
-    files = list(zip(paths, seeds, strict=True))
-    for number, (path, seed) in enumerate(tqdm(files, unit="episode", disable=hide_progress), 1):
+    for number, path, seed in tqdm(files, unit="episode", disable=hide_progress):
         experience, rows = training.train(
             env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
         )

@@ -68,7 +68,9 @@ def _check(arguments: argparse.Namespace) -> None:
     """
     if arguments.phase == "training":
         refuse_ignored(
-            arguments, ["--experience", "--arena", "--allow-other-decisions"], "with `watch recall`"
+            arguments,
+            ["--experience", "--arena", "--allow-other-decisions", "--recover"],
+            "with `watch recall`",
         )
         if is_real(arguments.lab):
             refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")

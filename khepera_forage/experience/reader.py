@@ -81,7 +81,7 @@ def read(path: str | PathLike[str], recover: bool) -> Contents:
         )
         if not recover:
             number = len(lines) + bool(incomplete)
-            raise _error(path, number, f"{state}; recover=True reads the complete rows")
+            raise _error(path, number, f"{state}; --recover or recover=True reads the complete rows")
         loss = "the incomplete line is lost" if incomplete else "no line is known to be lost"
         # stacklevel 3 is the caller of Experience.load.
         warnings.warn(f"{path}: {state}; rows kept, {loss}", ExperienceWarning, stacklevel=3)

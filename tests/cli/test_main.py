@@ -121,3 +121,45 @@ def test_installed_command_prints_its_version() -> None:
     command = Path(sys.executable).with_name("khepera-forage")
     done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("khepera-forage 0.")
+
+
+def train(folder: Path, *more: str) -> int:
+    return main(["train", "--seed", "1", "--out", str(folder), *more])
+
+
+def test_interrupted_training_is_continued_with_the_same_result(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    assert train(whole, "--episodes", "3") == 0
+    assert train(part, "--episodes", "2") == 0
+    lines = (part / "g2.csv").read_text().splitlines(keepends=True)
+    (part / "g2.csv").write_text("".join(lines[:-3]))  # as a kill in the second episode leaves it
+    capsys.readouterr()
+    assert train(part, "--episodes", "3") == 2
+    assert "g1.csv exists; --continue goes on after it" in capsys.readouterr().err
+    assert train(part, "--episodes", "3", "--continue") == 0
+    assert "g2.csv was interrupted" in capsys.readouterr().out
+    for name in ("g1.csv", "g2.csv", "g3.csv", "attempts.csv"):
+        assert (part / name).read_bytes() == (whole / name).read_bytes()
+    assert train(part, "--episodes", "3", "--continue") == 0
+    assert "all 3 files are in" in capsys.readouterr().out
+    recall = ["recall", "--episodes", "1", "--out", str(tmp_path / "r.csv"), "--experience"]
+    interrupted = str(part / "g2.interrupted-1.csv")
+    assert main([*recall, interrupted]) == 2
+    assert "--recover" in capsys.readouterr().err
+    assert main([*recall, interrupted, "--recover"]) == 0
+    assert "rows kept" in capsys.readouterr().out
+
+
+def test_training_of_another_seed_or_other_decisions_is_not_continued(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train(tmp_path, "--episodes", "1") == 0
+    before = (tmp_path / "attempts.csv").read_bytes()
+    assert main(["train", "--seed", "2", "--episodes", "2", "--continue", "--out", str(tmp_path)]) == 2
+    assert "g1.csv is of another --seed; allowed with --continue: the same one" in capsys.readouterr().err
+    assert train(tmp_path, "--episodes", "2", "--continue", "--decision", "search_speed=10") == 2
+    assert "search_speed" in capsys.readouterr().err
+    assert (tmp_path / "attempts.csv").read_bytes() == before
+    assert not (tmp_path / "g2.csv").exists()

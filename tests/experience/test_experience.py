@@ -213,7 +213,9 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
     with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
         writer.append(SEARCH, 0)
         raise KeyboardInterrupt
-    with pytest.raises(ExperienceError, match="1 complete rows, no incomplete line; recover=True reads the"):
+    with pytest.raises(
+        ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True reads the"
+    ):
         Experience.load(path)
     with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
