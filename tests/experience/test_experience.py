@@ -214,7 +214,7 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
         writer.append(SEARCH, 0)
         raise KeyboardInterrupt
     with pytest.raises(
-        ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True reads the"
+        ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True"
     ):
         Experience.load(path)
     with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
