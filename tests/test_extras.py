@@ -32,6 +32,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("reproduce --quick --backend pymunk", "plots"),
         ("watch training", "render"),
         ("watch recall --out film.gif", "render"),
+        ("watch recall --out film.mp4", "render,camera"),
         ("watch recall --lab virtual --out film.gif", "render,robots,camera"),
         ("teach", "render"),
         ("train --lab virtual", "robots,camera"),

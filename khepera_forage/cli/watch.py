@@ -1,12 +1,15 @@
 """`khepera-forage watch`: show a training or recall episode in a window, or save it as a film."""
 
 import argparse
+import itertools
+import sys
 from collections.abc import Callable
 from contextlib import closing
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_num_learners_argument,
@@ -17,7 +20,7 @@ from khepera_forage.cli.arguments import (
 from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
 from khepera_forage.cli.values import given_path, whole_number
-from khepera_forage.envs.rendering import save_gif
+from khepera_forage.envs.rendering.film import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
@@ -31,7 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("phase", choices=("training", "recall"), help="what to show")
     add_policy_arguments(parser)
     add_num_learners_argument(parser, "learners in training (1)")
-    parser.add_argument("--out", type=given_path, help="save a film (GIF) here instead of opening a window")
+    parser.add_argument(
+        "--out", type=given_path, help="save a film (.gif, .mp4, .avi) here, without a window"
+    )
     parser.add_argument(
         "--every",
         type=whole_number(1, 1000),
@@ -48,23 +53,21 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: The laboratory of `--lab` cannot be used, or there is no display.
     """
     _check(arguments)
-    require("khepera-forage watch", "render", *([] if arguments.lab is None else ["robots", "camera"]))
-    if arguments.out is not None and arguments.out.suffix.lower() != ".gif":
-        raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .gif")
     frames: list[NDArray[np.uint8]] = []
     run_phase = _run_training if arguments.phase == "training" else _run_recall
     run_phase(arguments, frames)
     if arguments.out is not None:
-        save_gif(frames, arguments.out, fps=1 / (decisions_of(arguments).round_duration * arguments.every))
+        save_film(frames, arguments.out, fps=1 / (decisions_of(arguments).round_duration * arguments.every))
         print(f"{arguments.out}: {len(frames)} frames")
     return 0
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Refuse what has no effect in this phase, and fill in the defaults.
+    """Refuse what has no effect in this phase, check what is needed, and fill in the defaults.
 
     Raises:
-        ValueError: An option that was given is ignored.
+        ValueError: An option that was given is ignored, or the film has another ending.
+        ImportError: An extra is not installed.
     """
     if arguments.phase == "training":
         refuse_ignored(
@@ -77,8 +80,18 @@ def _check(arguments: argparse.Namespace) -> None:
     else:
         refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         check_policy_arguments(arguments)
+    extras = ["render"]
     if arguments.out is None:
         refuse_ignored(arguments, ["--every"], "with --out")
+    elif (kind := arguments.out.suffix.lower()) not in FILM_EXTRAS:
+        raise ValueError(
+            f"--out is {str(arguments.out)!r}; allowed: a name that ends in {', '.join(FILM_EXTRAS)}"
+        )
+    else:
+        extras.append(FILM_EXTRAS[kind])
+    if arguments.lab is not None:
+        extras += ["robots", "camera"]
+    require("khepera-forage watch", *dict.fromkeys(extras))
     arguments.every = arguments.every or EVERY
 
 
@@ -116,12 +129,12 @@ def _frame_recorder(
     env: Any, frames: list[NDArray[np.uint8]], arguments: argparse.Namespace
 ) -> Callable[[], None]:
     """A callback that appends a frame every `--every` rounds; without `--out` the environment draws by itself."""
-    rounds = 0
+    rounds = tqdm(desc="film", unit="round", disable=arguments.out is None or not sys.stderr.isatty())
+    number = itertools.count()
 
     def record() -> None:
-        nonlocal rounds
-        if arguments.out is not None and rounds % arguments.every == 0:
+        if arguments.out is not None and next(number) % arguments.every == 0:
             frames.append(env.render())
-        rounds += 1
+        rounds.update()
 
     return record

@@ -177,7 +177,7 @@ def test_calibrate_from_clicks_in_a_window(
     ("arguments", "message"),
     [
         (["preview", "--frames", "0"], "--frames: '0'; allowed: a whole number of at least 1"),
-        (["preview", "--out", "film.mp4"], "'film.mp4'; allowed: a name that ends in .png, .gif, .avi"),
+        (["preview", "--out", "film.mov"], "'film.mov'; allowed: a name that ends in .png, .gif, .mp4, .avi"),
         (["preview", "--source", "nowhere.avi"], "nowhere.avi: there is no such file or device"),
         (["preview", "--source", "virtual", "--calibration", "nowhere.toml"], "nowhere.toml"),
         (["calibrate", "--points", *CORNERS[:3]], "--points has 3 points; allowed: four or more"),

@@ -34,6 +34,10 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
     assert main(["watch", "training", "--out", str(film), "--every", "20"]) == 0
     assert film.read_bytes().startswith(b"GIF")
     assert main(["watch", "recall", "--experience", *files, "--out", str(film), "--every", "50"]) == 0
+    mp4 = tmp_path / "film.mp4"
+    assert main(["watch", "training", "--out", str(mp4), "--every", "20"]) == 0
+    assert mp4.read_bytes()[4:8] == b"ftyp"
+    assert sorted(path.name for path in tmp_path.glob("*film*")) == ["film.gif", "film.mp4"]
 
 
 @pytest.mark.parametrize(
@@ -44,7 +48,10 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
         (["recall", "--food-type", "CHEESE"], "'CHEESE' is unknown; allowed: PICKABLE"),
         (["train", "--episodes", "-1"], "--episodes: '-1'; allowed: a whole number from 1 to"),
         (["train", "--num-learners", "0"], "--num-learners: '0'; allowed: a whole number of at least 1"),
-        (["watch", "recall", "--out", "film.mp4"], "'film.mp4'; allowed: a name that ends in .gif"),
+        (
+            ["watch", "recall", "--out", "film.mov"],
+            "'film.mov'; allowed: a name that ends in .gif, .mp4, .avi",
+        ),
         (
             ["reproduce", "--replications", "0"],
             "--replications: '0'; allowed: a whole number from 1 to 100,000",

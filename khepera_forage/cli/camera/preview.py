@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from khepera_forage.vision.tracker import Tracker
     from khepera_forage.vision.video import FrameSource
 
-FORMATS = (".png", ".gif", ".avi")
+FORMATS = (".png", ".gif", ".mp4", ".avi")
 _FILM_FRAMES = 50
 """Frames of a film without `--frames`."""
 _POLL_INTERVAL = 0.002
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=given_path,
         metavar="FILE",
-        help="save the last picture (.png), or all pictures as a film (.gif, .avi), instead of opening a window",
+        help="save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of opening a window",
     )
 
 
@@ -160,23 +160,14 @@ def save_pictures(pictures: list[Picture], out: Path, fps: float) -> None:
     Raises:
         OSError: The file cannot be written.
     """
+    if out.suffix.lower() != ".png":
+        from khepera_forage.envs.rendering.film import save_film
+
+        save_film(pictures, out, fps)
+        return
     import cv2
 
-    kind = out.suffix.lower()
-    if kind == ".gif":
-        from khepera_forage.envs.rendering import save_gif
-
-        save_gif(pictures, out, fps)
-    elif kind == ".png":
-        good, data = cv2.imencode(".png", cv2.cvtColor(pictures[-1], cv2.COLOR_RGB2BGR))
-        if not good:
-            raise OSError(f"{out}: OpenCV cannot write a PNG")
-        out.write_bytes(data.tobytes())
-    else:
-        height, width = pictures[0].shape[:2]
-        film = cv2.VideoWriter(str(out), cv2.VideoWriter.fourcc(*"MJPG"), fps, (width, height))
-        if not film.isOpened():
-            raise OSError(f"{out}: OpenCV cannot write a film there")
-        for picture in pictures:
-            film.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-        film.release()
+    good, data = cv2.imencode(".png", cv2.cvtColor(pictures[-1], cv2.COLOR_RGB2BGR))
+    if not good:
+        raise OSError(f"{out}: OpenCV cannot write a PNG")
+    out.write_bytes(data.tobytes())

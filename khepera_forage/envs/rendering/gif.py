@@ -34,7 +34,7 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
         ValueError: No frames, a frame of another type or size, or a rate that is not positive.
         DependencyNotInstalled: Pillow is not installed.
     """
-    _check(frames, fps)
+    check_frames(frames, fps)
     require("an animated GIF", "render")
     import PIL.Image
 
@@ -59,7 +59,12 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
     return path
 
 
-def _check(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
+def check_frames(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
+    """Check what a film is made of.
+
+    Raises:
+        ValueError: No frames, a frame of another type or size, or a rate that is not positive.
+    """
     if not 0 < fps < float("inf"):
         raise ValueError(f"fps is {fps!r}; allowed: a positive number of frames per second")
     if len(frames) == 0:
