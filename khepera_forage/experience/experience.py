@@ -20,6 +20,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
+from khepera_forage.file_errors import NamingFile
 from khepera_forage.task.decision_text import differences
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour, StateVector
@@ -170,7 +171,7 @@ class Experience:
         # In the same folder, hence on the same file system: only there is replacing a file atomic.
         temporary = Path(path).with_name(f".{uuid.uuid4().hex}.tmp")
         try:
-            with open(temporary, "xb") as file:
+            with NamingFile(path), open(temporary, "xb") as file:
                 file.write(text.encode())
                 file.flush()
                 os.fsync(file.fileno())

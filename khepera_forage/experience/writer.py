@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -15,6 +16,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
+from khepera_forage.file_errors import NamingFile
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 
@@ -60,7 +62,12 @@ class ExperienceWriter:
             self._file = open(path, "wb" if overwrite else "xb")  # noqa: SIM115 - closed by close()
         except FileExistsError:
             raise FileExistsError(f"{path} exists; overwrite=True replaces it") from None
-        self._write(header_text(header))
+        try:
+            self._write(header_text(header))
+        except OSError:
+            with suppress(OSError):  # closing writes what is left
+                self._file.close()
+            raise
 
     def append(self, vector: Sequence[int], behaviour: int) -> None:
         """Write one experience vector.
@@ -91,8 +98,9 @@ class ExperienceWriter:
                 os.fsync(self._file.fileno())
 
     def _write(self, text: str) -> None:
-        self._file.write(text.encode())
-        self._file.flush()
+        with NamingFile(self.path):
+            self._file.write(text.encode())
+            self._file.flush()
 
     def __enter__(self) -> Self:
         return self

@@ -5,14 +5,18 @@ bool is 1 or 0. Lines end with a line feed, and no field contains one, so that e
 """
 
 import csv
+import errno
 import io
 import math
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from decimal import InvalidOperation
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
+
+from khepera_forage.file_errors import NamingFile
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -32,6 +36,7 @@ class RowWriter(Generic[RowT]):
 
     Raises:
         ValueError: The existing file has other columns.
+        OSError: The file cannot be written; so may `write`. The error names it.
     """
 
     def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
@@ -40,12 +45,23 @@ class RowWriter(Generic[RowT]):
         path.parent.mkdir(parents=True, exist_ok=True)
         begin = not (resume and path.exists() and _repair(path, header))
         self._file = open(path, "wb" if begin else "ab", buffering=0)  # noqa: SIM115  closed by close()
+        self._path = path
         if begin:
-            self._file.write(header)
+            try:
+                self._write(header)
+            except OSError:
+                self._file.close()
+                raise
 
     def write(self, *rows: RowT) -> None:
         """Append rows, with one write for all of them."""
-        self._file.write(b"".join(map(self._line_of, rows)))
+        self._write(b"".join(map(self._line_of, rows)))
+
+    def _write(self, data: bytes) -> None:
+        with NamingFile(self._path):
+            written = self._file.write(data)
+            if written != len(data):  # what is left of a full disk
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def _line_of(self, row: RowT) -> bytes:
         return _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from khepera_forage.file_errors import NamingFile
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.design import NO_NOISE
 from khepera_forage.thesis.statistics import UNKNOWN, Estimate
@@ -98,7 +99,8 @@ def new_figure(width: float, height: float) -> "Figure":
 def save(figure: "Figure", path: Path) -> None:
     """Write a figure as PNG."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=DPI, facecolor="white")
+    with NamingFile(path):
+        figure.savefig(path, dpi=DPI, facecolor="white")
 
 
 def _score_figure(

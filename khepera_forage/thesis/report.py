@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from khepera_forage.file_errors import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
 from khepera_forage.task.decision_text import decisions_text, differences
@@ -154,5 +155,6 @@ def _size(recalls: Sequence[RecallRow]) -> str:
 
 def _write(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    with NamingFile(path):
+        path.write_text(text, encoding="utf-8")
     return path
