@@ -6,6 +6,7 @@ from typing import Any
 from khepera_forage.cli.arguments import VIRTUAL_LAB, decisions_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.extras import require
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.sim.arena import ARENAS, CORRIDOR
@@ -70,7 +71,9 @@ def _laboratory(lab: str, arena: str, robots: int, decisions: Decisions) -> Worl
     Raises:
         ValueError: The file has a mistake.
         OSError: The file, a port or the camera cannot be opened, or a robot does not answer.
+        ImportError: An extra is not installed.
     """
+    require("--lab", "robots", "camera")
     if lab == VIRTUAL_LAB:
         from khepera_forage.envs.laboratories import virtual_laboratory
 

@@ -68,6 +68,7 @@ def _check(arguments: argparse.Namespace) -> None:
     Raises:
         ValueError: An option that was given is ignored, or the film has another ending.
         ImportError: An extra is not installed.
+        OSError: There is no display.
     """
     if arguments.phase == "training":
         refuse_ignored(
@@ -92,6 +93,10 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.lab is not None:
         extras += ["robots", "camera"]
     require("khepera-forage watch", *dict.fromkeys(extras))
+    if arguments.out is None:
+        from khepera_forage.envs.rendering.display import open_display
+
+        open_display()
     arguments.every = arguments.every or EVERY
 
 

@@ -2,8 +2,6 @@
 
 import pygame
 
-from khepera_forage.envs.rendering.display import open_display
-
 
 class Window:
     """One window, opened by the first picture.
@@ -19,15 +17,11 @@ class Window:
         self._surface: pygame.Surface | None = None
 
     def show(self, picture: pygame.Surface, title: str) -> None:
-        """Show a picture, then wait until the next one is due.
-
-        Raises:
-            OSError: There is no display.
-        """
+        """Show a picture, then wait until the next one is due."""
         if self.closed_by_user:
             return
         if self._surface is None or self._surface.get_size() != picture.get_size():
-            open_display()
+            pygame.display.init()
             self._surface = pygame.display.set_mode(picture.get_size())
         pygame.display.set_caption(title or "khepera_forage")
         self._surface.blit(picture, (0, 0))
