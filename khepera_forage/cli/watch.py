@@ -52,12 +52,13 @@ def run(arguments: argparse.Namespace) -> int:
         ValueError: A number or a decision is not allowed, or an experience file cannot be used.
         OSError: The laboratory of `--lab` cannot be used, or there is no display.
     """
+    decisions = decisions_of(arguments)
     _check(arguments)
     frames: list[NDArray[np.uint8]] = []
     run_phase = _run_training if arguments.phase == "training" else _run_recall
     run_phase(arguments, frames)
     if arguments.out is not None:
-        save_film(frames, arguments.out, fps=1 / (decisions_of(arguments).round_duration * arguments.every))
+        save_film(frames, arguments.out, fps=1 / (decisions.round_duration * arguments.every))
         print(f"{arguments.out}: {len(frames)} frames")
     return 0
 
