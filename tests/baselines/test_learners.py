@@ -196,7 +196,7 @@ def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.Monke
         algorithm_named("A2C")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
     with pytest.raises(
-        ImportError, match=r"PPO needs stable-baselines3: pip install 'khepera-forage\[baselines\]'"
+        ImportError, match=r"PPO needs stable_baselines3: pip install 'khepera-forage\[baselines\]'"
     ):
         algorithm_named("PPO")
 
