@@ -108,19 +108,6 @@ def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where:
             raise ValueError(f"{option} has no effect here; allowed: {where}")
 
 
-def new_experience_paths(folder: Path, episodes: int) -> list[Path]:
-    """Paths of the experience files g1.csv, g2.csv, ... in a folder.
-
-    Raises:
-        FileExistsError: One of the files is there already.
-    """
-    paths = [folder / f"g{number}.csv" for number in range(1, episodes + 1)]
-    for path in paths:
-        if path.exists():
-            raise FileExistsError(f"{path} exists; choose another --out, or remove it first")
-    return paths
-
-
 def is_real(lab: str | None) -> bool:
     """Whether `--lab` names the file of a real laboratory."""
     return lab not in (None, VIRTUAL_LAB)

@@ -91,7 +91,8 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
             recover=arguments.recover,
         )
     for warning in recovered:
-        print(warning.message)
+        if issubclass(warning.category, ExperienceWarning):
+            print(warning.message)
     vectors, behaviours = experience.arrays()
     imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
     return imitator.fit(vectors, behaviours), IMITATOR, len(behaviours)

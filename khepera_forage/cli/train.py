@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.continued:
         files = unfinished(arguments.out, files, decisions)
     else:
-        require_new(files)
+        require_new(files, "--continue goes on after it, or choose another --out")
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
         return 0

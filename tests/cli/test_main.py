@@ -170,3 +170,15 @@ def test_training_of_another_seed_or_other_decisions_is_not_continued(
     assert "search_speed" in capsys.readouterr().err
     assert (tmp_path / "attempts.csv").read_bytes() == before
     assert not (tmp_path / "g2.csv").exists()
+
+
+def test_nothing_is_changed_where_one_of_the_files_is_of_another_seed(tmp_path: Path) -> None:
+    assert train(tmp_path, "--episodes", "2") == 0
+    other = tmp_path / "other"
+    assert main(["train", "--seed", "2", "--episodes", "2", "--out", str(other)]) == 0
+    (other / "g2.csv").replace(tmp_path / "g2.csv")
+    lines = (tmp_path / "g1.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "g1.csv").write_text("".join(lines[:-2]))  # interrupted
+    before = {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
+    assert train(tmp_path, "--episodes", "3", "--continue") == 2
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before

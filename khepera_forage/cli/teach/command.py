@@ -15,10 +15,10 @@ from khepera_forage.cli.arguments import (
     add_out_argument,
     add_seed_argument,
     decisions_of,
-    new_experience_paths,
 )
 from khepera_forage.cli.teach.human_teacher import HumanTeacher
 from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
+from khepera_forage.cli.training_plan import PlannedFile, planned_files, require_new
 from khepera_forage.cli.values import real_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
@@ -67,7 +67,8 @@ def run(arguments: argparse.Namespace) -> int:
         ImportError: pygame is not installed.
     """
     decisions, arena = decisions_of(arguments), arguments.arena or CORRIDOR
-    paths = new_experience_paths(arguments.out, arguments.episodes)
+    files = planned_files(arguments.out, arguments.episodes, arguments.seed)
+    require_new(files, "choose another --out, or remove it first")
     require("teaching", "render")
     from khepera_forage.cli.teach.window import TeachingWindow
 
@@ -75,16 +76,17 @@ def run(arguments: argparse.Namespace) -> int:
     with closing(env), closing(TeachingWindow()) as window:
         arguments.out.mkdir(parents=True, exist_ok=True)
         teacher = HumanTeacher(env, window, arguments.episodes, arguments.pace, arguments.hints)
-        _teach(env, teacher, paths, arguments)
+        _teach(env, teacher, files, arguments)
     return 0
 
 
-def _teach(env: TrainingEnv, teacher: HumanTeacher, paths: list[Path], arguments: argparse.Namespace) -> None:
-    """Record one complete episode for each path, until the person quits; print a summary and the next command."""
+def _teach(
+    env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], arguments: argparse.Namespace
+) -> None:
+    """Record one complete episode for each file, until the person quits; print a summary and the next command."""
     recorded: list[Path] = []
     vectors = choices = agreed = 0
-    seeds = np.random.SeedSequence(arguments.seed).spawn(len(paths))
-    for number, (path, seed) in enumerate(zip(paths, seeds, strict=True), 1):
+    for number, path, seed in files:
         teacher.episode = number
         try:
             experience = _record_episode(env, teacher, path, seed)
@@ -106,7 +108,7 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, paths: list[Path], arguments
     for assignment in arguments.decision:
         command += ["--decision", assignment]
     print(f"next: {shlex.join(command)}", flush=True)
-    if len(recorded) == len(paths):
+    if len(recorded) == len(files):
         teacher.show_end()
 
 
