@@ -1,6 +1,5 @@
 """The experience files that a training makes: all of a new folder, or those that an interrupted run left open."""
 
-import os
 import warnings
 from itertools import count
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.experience import Experience, ExperienceWarning
+from khepera_forage.files import replacing
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.task.decisions import Decisions
@@ -97,6 +97,5 @@ def _forget_attempts(path: Path, numbers: set[int]) -> None:
     """Remove the rows of some files; the old rows are there until all of the new ones are written."""
     if path.exists():
         rows = [row for row in read_rows(path, TrainingRow) if row.file not in numbers]
-        partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-        write_rows(partial, TrainingRow, rows)
-        os.replace(partial, path)
+        with replacing(path) as partial:
+            write_rows(partial, TrainingRow, rows)

@@ -16,7 +16,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
-from khepera_forage.file_errors import NamingFile
+from khepera_forage.files import NamingFile
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
 
-from khepera_forage.file_errors import NamingFile
+from khepera_forage.files import NamingFile
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

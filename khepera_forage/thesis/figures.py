@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.file_errors import NamingFile
+from khepera_forage.files import NamingFile
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.design import NO_NOISE
 from khepera_forage.thesis.statistics import UNKNOWN, Estimate

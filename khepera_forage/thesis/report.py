@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.file_errors import NamingFile
+from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
 from khepera_forage.task.decision_text import decisions_text, differences

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering.gif import check_frames, save_gif
 from khepera_forage.extras import require
+from khepera_forage.files import replacing
 
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
 """Of films that OpenCV writes (extra `camera`), by the ending of their names."""
@@ -43,16 +44,11 @@ def save_film(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str],
     import cv2
 
     height, width = frames[0].shape[:2]
-    partial = path.with_name(f".{path.stem}.{os.getpid()}.part{kind}")
-    film = cv2.VideoWriter(str(partial), cv2.VideoWriter.fourcc(*CODECS[kind]), fps, (width, height))
-    try:
+    with replacing(path) as partial:
+        film = cv2.VideoWriter(str(partial), cv2.VideoWriter.fourcc(*CODECS[kind]), fps, (width, height))
         if not film.isOpened():
             raise OSError(f"{path}: OpenCV cannot write a film there")
         for frame in frames:
             film.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
         film.release()
-        os.replace(partial, path)
-    finally:
-        film.release()
-        partial.unlink(missing_ok=True)
     return path

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
+from khepera_forage.files import replacing
 
 if TYPE_CHECKING:
     import PIL.Image
@@ -42,8 +43,7 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
     palette = _palette([frames[i] for i in _palette_frames(len(frames))])
     # With one palette and no dithering, static parts are equal from frame to frame and take no bytes.
     pictures = (_picture(f).quantize(palette=palette, dither=PIL.Image.Dither.NONE) for f in frames)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with replacing(path) as partial:
         next(pictures).save(
             partial,
             format="GIF",
@@ -53,9 +53,6 @@ def save_gif(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str], 
             loop=0,
             optimize=True,
         )
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
     return path
 
 

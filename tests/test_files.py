@@ -8,7 +8,7 @@ import pytest
 
 from khepera_forage.cli.main import main
 from khepera_forage.experience import ExperienceWriter
-from khepera_forage.file_errors import NamingFile
+from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.row_files import RowWriter
 
 FULL = Path("/dev/full")
