@@ -25,14 +25,14 @@ from backend_agreement import (
 from backend_agreement.arenas import RandomArena, random_arena
 from backend_agreement.paired import PairedRecall
 from backend_agreement.samples import PymunkRecall
-from harness.arguments import Arguments, Count, parse
-from harness.page import Page, Picture, finish
-from harness.processes import Unit, collect
-from harness.rows import Rows
-from harness.tables import pick
 
+from khepera_forage.experiments.arguments import Arguments, Count, parse
+from khepera_forage.experiments.measures import pick
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import Unit, collect
+from khepera_forage.experiments.row_folder import Rows
+from khepera_forage.experiments.tables import Table
 from khepera_forage.rollouts.rows import RecallRow
-from khepera_forage.thesis.tables import Table
 
 COUNTS = (
     Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True, least=2),

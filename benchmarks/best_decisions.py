@@ -1,8 +1,8 @@
 """The single set of decisions that fits tables A.1 to A.4 best, with natural values.
 
-    python benchmarks/decisions.py && python benchmarks/best_decisions.py
+    khepera-forage infer && python benchmarks/best_decisions.py
 
-Starts from the admissible sets of `benchmarks/decisions.py` and lets them evolve: children of the best sets, changed
+Starts from the admissible sets of `khepera-forage infer` and lets them evolve: children of the best sets, changed
 within the prior, are checked and judged by their misfit (`Moments`). All values are natural ones, as a builder would
 write them; a fit on a knife's edge does not survive that. Tables A.5 to A.7 are not looked at. Noise is the
 laboratory's, and the check has four times as many forages, so that the set is not at the edge of the admissible. At
@@ -18,24 +18,24 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from decision_inference.best_page import Final, page
-from decision_inference.evolving import Candidate, best, evolve, natural_sets, simulated
-from decision_inference.sets import kept
-from decision_inference.simpler import Judgement, Trial, simplify
-from harness.arguments import Arguments, Count, parse
-from harness.page import finish
+from decision_search.best_page import Final, page
+from decision_search.evolving import Candidate, best, evolve, natural_sets, simulated
+from decision_search.simpler import Judgement, Trial, simplify
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from khepera_forage.cli.values import given_path
+from khepera_forage.experiments.arguments import Arguments, Count, parse
+from khepera_forage.experiments.page import finish
+from khepera_forage.experiments.tables import Table
+from khepera_forage.option_values import given_path
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.thesis.inference.draw import kept
 from khepera_forage.thesis.inference.moments import Moments, means_of
 from khepera_forage.thesis.inference.posterior import infer
 from khepera_forage.thesis.inference.prior import PRIOR
 from khepera_forage.thesis.inference.simulate import Simulated
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import delete_chunks
-from khepera_forage.thesis.tables import Table
 
 START = Path("results/decisions")
 
@@ -85,6 +85,9 @@ def simplified(
 
     Returns:
         The best of the finalists that is admissible once more; the simpler set, replicated again; and what was tried.
+
+    Raises:
+        ValueError: No finalist is admissible once more.
     """
     with (
         Parallel(n_jobs=given.jobs, batch_size=1) as parallel,
@@ -113,12 +116,12 @@ def simplified(
             if math.isfinite(first.misfit):
                 chosen, trials = simplify(start.decisions, first.misfit, PRIOR, judge)
                 return start, replicated(chosen, len(trials) + 1, 4), trials
-    sys.exit(f"best_decisions.py: no finalist fits; the first one: {finalists[0].outcome}")
+    raise ValueError(f"no finalist fits; the first one: {finalists[0].outcome}")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of this script alone."""
-    text = f"folder of benchmarks/decisions.py to start from ({START})"
+    text = f"folder of khepera-forage infer to start from ({START})"
     parser.add_argument("--start", type=given_path, default=START, help=text)
 
 
@@ -135,7 +138,7 @@ def arguments(given: Sequence[str] | None = None) -> Arguments:
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
         Count("finalists", 40, 4, "sets that are replicated again"),
         Count("replications", 200, 4, "replications of each finalist"),
-        Count("effort", 4, 1, "times as many forages in the check as in benchmarks/decisions.py"),
+        Count("effort", 4, 1, "times as many forages in the check as in khepera-forage infer"),
     )
     return parse("best_decisions", __doc__, *counts, add=add_arguments, given=given)
 
@@ -166,9 +169,9 @@ def main() -> int:
     try:
         search = evolved(given)
         finalists = finals(given, search.alive, search.moments)
+        start, chosen, trials = simplified(given, finalists, search.moments)
     except ValueError as error:
-        sys.exit(f"best_decisions.py: {error}")
-    start, chosen, trials = simplified(given, finalists, search.moments)
+        given.refuse(str(error))
     return finish(
         given,
         page(chosen, start, trials, finalists, search.generations, search.started_from),

@@ -25,9 +25,10 @@ from further_experiments import (
 from further_experiments.analysis import Analysis
 from further_experiments.experiment import Size
 from further_experiments.rows import TABLES, RecallEpisode, TrainingEpisode
-from harness import page
-from harness.arguments import Count, parse
-from harness.processes import collect
+
+from khepera_forage.experiments import page
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.processes import collect
 
 EXPERIMENTS = {
     module.EXPERIMENT.name: module.EXPERIMENT

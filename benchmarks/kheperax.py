@@ -12,9 +12,6 @@ import sys
 from pathlib import Path
 
 import numba
-from harness.arguments import Count, parse
-from harness.page import finish
-from harness.processes import collect
 from kheperax_comparison.environment import NoKheperax, environment, megabytes
 from kheperax_comparison.measures import Plan, Repeat, TimedLine
 from kheperax_comparison.ours import OurBodies
@@ -22,7 +19,10 @@ from kheperax_comparison.page import page
 from kheperax_comparison.theirs import Kheperax
 from kheperax_comparison.work import Work
 
-from khepera_forage.cli.values import whole_number
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.page import finish
+from khepera_forage.experiments.processes import collect
+from khepera_forage.option_values import whole_number
 
 REPEATS = Count("repeats", 7, 2, "repeats, of which the median counts")
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)
@@ -57,7 +57,7 @@ def main() -> int:
             rows = collect(given, units, {TimedLine: "rows"}).of(TimedLine)
             about = kheperax.about
     except NoKheperax as error:
-        sys.exit(f"kheperax.py: {error}")
+        given.refuse(str(error))
     options = [f"--worlds {' '.join(map(str, given.worlds))}"] if given.worlds else []
     return finish(given, page(rows, about, megabytes(folder)), *options)
 

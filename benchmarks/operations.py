@@ -15,18 +15,18 @@ from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numba
-from harness.arguments import Count, parse
-from harness.figures import OURS, THESIS, grid, new_figure
-from harness.page import Page, Picture, finish
-from harness.processes import Unit, collect
-from harness.tables import pick
 from operation_counts.counters import ARITHMETIC, COMPARISON, DIVISION, KINDS, LOAD, STORE
 from operation_counts.counting import PARTS, count_apart
 from operation_counts.peaks import ARITHMETIC as ARITHMETIC_LOOP
 from operation_counts.peaks import COMPARISONS, DIVISIONS, MEMORY, PEAKS, rate, width
 
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.figures import OURS, THESIS, grid, new_figure
+from khepera_forage.experiments.measures import pick
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import Unit, collect
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from harness.arguments import Count, parse
-from harness.figures import GREY, OURS, THESIS, grid, mark, new_figure
-from harness.page import Page, Picture, finish
-from harness.processes import collect
-from harness.tables import percent, pick, quantiles
 
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, mark, new_figure
+from khepera_forage.experiments.measures import percent, pick, quantiles
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.policies import Observation, Policy, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,9 +16,6 @@ import argparse
 import sys
 from pathlib import Path
 
-from harness.arguments import Arguments, Count, parse
-from harness.page import finish, write
-from harness.processes import collect
 from timing import (
     bare_pymunk,
     beside,
@@ -33,6 +30,10 @@ from timing import (
 from timing.checkouts import checkouts
 from timing.measures import Job, Measured, Repeat, lines_of, repeats
 from timing.page import page
+
+from khepera_forage.experiments.arguments import Arguments, Count, parse
+from khepera_forage.experiments.page import finish, write
+from khepera_forage.experiments.processes import collect
 
 COUNTS = (
     Count("steps", 10_000, 400, "steps, rounds or decisions of each measure in a repeat"),
@@ -91,7 +92,7 @@ def compare(given: Arguments) -> int:
             units = beside.pairs(cases, (theirs, ours), given.repeats, given.quick, given.seed)
             rows = collect(given, units, {beside.Timed: "beside"}).of(beside.Timed)
     except (ValueError, beside.CaseError) as error:
-        sys.exit(f"throughput.py: {error}")
+        given.refuse(str(error))
     result = beside.page(rows, theirs, ours, given.repeats, given.quick)
     del given.counts["steps"]  # the sizes of the cases are fixed
     options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
@@ -111,7 +112,7 @@ def main() -> int:
             )
         return compare(given)
     if given.only:
-        sys.exit("throughput.py: --only selects cases of --beside; allowed: with --beside COMMIT")
+        given.refuse("--only selects cases of --beside; allowed: with --beside COMMIT")
     seed, quick = given.seed, given.quick
     units = repeats("python", python_jobs(given.steps, seed), given.repeats)
     if given.compiled:

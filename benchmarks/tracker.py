@@ -11,9 +11,6 @@ import sys
 
 import cv2
 import numpy as np
-from harness.arguments import Count, parse
-from harness.page import Page, Picture, finish
-from harness.processes import Unit, collect, in_processes
 from tracker_accuracy import hole_layouts, page
 from tracker_accuracy.hole_layouts import LAYOUTS, HoleCount, Layout
 from tracker_accuracy.observations import Observation, Phantoms
@@ -21,8 +18,11 @@ from tracker_accuracy.scenes import APPEARANCES, Scenes
 from tracker_accuracy.speed import Rate, Speed
 from tracker_accuracy.trainings import ObservedTraining
 
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import Unit, collect, in_processes
+from khepera_forage.experiments.tables import Table
 from khepera_forage.rollouts.rendered_training import RenderedTraining
-from khepera_forage.thesis.tables import Table
 from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.tracker import Tracker
 

@@ -10,16 +10,16 @@ experience is compared with what the learner was shown, and that with the truth.
 import os
 import sys
 
-from harness.arguments import Count, parse
-from harness.page import Page, Picture, finish
-from harness.processes import Unit, collect, in_processes
 from lab_comparison import comparison, page, pictures
 from lab_comparison.episodes import Exclusion, LabRecall, LabTraining, replications
 from lab_comparison.fault_sums import fault_sums
 from lab_comparison.faults import DisturbedAttempt, conditions
 from lab_comparison.rounds import LOCK_STEP, PACED, TimedRound, Timing
 
-from khepera_forage.thesis.tables import Table
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import Unit, collect, in_processes
+from khepera_forage.experiments.tables import Table
 
 COUNTS = (
     Count("replications", 16, 1, "trainings and recalls, in each world", adds_units=True),

@@ -15,13 +15,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from harness.arguments import Count, parse
-from harness.figures import GREY, OURS, THESIS, new_figure
-from harness.page import Page, Picture, finish
-from harness.processes import collect
-from harness.tables import extremes, pick, quantiles
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.experiments.measures import extremes, pick, quantiles
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.port import BAUD_RATES, BITS_PER_BYTE, seconds_on_wire
@@ -33,8 +35,6 @@ from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

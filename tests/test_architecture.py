@@ -19,7 +19,8 @@ from khepera_forage.sim.world import Timing
 from khepera_forage.task.decisions import Decisions
 
 PACKAGE = Path(khepera_forage.__file__).parent
-ABOVE_TASK = ("sim", "lab", "envs", "policies", "rollouts", "thesis", "cli")
+ABOVE_ROLLOUTS = ("experiments", "thesis", "comparison", "cli")
+ABOVE_TASK = ("sim", "lab", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS)
 FORBIDDEN = {
     "geometry": ("robots", "vision", "task", "experience", *ABOVE_TASK),
     "robots": ("task", "experience", *ABOVE_TASK),
@@ -32,12 +33,14 @@ FORBIDDEN = {
         "noise",
         *ABOVE_TASK,
     ),
-    "sim": ("task", "lab", "envs", "policies", "rollouts", "thesis", "cli"),
-    "lab": ("task", "envs", "policies", "rollouts", "thesis", "cli"),
-    "policies": ("sim", "lab", "envs", "rollouts", "thesis", "cli"),
-    "envs": ("rollouts", "thesis", "cli"),
-    "rollouts": ("thesis", "cli"),
-    "thesis": ("cli",),
+    "sim": ("task", "lab", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS),
+    "lab": ("task", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS),
+    "policies": ("sim", "lab", "envs", "rollouts", *ABOVE_ROLLOUTS),
+    "envs": ("rollouts", *ABOVE_ROLLOUTS),
+    "rollouts": ABOVE_ROLLOUTS,
+    "experiments": ("thesis", "comparison", "cli"),
+    "thesis": ("comparison", "cli"),
+    "comparison": ("cli",),
 }
 """What each package must not import."""
 

@@ -30,6 +30,8 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     [
         ("reproduce --quick", "fast,plots"),
         ("reproduce --quick --backend pymunk", "plots"),
+        ("compare --quick --only tree", "plots"),
+        ("infer --quick", "fast,inference,plots"),
         ("watch training", "render"),
         ("watch recall --out film.gif", "render"),
         ("watch recall --out film.mp4", "render,camera"),
@@ -59,6 +61,7 @@ def test_command_says_at_once_what_to_install(
     "command",
     [
         "decisions",
+        "compare --list",
         "train --episodes 1 --out g",
         "recall --episodes 1 --out r.csv",
         "camera markers --out m.svg",

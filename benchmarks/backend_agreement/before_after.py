@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from khepera_forage.envs.backends import COMPILED
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.reproduce import reproduce
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table
 
 BEFORE = Path(__file__).with_name("version_0_1_cells.csv")
 """`table_cells.csv` of `khepera-forage reproduce` at commit b91f85b: 1,000 replications, seed 0."""

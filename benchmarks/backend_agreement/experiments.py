@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from backend_agreement.two_sample_tests import LEVEL, holm, mean_of, welch
+from backend_agreement.two_sample_tests import LEVEL, mean_of, welch
+from khepera_forage.experiments.statistics import Estimate, holm, replications, sums_by_replication
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.cells import in_cell
 from khepera_forage.thesis.design import THESIS, Cell
 from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
 from khepera_forage.thesis.replication import Replication
-from khepera_forage.thesis.statistics import Estimate, replications, sums_by_replication
-from khepera_forage.thesis.tables import Column, Table
 
 COMPILED_FACTOR = 20
 """Compiled replications for each one with pymunk."""

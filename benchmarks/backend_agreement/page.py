@@ -4,14 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from harness.figures import GREY, OURS, THESIS, grid, new_figure
 
 from backend_agreement.arenas import MOST_FOODS, MOST_OBSTACLES
 from backend_agreement.paired import ODDS
 from backend_agreement.paired import TRAININGS as IMITATOR_TRAININGS
 from backend_agreement.samples import CONDITIONS, IMITATORS, SLOW, TRAININGS, Condition, Sample
-from backend_agreement.two_sample_tests import LEVEL, Comparison, Power, holm
-from khepera_forage.thesis.tables import Column, Table
+from backend_agreement.two_sample_tests import LEVEL, Comparison, Power
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, new_figure
+from khepera_forage.experiments.statistics import holm
+from khepera_forage.experiments.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

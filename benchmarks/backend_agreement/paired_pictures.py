@@ -4,11 +4,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from harness.figures import COLOURS, GREY, grid, new_figure
-from harness.tables import pick
-
 from backend_agreement.arenas import HOME_RADIUS, KINDS, RandomArena
 from backend_agreement.paired import COMPILED, POLICIES, PYMUNK, PairedRecall
+from khepera_forage.experiments.figures import COLOURS, GREY, grid, new_figure
+from khepera_forage.experiments.measures import pick
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 
 if TYPE_CHECKING:

@@ -5,14 +5,14 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from harness.tables import Measure, difference, mean, pick
 from scipy import stats
 
 from backend_agreement.arenas import KINDS
 from backend_agreement.paired import COMPILED, POLICIES, PYMUNK, PairedRecall
-from backend_agreement.two_sample_tests import LEVEL, holm
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table, Value
+from backend_agreement.two_sample_tests import LEVEL
+from khepera_forage.experiments.measures import Measure, difference, mean, pick
+from khepera_forage.experiments.statistics import Estimate, holm
+from khepera_forage.experiments.tables import Column, Table, Value
 
 ALL = "all"
 MEASURES = (

@@ -1,16 +1,15 @@
 """Two-sample tests, and their power to detect a difference."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from harness.tables import percent
 from numpy.typing import NDArray
 from scipy import stats
 
 from backend_agreement.samples import Condition, Sample
-from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.experiments.measures import percent
+from khepera_forage.experiments.statistics import Estimate
 
 LEVEL = 0.05
 Floats = NDArray[np.float64]
@@ -91,15 +90,6 @@ def mean_of(values: Floats) -> Estimate:
 def kolmogorov_smirnov(a: Floats, b: Floats) -> float:
     """The p-value of the Kolmogorov-Smirnov test; too large for numbers with many ties, never too small."""
     return float(stats.ks_2samp(a, b, method="asymp").pvalue)
-
-
-def holm(values: Sequence[float]) -> list[float]:
-    """Each p-value corrected for the number of tests by Holm's rule: any is below 0.05 by chance in 5 % of all runs."""
-    adjusted, highest = [0.0] * len(values), 0.0
-    for rank, place in enumerate(sorted(range(len(values)), key=lambda k: values[k])):
-        highest = max(highest, min(1.0, (len(values) - rank) * values[place]))
-        adjusted[place] = highest
-    return adjusted
 
 
 def power(

@@ -2,9 +2,6 @@
 
 from collections.abc import Iterator
 
-from harness.figures import legend, levels, panels
-from harness.tables import pick
-
 from further_experiments.alternative_policies import StateLabels, UntilGoal, first_vectors
 from further_experiments.analysis import DELIVERED, SCORE, STEPS, Analysis, claim
 from further_experiments.episodes import ARENAS, Files, imitator, recall_all, thesis_files
@@ -12,11 +9,13 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS
 from further_experiments.rows import RecallEpisode, Row
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.experiments.figures import legend, levels, panels
+from khepera_forage.experiments.measures import pick
+from khepera_forage.experiments.statistics import UNKNOWN
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.adapters import ClassifierPolicy
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.thesis.claims.claim import Above, Claim, Within, points
-from khepera_forage.thesis.statistics import UNKNOWN
 
 THESIS, HIGHEST, LABELS = "as in the thesis", "highest confidence", "state labels"
 GOAL, GOAL_ALL = "until the goal, one vector each", "until the goal, all vectors"

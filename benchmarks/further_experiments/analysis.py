@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from harness.tables import Measure, difference, mean, means_table, pick
 
 from further_experiments.rows import RecallEpisode, TrainingEpisode
+from khepera_forage.experiments.measures import Measure, difference, mean, means_table, pick
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims.claim import Claim, Rule, Unit, judged
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table, Value
 
 RowT = TypeVar("RowT", TrainingEpisode, RecallEpisode)
 

@@ -1,8 +1,5 @@
 """Different robots: the teacher's program copied to a different robot, or imitated by it (1.2)."""
 
-from harness.figures import legend, levels, panels
-from harness.tables import pick
-
 from further_experiments.analysis import (
     ATTEMPTS,
     DELIVERED,
@@ -22,6 +19,9 @@ from further_experiments.rows import Row
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
+from khepera_forage.experiments.figures import legend, levels, panels
+from khepera_forage.experiments.measures import pick
+from khepera_forage.experiments.statistics import UNKNOWN
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.rollouts.recall import recall_env
@@ -30,7 +30,6 @@ from khepera_forage.sim.arena import CORRIDOR, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims.claim import Above, Claim
-from khepera_forage.thesis.statistics import UNKNOWN
 
 ROBOTS = {
     "same robot": RobotParameters(),

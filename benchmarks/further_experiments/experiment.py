@@ -5,12 +5,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from harness.page import Page, Picture
-
 from further_experiments.analysis import Analysis
 from further_experiments.rows import Row
+from khepera_forage.experiments.page import Page, Picture
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.thesis.claims.claim import Claim, Verdict
-from khepera_forage.thesis.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

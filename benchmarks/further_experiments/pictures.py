@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from harness.figures import COLOURS, grid, mark
-from harness.tables import Measure, pick
-
 from further_experiments.analysis import Analysis, RowT, amounts_of, conditions_of
+from khepera_forage.experiments.figures import COLOURS, grid, mark
+from khepera_forage.experiments.measures import Measure, pick
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,9 +2,6 @@
 
 from collections.abc import Sequence
 
-from harness.figures import legend, panels
-from harness.tables import combined, percent, pick
-
 from further_experiments.analysis import (
     ATTEMPTS,
     PERCENT,
@@ -24,10 +21,12 @@ from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import RecallEpisode, Row
 from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experiments.figures import legend, panels
+from khepera_forage.experiments.measures import combined, percent, pick
+from khepera_forage.experiments.statistics import MIN_REPLICATIONS, Estimate, replications
 from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.thesis.claims.claim import Above, AtMost, Claim, percent_change, points
-from khepera_forage.thesis.statistics import MIN_REPLICATIONS, Estimate, replications
 
 FOOD: dict[str, FoodOdds] = {
     "pickable": "PICKABLE",

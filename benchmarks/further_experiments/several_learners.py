@@ -1,14 +1,13 @@
 """Several learners: one teacher trains up to four learners at once (4.5)."""
 
-from harness.figures import legend, panels
-from harness.tables import Measure, pick
-
 from further_experiments.analysis import ATTEMPTS, ROUNDS, SEPARATIONS, TRUE, WAITED, Analysis, claim
 from further_experiments.episodes import train_files, training_seeds
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row, TrainingEpisode
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experiments.figures import legend, panels
+from khepera_forage.experiments.measures import Measure, pick
 from khepera_forage.thesis.claims.claim import Above, Claim, Unit
 
 LEARNERS = (1, 2, 3, 4)

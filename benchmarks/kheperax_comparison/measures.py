@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from harness.tables import extremes, pick
-
-from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.experiments.measures import extremes, pick
+from khepera_forage.experiments.statistics import Estimate
 from kheperax_comparison.ours import OurBodies, whole_task
 from kheperax_comparison.theirs import Kheperax, Timed
 

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from harness.figures import GREY, OURS, THESIS, grid, new_figure
-from harness.page import Page, Picture
-
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate
-from khepera_forage.thesis.tables import Column, Table, Value, interval
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, new_figure
+from khepera_forage.experiments.page import Page, Picture
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.experiments.tables import Column, Table, Value, interval
 from kheperax_comparison.differences import EQUAL, unequal
 from kheperax_comparison.measures import (
     CALLS,

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from harness.tables import Measure, difference, mean, pick
 
-from khepera_forage.thesis.statistics import Estimate
+from khepera_forage.experiments.measures import Measure, difference, mean, pick
+from khepera_forage.experiments.statistics import Estimate
 from lab_comparison.episodes import (
     ARENAS,
     LEARNERS,

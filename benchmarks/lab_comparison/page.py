@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 
-from harness.tables import pick, quantiles
-
+from khepera_forage.experiments.measures import pick, quantiles
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.thesis.tables import Column, Table, Value
 from lab_comparison.comparison import Comparison
 from lab_comparison.episodes import REPEATED, UNPLACED, Exclusion
 from lab_comparison.fault_sums import FaultSums

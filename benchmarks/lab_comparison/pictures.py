@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from harness.figures import GREY, OURS, THESIS, grid, legend, levels, new_figure
-from harness.tables import pick
 
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, legend, levels, new_figure
+from khepera_forage.experiments.measures import pick
 from khepera_forage.robots.virtual.faults import FAULTS
 from lab_comparison.comparison import RECALL_MEASURES, Comparison
 from lab_comparison.fault_sums import FaultSums

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from harness.stopwatch import OUTSIDE, Sheet, Stopwatch
+from timing.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv

@@ -10,10 +10,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from harness.page import Page
-from harness.tables import extremes
-
-from khepera_forage.thesis.tables import Column, Table, Value
+from khepera_forage.experiments.measures import extremes
+from khepera_forage.experiments.page import Page
+from khepera_forage.experiments.tables import Column, Table, Value
 from timing.beside_cases import EPISODES, WORLDS
 from timing.checkouts import Checkout
 from timing.measures import LOWER_IS_BETTER, digits

@@ -4,10 +4,9 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from harness.figures import GREY, OURS, THESIS, new_figure
-from harness.page import Page, Picture
-
-from khepera_forage.thesis.tables import Column, Table
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.experiments.page import Page, Picture
+from khepera_forage.experiments.tables import Column, Table
 from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
 from timing.measures import Line, digits
 

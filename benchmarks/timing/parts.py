@@ -11,7 +11,6 @@ from unittest.mock import patch
 
 import gymnasium as gym
 import pymunk
-from harness.stopwatch import Method, Sheet, Stopwatch
 
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
@@ -19,6 +18,7 @@ from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.vision.simulated_camera import OverheadCamera
 from timing.measures import Job, Measure, Values
+from timing.stopwatch import Method, Sheet, Stopwatch
 
 _WRAPPERS, _OUTCOME, _DECISION = "Gymnasium's wrappers", "observation, reward, info", "the teacher's decision"
 _BODIES = "wheels, gripper and rounds, in Python"

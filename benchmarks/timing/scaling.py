@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium as gym
 import numpy as np
-from harness.figures import GREY, OURS, THESIS, new_figure
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
 from khepera_forage.sim.arena import Arena, Point, Pose
 from timing import compiled
 from timing.measures import Job, Line, Measure, Values

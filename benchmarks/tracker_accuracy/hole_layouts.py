@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from harness.tables import percent
 from numpy.typing import NDArray
 
-from khepera_forage.thesis.tables import Column, Table, Value
+from khepera_forage.experiments.measures import percent
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.canvas import ImagePose, draw_shapes
 from khepera_forage.vision.rendering.frames import marker_shapes

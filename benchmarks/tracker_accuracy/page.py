@@ -5,13 +5,13 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from harness.figures import GREY, OURS, THESIS, grid, mark, new_figure
-from harness.tables import extremes, percent, pick, plain
 from numpy.typing import NDArray
 
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, mark, new_figure
+from khepera_forage.experiments.measures import extremes, percent, pick, plain
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.noise import Noise
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate
-from khepera_forage.thesis.tables import Column, Table, Value
 from tracker_accuracy.measures import errors, losses, swapped_labels
 from tracker_accuracy.observations import (
     CAMERAS,

@@ -4,12 +4,12 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import decisions, recall, reproduce, train, watch
+from khepera_forage.cli import compare, decisions, infer, recall, reproduce, train, watch
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 from khepera_forage.cli.teach import command as teach
-from khepera_forage.cli.values import OneLineParser
+from khepera_forage.option_values import OneLineParser
 from khepera_forage.rollouts.training import IncompleteTrainingError
 
 SUBCOMMANDS = (
@@ -29,6 +29,7 @@ SUBCOMMANDS = (
     Subcommand(
         "recall", "let a trained learner, or the teacher, forage alone", recall.add_arguments, recall.run
     ),
+    Subcommand("compare", "compare all learners, and yours with them", compare.add_arguments, compare.run),
     Subcommand(
         "watch",
         "show a training or recall episode in a window, or save it as a film",
@@ -40,6 +41,12 @@ SUBCOMMANDS = (
         "list what the thesis leaves open, with our decisions and their reasons",
         decisions.add_arguments,
         decisions.run,
+    ),
+    Subcommand(
+        "infer",
+        "infer from the thesis's own tables what it leaves open",
+        infer.add_arguments,
+        infer.run,
     ),
     Subcommand("robot", "test a real Khepera, or start a virtual one", robot.add_arguments),
     Subcommand(

@@ -21,9 +21,9 @@ from khepera_forage.cli.arguments import (
     refuse_ignored,
 )
 from khepera_forage.cli.environments import print_late_rounds, recall_env
-from khepera_forage.cli.values import given_path
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience, ExperienceWarning
+from khepera_forage.option_values import given_path
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter

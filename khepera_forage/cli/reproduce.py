@@ -9,8 +9,8 @@ from khepera_forage.cli.arguments import (
     decisions_of,
     refuse_ignored,
 )
-from khepera_forage.cli.values import processes, whole_number
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
+from khepera_forage.option_values import processes, whole_number
 from khepera_forage.thesis.report import SUMMARY
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
 

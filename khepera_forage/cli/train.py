@@ -26,8 +26,8 @@ from khepera_forage.cli.training_plan import (
     require_new,
     unfinished,
 )
-from khepera_forage.cli.values import whole_number
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.option_values import whole_number
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TrainingRow

@@ -19,9 +19,9 @@ from khepera_forage.cli.arguments import (
 )
 from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
-from khepera_forage.cli.values import given_path, whole_number
 from khepera_forage.envs.rendering.film import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
+from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
 

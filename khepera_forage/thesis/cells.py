@@ -6,10 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from khepera_forage.rollouts.rows import IMITATOR, RecallRow
-from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.design import THESIS, Cell
-from khepera_forage.thesis.statistics import (
+from khepera_forage.experiments.statistics import (
     RESAMPLES,
     Estimate,
     PercentileRank,
@@ -19,6 +16,9 @@ from khepera_forage.thesis.statistics import (
     replications,
     sums_by_replication,
 )
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow
+from khepera_forage.thesis import appendix_a
+from khepera_forage.thesis.design import THESIS, Cell
 
 
 @dataclass(frozen=True, slots=True)

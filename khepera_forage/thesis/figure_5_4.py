@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.experiments.statistics import Estimate, Floats, wilson
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.rollouts.same_decisions import common_decisions
 from khepera_forage.sim.arena import CORRIDOR, Arena
 from khepera_forage.thesis.design import training_distance
-from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
-from khepera_forage.thesis.statistics import Estimate, Floats, wilson
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:

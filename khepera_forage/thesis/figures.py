@@ -5,24 +5,20 @@ They use matplotlib's figure objects directly, without a window system or global
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.files import NamingFile
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.experiments.tables import Table
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.design import NO_NOISE
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate
-from khepera_forage.thesis.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
-"""Blue and vermilion of Okabe and Ito, which colour-blind readers can distinguish, and grey."""
-DPI = 150
 _OF_TWO, _OF_THREE = (-0.2, 0.2), (0.0, 0.4)
 """Horizontal offsets in episodes of our marks and the thesis's, without and with marks of version 0.1."""
 _V0_1 = -0.4
@@ -82,25 +78,6 @@ def noise_figure(table: Table) -> "Figure":
     figure.suptitle("Effect of each source of noise")
     figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
     return figure
-
-
-def new_figure(width: float, height: float) -> "Figure":
-    """An empty figure.
-
-    Args:
-        width: In inches.
-        height: In inches.
-    """
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
-
-
-def save(figure: "Figure", path: Path) -> None:
-    """Write a figure as PNG."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with NamingFile(path):
-        figure.savefig(path, dpi=DPI, facecolor="white")
 
 
 def _score_figure(
@@ -177,17 +154,6 @@ def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
     spread = 0.13 * np.sin(2.4 * np.arange(len(values)))
     fade = max(0.08, min(0.5, 8 / len(values)))
     axes.scatter(x + spread, values, s=9, color=OURS, alpha=fade, lw=0, zorder=2)
-
-
-def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False) -> None:
-    """Draw an estimate as a dot with its interval as a bar, vertical or `level`."""
-    if not math.isfinite(estimate.value):
-        return
-    axes.plot(x, y, "o", color=colour, ms=7, mec="white", zorder=5)
-    if math.isfinite(estimate.low):
-        ends = np.array([[estimate.value - estimate.low], [estimate.high - estimate.value]]).clip(min=0)
-        xerr, yerr = (ends, None) if level else (None, ends)
-        axes.errorbar([x], [y], xerr=xerr, yerr=yerr, fmt="none", color=colour, capsize=4, lw=1.8, zorder=4)
 
 
 def _legend(axes: "Axes", v0_1: bool) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
 from khepera_forage.envs.backends import PYMUNK
+from khepera_forage.experiments.statistics import MIN_REPLICATIONS
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arena import ARENAS
@@ -18,7 +19,6 @@ from khepera_forage.thesis.design import (
     noise_conditions,
 )
 from khepera_forage.thesis.replication import Baseline, Outcome, Replication
-from khepera_forage.thesis.statistics import MIN_REPLICATIONS
 
 NOISE_CELLS: tuple[Cell, ...] = tuple(cell for cell in THESIS if cell.episodes == 10)
 """Cells that are repeated under each noise condition: ten training episodes, recalls in both arenas."""

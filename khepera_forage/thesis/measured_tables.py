@@ -4,6 +4,8 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate, Measure, replications
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.rollouts.rows import STATES, RecallRow
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.task.states import State
@@ -11,8 +13,6 @@ from khepera_forage.thesis.cells import in_cell
 from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena
 from khepera_forage.thesis.claims.time import attempts_per_episode, steps_needed
 from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate, Measure, replications
-from khepera_forage.thesis.tables import Column, Table, Value
 
 
 def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:

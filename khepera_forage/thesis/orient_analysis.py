@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.experiments.statistics import bootstrap, ratio, replications, sums_by_replication
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
 from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 from khepera_forage.thesis.design import training_distance
-from khepera_forage.thesis.statistics import bootstrap, ratio, replications, sums_by_replication
-from khepera_forage.thesis.tables import Column, Table, Value
 
 if TYPE_CHECKING:
     from khepera_forage.policies import NearestNeighbourImitator

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from khepera_forage.experiments.figures import save
+from khepera_forage.experiments.statistics import MIN_REPLICATIONS, RESAMPLES, replications
+from khepera_forage.experiments.tables import Table
 from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
@@ -18,8 +21,6 @@ from khepera_forage.thesis.claims.evidence import Evidence, gather
 from khepera_forage.thesis.design import THESIS, Cell
 from khepera_forage.thesis.figure_5_4 import fig_5_4
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
-from khepera_forage.thesis.statistics import MIN_REPLICATIONS, RESAMPLES, replications
-from khepera_forage.thesis.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,7 +99,7 @@ def write_report(
     written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
     for stem, figure in _figures(results, v0_1_results, recalls, noise):
         written.append(folder / f"{stem}.png")
-        figures.save(figure, written[-1])
+        save(figure, written[-1])
     return written
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from itertools import repeat
 
+from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.claims import Claim
 from khepera_forage.thesis.errata import errata
-from khepera_forage.thesis.statistics import Estimate
-from khepera_forage.thesis.tables import Column, Table, Value
 
 _V0_1_NOTE = (
     " The columns *v0.1* are of replications under the decisions of version 0.1, with the thesis's percentile among "

@@ -1,4 +1,4 @@
-"""`benchmarks/learners.py` with the reinforcement learners: a row each, beside an imitator's."""
+"""`khepera-forage compare` with the reinforcement learners: a row each, beside an imitator's."""
 
 from pathlib import Path
 

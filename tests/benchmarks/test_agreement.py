@@ -19,6 +19,7 @@ from backend_agreement.arenas import (
 )
 from backend_agreement.paired import COMPILED, ODDS, POLICIES, PYMUNK
 
+from khepera_forage.experiments.statistics import Estimate, holm
 from khepera_forage.geometry.walls import clearance, walls_of
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow
@@ -26,7 +27,6 @@ from khepera_forage.sim.arena import Point
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.task.states import FoodType
 from khepera_forage.thesis.design import THESIS
-from khepera_forage.thesis.statistics import Estimate
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 from tests.benchmarks.test_scripts import SCRIPTS
@@ -97,8 +97,8 @@ def test_samples_without_variance_can_be_compared() -> None:
 
 
 def test_holm_correction_by_hand() -> None:
-    assert two_sample_tests.holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
-    assert two_sample_tests.holm([0.6, 0.9]) == [1.0, 1.0]
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm([0.6, 0.9]) == [1.0, 1.0]
 
 
 def test_welch_agrees_with_scipy() -> None:

@@ -1,4 +1,4 @@
-"""`benchmarks/best_decisions.py`: sets evolve from those of `benchmarks/decisions.py`."""
+"""`benchmarks/best_decisions.py`: sets evolve from those of `khepera-forage infer`."""
 
 from pathlib import Path
 

@@ -4,12 +4,12 @@ import warnings
 
 import numpy as np
 import pytest
-from decision_inference import test_set_page
-from decision_inference.cells_page import Predictions
-from decision_inference.questions_page import explained, outcomes
-from decision_inference.sensitivity import first_order, outcome
 
+from khepera_forage.thesis.inference.pages import test_set_page
+from khepera_forage.thesis.inference.pages.cells_page import Predictions
+from khepera_forage.thesis.inference.pages.questions_page import explained, outcomes
 from khepera_forage.thesis.inference.parameters import Parameter
+from khepera_forage.thesis.inference.sensitivity import first_order, outcome
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
 
 pytest.importorskip("SALib")

@@ -1,13 +1,13 @@
-"""`benchmarks/decisions.py`: sets from the prior, and the pages of what is inferred from them."""
+"""`khepera-forage infer`: sets from the prior, and the pages of what is inferred from them."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from decision_inference.sets import Drawn, draw, kept
-from harness.arguments import Count, parse
 
+from khepera_forage.experiments.arguments import Count, parse
 from khepera_forage.thesis.inference.claims_table import CLAIMS
+from khepera_forage.thesis.inference.draw import Drawn, draw, kept
 from khepera_forage.thesis.inference.prior import PRIOR
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read, refused

@@ -14,7 +14,6 @@ from tests.benchmarks.running import is_picture, read, refused
 
 pytest.importorskip("numba")
 
-from harness.page import write
 from kheperax_comparison import measures
 from kheperax_comparison.environment import NoKheperax
 from kheperax_comparison.measures import TimedLine
@@ -22,6 +21,8 @@ from kheperax_comparison.ours import OurBodies, whole_task
 from kheperax_comparison.page import page
 from kheperax_comparison.theirs import About, Timed, answer_of
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TRAVEL, Work
+
+from khepera_forage.experiments.page import write
 
 ABOUT = About("0.2.0", "0.10.2", "3.11.7", 2, "float32", 20, 10, 16.0, 4.5, 0.0)
 RATES = {

@@ -1,4 +1,4 @@
-"""`benchmarks/learners.py`: rows, tables and page agree, settings are compared, and a killed run is continued."""
+"""`khepera-forage compare`: rows, tables and page agree, settings are compared, and a killed run is continued."""
 
 import math
 import subprocess
@@ -10,20 +10,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from learner_comparison import tuning
-from learner_comparison.clusters import unavailable
-from learner_comparison.curves import curves
-from learner_comparison.page import results
-from learner_comparison.rows import RecallBatch, Size
-from learner_comparison.units import (
+from sklearn.ensemble import RandomForestClassifier
+
+from khepera_forage.comparison import tuning
+from khepera_forage.comparison.curves import curves
+from khepera_forage.comparison.page import results
+from khepera_forage.comparison.rows import RecallBatch, Size
+from khepera_forage.comparison.units import (
     all_learners,
     missing_extra,
     plan,
     planned_or_finished,
     settings_of,
 )
-from sklearn.ensemble import RandomForestClassifier
-
+from khepera_forage.comparison.workers import unavailable
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import command_of, quick, read, refused
@@ -254,7 +254,7 @@ def test_tuning_compares_settings_over_other_seeds(tmp_path: Path) -> None:
     page = (tmp_path / "tuning/tuning.md").read_text(encoding="utf-8")
     assert page.startswith("# Settings of the learners\n\n## Results\n\n4 other settings were compared. ")
     options = "--only dagger_tree --seeds 1 --recalls 1 --steps 1000 --seed 1 --quick"
-    assert f"    python benchmarks/learners.py --tune {options}\n" in page
+    assert f"    khepera-forage compare --tune {options}\n" in page
 
 
 def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tmp_path: Path) -> None:
@@ -331,7 +331,7 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     assert "| small forest |" in printed
     assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {"small_forest"}
     page = (tmp_path / "out" / "learners.md").read_text(encoding="utf-8")
-    assert "python benchmarks/learners.py --learner mine:small_forest" in page
+    assert "khepera-forage compare --learner mine:small_forest" in page
 
 
 def test_a_learner_that_cannot_be_found_is_named() -> None:

@@ -1,4 +1,4 @@
-"""`benchmarks/learners.py` on a Ray and on a Dask cluster: the same rows as on one machine (extras `ray`, `dask`)."""
+"""`khepera-forage compare` on a Ray and on a Dask cluster: the same rows as on one machine (extras `ray`, `dask`)."""
 
 import os
 import subprocess
@@ -48,7 +48,7 @@ def test_two_workers_make_the_same_rows(backend: str, here: list[dict[str, str]]
 
 @pytest.fixture
 def dask_cluster(tmp_path: Path) -> Iterator[str]:
-    """A scheduler and two workers, each a process of its own that knows nothing of the benchmark's folder."""
+    """A scheduler and two workers, each a process of its own."""
     pytest.importorskip("distributed", reason="needs the extra dask")
     where = tmp_path / "scheduler.json"
     told = ["--scheduler-file", str(where)]
@@ -70,7 +70,7 @@ def dask_cluster(tmp_path: Path) -> Iterator[str]:
             yield client.scheduler.address
 
 
-def test_a_cluster_at_an_address_is_sent_what_it_needs(
+def test_a_cluster_at_an_address_makes_the_same_rows(
     dask_cluster: str, here: list[dict[str, str]], tmp_path: Path
 ) -> None:
     printed = run(tmp_path / "learners", "--backend", "dask", "--address", dask_cluster)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from khepera_forage.policies.learners import LEARNERS
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import help_of, is_picture, quick, read, refused
 
@@ -43,6 +42,7 @@ class Script:
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
         runs: False if only its help is tested here, because a run needs the network or another script's results.
+        subcommand: Of `khepera-forage`, if the script does the same.
     """
 
     options: tuple[str, ...]
@@ -52,6 +52,7 @@ class Script:
     page: str = ""
     needs: tuple[str, ...] = ()
     runs: bool = True
+    subcommand: str = ""
 
 
 SCRIPTS = {
@@ -62,7 +63,11 @@ SCRIPTS = {
         needs=("numba",),
     ),
     "decisions": Script(
-        ("--sets", "--experiments", "--jobs", "--fresh"), (), page="posterior.md", needs=("numba", "SALib")
+        ("--sets", "--experiments", "--jobs", "--fresh"),
+        (),
+        page="posterior.md",
+        needs=("numba", "SALib"),
+        subcommand="infer",
     ),
     "best_decisions": Script(
         ("--start", "--generations", "--children", "--finalists", "--effort", "--jobs", "--fresh"),
@@ -91,11 +96,14 @@ SCRIPTS = {
             "--fresh",
             "--backend",
             "--address",
-            *LEARNERS,
+            "--learner",
+            "--against",
+            "--list",
         ),
         ("rows",),
         run=LEARNERS_RUN,
         small=LEARNERS_RUN,
+        subcommand="compare",
     ),
     "operations": Script(("--steps",), ("operations", "times"), needs=("numba",)),
     "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
@@ -132,6 +140,12 @@ all_scripts = pytest.mark.parametrize("script", available(*(name for name in SCR
 same_rows = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].small)))
 
 
+def program(script: str) -> str:
+    """What error messages begin with."""
+    subcommand = SCRIPTS[script].subcommand
+    return f"khepera-forage {subcommand}" if subcommand else f"{script}.py"
+
+
 def page_of(script: str, out: Path) -> Path:
     return out / (SCRIPTS[script].page or f"{script}.md")
 
@@ -160,7 +174,8 @@ def test_tables_are_printed_and_written(script: str, quick_run: QuickRun) -> Non
 def test_page_names_its_command_and_the_machine(script: str, quick_run: QuickRun) -> None:
     text = page_of(script, quick_run(script, *SCRIPTS[script].run)).read_text(encoding="utf-8")
     command, machine = text.split("## Command\n\n    ")[1].strip().split("\n\n")[:2]
-    assert command.startswith(f"python benchmarks/{script}.py ")
+    launched = program(script) if SCRIPTS[script].subcommand else f"python benchmarks/{script}.py"
+    assert command.startswith(f"{launched} ")
     assert "--seed 1 --quick" in command
     assert "numpy" in machine
 
@@ -227,7 +242,7 @@ def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> N
     small = SCRIPTS[script].small
     out = quick_run(script, *small, "--jobs", "1")
     told = refused(script, "--seed", "2", "--out", str(out), *small)
-    assert told.startswith(f"{script}.py: ")
+    assert told.startswith(f"{program(script)}: ")
     assert "made with seed '1', and this run has '2'; allowed: the same, another folder" in told
 
 

@@ -1,7 +1,7 @@
 """The best set loses the changes that the tables do not ask for."""
 
 import numpy as np
-from decision_inference.simpler import TOLERANCE, Judgement, simplify
+from decision_search.simpler import TOLERANCE, Judgement, simplify
 
 from khepera_forage import Decisions
 from khepera_forage.thesis.inference.prior import PRIOR, possible_decisions

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
 from khepera_forage.thesis.claims import Verdict, claims
 from khepera_forage.thesis.claims.claim import (
     Above,
@@ -14,7 +15,6 @@ from khepera_forage.thesis.claims.claim import (
     percent_change,
     points,
 )
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate
 from tests.thesis.claim_rows import NOT, NUMBER, SUPPORTED, UNDECIDED, always, claim_from, recalls_with_scores
 from tests.thesis.synthetic import recall
 

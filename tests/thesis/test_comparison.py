@@ -10,6 +10,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED, PYMUNK
+from khepera_forage.experiments.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions
@@ -155,7 +156,7 @@ def test_figures_show_version_0_1_in_grey_left_of_ours(
         marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
         grey, ours = (
             np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
-            for wanted in (figures.GREY, figures.OURS)
+            for wanted in (GREY, OURS)
         )
         mine = [r for r in v0_1_results if r.cell.arena == arena]
         values = [r.food.value * maximum / r.cell.available if maximum else r.score.value for r in mine]

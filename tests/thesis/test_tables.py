@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
@@ -22,8 +24,6 @@ from khepera_forage.thesis.measured_tables import (
     ties_table,
     training_table,
 )
-from khepera_forage.thesis.statistics import UNKNOWN, Estimate
-from khepera_forage.thesis.tables import Column, Table
 from khepera_forage.thesis.thesis_tables import cell_table, errata_table
 from tests.thesis.conftest import REPLICATIONS
 from tests.thesis.synthetic import counts, failed, recall, training

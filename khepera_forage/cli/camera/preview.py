@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.cli.camera.source import VIRTUAL, add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
-from khepera_forage.cli.values import given_path, whole_number
+from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH

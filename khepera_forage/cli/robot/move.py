@@ -5,7 +5,7 @@ import math
 import time
 
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
-from khepera_forage.cli.values import real_number, whole_number
+from khepera_forage.option_values import real_number, whole_number
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 

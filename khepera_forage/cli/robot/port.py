@@ -2,7 +2,7 @@
 
 import argparse
 
-from khepera_forage.cli.values import real_number
+from khepera_forage.option_values import real_number
 from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera

@@ -5,7 +5,7 @@ import sys
 import time
 
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
-from khepera_forage.cli.values import whole_number
+from khepera_forage.option_values import whole_number
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
 from khepera_forage.robots.proximity import MAX_READING
 

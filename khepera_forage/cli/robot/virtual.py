@@ -10,8 +10,8 @@ from contextlib import contextmanager
 import numpy as np
 
 from khepera_forage.cli.arguments import add_seed_argument
-from khepera_forage.cli.values import whole_number
 from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.option_values import whole_number
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults

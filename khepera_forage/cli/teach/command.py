@@ -19,10 +19,10 @@ from khepera_forage.cli.arguments import (
 from khepera_forage.cli.teach.human_teacher import HumanTeacher
 from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
 from khepera_forage.cli.training_plan import PlannedFile, planned_files, require_new
-from khepera_forage.cli.values import real_number
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.extras import require
+from khepera_forage.option_values import real_number
 from khepera_forage.rollouts import training
 from khepera_forage.sim.arena import CORRIDOR
 

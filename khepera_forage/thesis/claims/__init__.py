@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from khepera_forage.experiments.statistics import RESAMPLES
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import ARENAS
 from khepera_forage.thesis.claims import behaviour, learning, time
 from khepera_forage.thesis.claims.claim import Claim, Verdict
 from khepera_forage.thesis.claims.evidence import gather
-from khepera_forage.thesis.statistics import RESAMPLES
 
 __all__ = ["Claim", "Verdict", "claims"]
 

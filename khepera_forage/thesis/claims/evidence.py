@@ -7,10 +7,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
-from khepera_forage.rollouts.same_decisions import common_decisions
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.thesis.statistics import (
+from khepera_forage.experiments.statistics import (
     RESAMPLES,
     Estimate,
     Measure,
@@ -21,6 +18,9 @@ from khepera_forage.thesis.statistics import (
     replications,
     sums_by_replication,
 )
+from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
+from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 _R = TypeVar("_R", bound=Replicated)
 

@@ -2,11 +2,11 @@
 
 import math
 
+from khepera_forage.experiments.statistics import bootstrap_quantile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.thesis.claims.claim import Above, AtMost, Claim, Unit, judged, percent
 from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS
-from khepera_forage.thesis.statistics import bootstrap_quantile
 
 SECTION = {"corridor": "5.4.1.1", "rectangle": "5.4.2.1"}
 FREQUENT = 0.5

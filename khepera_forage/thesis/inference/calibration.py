@@ -12,8 +12,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from khepera_forage.experiments.statistics import Estimate, bootstrap, ratio, wilson
 from khepera_forage.thesis.inference.parameters import Parameter
-from khepera_forage.thesis.statistics import Estimate, bootstrap, ratio, wilson
 
 Floats = NDArray[np.float64]
 MUCH = 0.9

@@ -9,14 +9,14 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
+from khepera_forage.experiments.statistics import Estimate, wilson
+from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.inference.chunks import SUFFIX, read_arrays, write_arrays
 from khepera_forage.thesis.inference.laboratory_claims import RESAMPLES, claims_of
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text, laboratory_text
 from khepera_forage.thesis.inference.prior import Laboratory
-from khepera_forage.thesis.statistics import Estimate, wilson
-from khepera_forage.thesis.tables import Column, Table, Value
 
 BATCH = 10
 """Laboratories in one unit of work, which is one file."""

@@ -1,1 +1,0 @@
-"""The comparison of all learners by `benchmarks/learners.py`."""

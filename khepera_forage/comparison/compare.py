@@ -1,0 +1,183 @@
+"""The comparison of learners: who takes part, the rows that are missing, and what is written."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from khepera_forage.comparison import tuning
+from khepera_forage.comparison.curves import curves
+from khepera_forage.comparison.learning import Compared
+from khepera_forage.comparison.page import page
+from khepera_forage.comparison.results_file import (
+    ReadLearner,
+    Results,
+    as_json,
+    beside,
+    read_results,
+)
+from khepera_forage.comparison.rows import RecallBatch, Size, in_order, steps_up_to
+from khepera_forage.comparison.units import (
+    all_learners,
+    missing_extra,
+    plan,
+    planned_or_finished,
+    settings_of,
+)
+from khepera_forage.comparison.workers import BACKENDS
+from khepera_forage.experiments.arguments import Arguments
+from khepera_forage.experiments.page import Page, machine, write
+from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.row_folder import UNITS, finished_units
+from khepera_forage.files import replacing
+from khepera_forage.policies.learner_registry import installed_learners, learner_at
+from khepera_forage.rollouts.row_files import read_rows
+
+TUNING = "tuning"
+"""The folder in `--out` that `--tune` writes to."""
+RESULTS = "results.json"
+EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
+QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
+
+
+def known_learners() -> str:
+    """All learners that are known here, one a line: name, title, what it learns from, and settings."""
+    lines = [
+        (name, learner.title, learner.needs.value if learner.needs else "-", settings_of(learner))
+        for name, learner in all_learners().items()
+    ]
+    widths = [max(len(line[i]) for line in lines) for i in range(3)]
+    return "\n".join(
+        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]])
+        for line in lines
+    )
+
+
+def compare(given: Arguments) -> int:
+    """Compare learners.
+
+    Args:
+        given: The arguments of `khepera-forage compare`.
+
+    Raises:
+        ValueError: A learner that is unknown or cannot be used, or a file that holds no results.
+    """
+    against = read_results(given.against) if given.against else None
+    own = _own_learners(given.learner or [])
+    known = all_learners() | own
+    for name in given.only or ():
+        if name not in known:
+            raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
+    chosen = [*(given.only or ()), *own] or list(known)
+    missing = {name: reason for name in chosen if (reason := missing_extra(known[name]))}
+    if not given.only:
+        missing |= installed_learners().broken
+    for name, reason in missing.items():
+        print(f"{name} is left out: {reason}")
+    learners = {name: learner for name, learner in known.items() if name in chosen and name not in missing}
+    if not learners:
+        raise ValueError("no learner is left")
+    rows = _rows(learners, known, range(given.seeds), _size(given), given)
+    found = curves(rows, np.random.default_rng(given.seed))
+    command = given.command(*(f"--learner {place}" for place in given.learner or ()))
+    shown = {curve.learner: known[curve.learner] for curve in found}
+    results = Results(
+        f"{machine()} {command}",
+        {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
+        found,
+    )
+    written = page(*beside(found, shown, against), missing, _tuning_result(given))
+    write(given.out, given.name, written, command)
+    with replacing(given.out / RESULTS) as path:
+        path.write_text(as_json(results), encoding="utf-8")
+    return _printed(given, written)
+
+
+def tune(given: Arguments) -> int:
+    """Compare settings with those of the registry.
+
+    Raises:
+        ValueError: No learner of `--only` has other settings.
+    """
+    known = tuning.candidates()
+    wanted = given.only or list(known)
+    learners = {name: learner for name, learner in known.items() if name.split(".")[0] in wanted}
+    if not learners:
+        allowed = ", ".join(tuning.CANDIDATES)
+        raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {allowed}")
+    options = ["--tune", *(f"--only {name}" for name in given.only or ())]
+    given.out /= TUNING
+    size = _size(given)
+    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:])
+    first = tuning.FIRST_REPLICATION
+    rows = _rows(learners, known, range(first, first + given.seeds), size, given)
+    written = tuning.page(rows, known, np.random.default_rng(given.seed))
+    write(given.out, TUNING, written, given.command(*options))
+    return _printed(given, written)
+
+
+def _own_learners(places: list[str]) -> dict[str, Compared]:
+    """The learners of `--learner`, by name."""
+    found: dict[str, Compared] = {}
+    for place in places:
+        try:
+            name, learner = learner_at(place)
+        except ValueError as error:
+            raise ValueError(f"--{error}") from None
+        if name in all_learners() or name in found:
+            raise ValueError(f"--learner is {place!r}, a name that another learner has; allowed: a new name")
+        found[name] = learner
+    return found
+
+
+def _size(given: Arguments) -> Size:
+    return Size(
+        recalls=given.recalls,
+        episodes=QUICK_EPISODES if given.quick else EPISODES,
+        queries=QUICK_QUERIES if given.quick else QUERIES,
+        steps=steps_up_to(given.steps),
+    )
+
+
+def _rows(
+    learners: Mapping[str, Compared],
+    known: Mapping[str, Compared],
+    replications: range,
+    size: Size,
+    given: Arguments,
+) -> list[RecallBatch]:
+    """All rows of the folder, after the missing ones have been made.
+
+    Args:
+        learners: To be done now.
+        known: All that may have rows in the folder.
+        replications: Of each.
+        size: Of the run.
+        given: Folder, processes and settings.
+    """
+    units = plan(learners, replications, size, given.seed)
+    try:
+        if not given.fresh:
+            units = planned_or_finished(units, finished_units(given.out), known)
+    except ValueError as error:
+        raise ValueError(f"{given.out / UNITS}: {error}") from None
+    settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
+    with BACKENDS[given.backend](given.jobs, given.address) as workers:
+        rows = collect(given, units, {RecallBatch: "rows"}, workers.execute, settings)
+    return in_order(rows.of(RecallBatch), list(known))
+
+
+def _tuning_result(given: Arguments) -> str:
+    """The result of an earlier run with `--tune` in the same folder; empty without one."""
+    folder = given.out / TUNING
+    if not (folder / "tuning.md").exists():
+        return ""
+    known = tuning.candidates()
+    kept = [row for row in read_rows(folder / "rows.csv", RecallBatch) if row.learner in known]
+    gains = tuning.differences(in_order(kept, list(known)), np.random.default_rng(given.seed))
+    return tuning.result(gains, known)
+
+
+def _printed(given: Arguments, written: Page) -> int:
+    print("\n".join(table.markdown() for table in written.tables))
+    print(f"Page, picture, tables and rows are in {given.out}")
+    return 0

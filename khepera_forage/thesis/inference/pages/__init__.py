@@ -1,0 +1,1 @@
+"""The pages of `khepera-forage infer`, one for each question."""

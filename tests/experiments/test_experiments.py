@@ -1,0 +1,213 @@
+"""Rows of interrupted runs, values with intervals, and pages."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from khepera_forage.experiments import measures, page
+from khepera_forage.experiments.arguments import Arguments, Count, parse
+from khepera_forage.experiments.page import Page, Picture
+from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.row_folder import RowFolder
+from khepera_forage.experiments.tables import Column, Table
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    unit: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fall:
+    unit: str
+    replication: int
+    height: float
+
+
+class Walk(NamedTuple):
+    name: str
+
+    @property
+    def key(self) -> str:
+        return self.name
+
+    def run(self) -> list[Step | Fall]:
+        return [Step(self.name, 0), Fall(self.name, 0, 0.5), Step(self.name, 1)]
+
+
+TABLES = {Step: "steps", Fall: "falls"}
+SETTINGS = {"seed": "1"}
+
+
+def given(out: Path, *more: str) -> Arguments:
+    counts = Count("walks", 9, 3, "walks", adds_units=True), Count("length", 5, 2, "steps of a walk")
+    return parse("walking", "Walks.", *counts, given=["--out", str(out), "--jobs", "1", *more])
+
+
+def walk(out: Path, names: str, *more: str) -> list[str]:
+    rows = collect(given(out, *more), [Walk(name) for name in names], TABLES)
+    assert [row.unit for row in rows.of(Fall)] == list(names)
+    return [row.unit for row in rows.of(Step)]
+
+
+def test_counts_have_defaults_of_their_own_with_quick(tmp_path: Path) -> None:
+    arguments = given(tmp_path)
+    assert (arguments.walks, arguments.length, arguments.counts) == (9, 5, {"walks": 9, "length": 5})
+    assert arguments.settings == {"seed": "0", "quick": "no", "length": "5"}
+    arguments = given(tmp_path, "--quick", "--walks", "4")
+    assert (arguments.walks, arguments.length) == (4, 2)
+    assert arguments.command("--only a") == (
+        "python benchmarks/walking.py --only a --walks 4 --length 2 --seed 0 --quick"
+    )
+
+
+def test_processes_are_counted_as_joblib_does() -> None:
+    assert parse("walking", "", given=["--jobs", "-1"]).jobs == -1
+    timed = parse("walking", "", jobs=None, given=[])
+    assert (timed.jobs, timed.fresh) == (1, True)
+    with pytest.raises(SystemExit):
+        parse("walking", "", jobs=None, given=["--jobs", "1"])
+
+
+def test_rows_come_in_the_order_of_the_units(tmp_path: Path) -> None:
+    assert walk(tmp_path, "ba") == ["b", "b", "a", "a"]
+    assert (tmp_path / "steps.csv").read_text() == "unit,number\nb,0\nb,1\na,0\na,1\n"
+    assert (tmp_path / "units.csv").read_text() == "key,rows\nb,2;1\na,2;1\n"
+
+
+def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    walk(tmp_path, "c")
+    assert walk(tmp_path, "abc") == list("aabbcc")
+    assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
+    assert [line[0] for line in (tmp_path / "steps.csv").read_text().split()[1:]] == list("aabbcc")
+
+
+def test_units_of_earlier_runs_are_kept(tmp_path: Path) -> None:
+    walk(tmp_path, "xy")
+    assert walk(tmp_path, "a") == ["a", "a"]
+    assert [line[0] for line in (tmp_path / "units.csv").read_text().split()[1:]] == list("xya")
+    assert walk(tmp_path, "yx") == list("yyxx")
+
+
+def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
+    walk(tmp_path, "xy")
+    walk(tmp_path, "a", "--fresh", "--seed", "2")
+    assert (tmp_path / "units.csv").read_text() == "key,rows\na,2;1\n"
+
+
+@pytest.mark.parametrize("torn", ["c,0\nc,1\n", "c,0\nc", "c,"])
+def test_rows_of_an_unfinished_unit_are_removed(tmp_path: Path, torn: str) -> None:
+    walk(tmp_path, "ab")
+    with (tmp_path / "steps.csv").open("a") as file:
+        file.write(torn)
+    assert walk(tmp_path, "abc") == list("aabbcc")
+    assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\nb,0\nb,1\nc,0\nc,1\n"
+
+
+def test_a_unit_without_its_line_is_done_again(tmp_path: Path) -> None:
+    walk(tmp_path, "abc")
+    (tmp_path / "units.csv").write_text("key,rows\na,2;1\nb,2")
+    folder = RowFolder(tmp_path, TABLES, given(tmp_path).settings)
+    assert folder.finished == ["a"]
+    folder.close(["a"])
+    assert walk(tmp_path, "abc") == list("aabbcc")
+
+
+def test_a_kill_while_files_are_replaced_loses_nothing(tmp_path: Path) -> None:
+    walk(tmp_path, "ab")
+    old = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    walk(tmp_path, "ba")
+    new = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    (tmp_path / "reordered").touch()
+    (tmp_path / "steps.csv").write_text(new["steps.csv"])
+    for name in ("falls.csv", "units.csv"):
+        (tmp_path / name).write_text(old[name])
+        (tmp_path / f"{name}.new").write_text(new[name])
+    assert walk(tmp_path, "ba") == list("bbaa")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == new
+
+
+def test_missing_rows_are_an_error(tmp_path: Path) -> None:
+    walk(tmp_path, "ab")
+    (tmp_path / "falls.csv").write_text("unit,replication,height\na,0,0.5\n")
+    with pytest.raises(ValueError, match=r"falls\.csv: 1 rows; allowed: the 2 that .*units\.csv counts"):
+        RowFolder(tmp_path, TABLES, given(tmp_path).settings)
+
+
+def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    walk(tmp_path, "a")
+    with pytest.raises(
+        ValueError, match=r"settings\.csv: .* with seed '0', and this run has '2'; allowed: the same"
+    ):
+        RowFolder(tmp_path, TABLES, {"seed": "2"})
+    RowFolder(tmp_path, TABLES, {"tree": "tree()"}).close([])
+    with pytest.raises(ValueError, match=r"with tree 'tree\(\)', and this run has 'tree\(max_depth=3\)'"):
+        RowFolder(tmp_path, TABLES, {"tree": "tree(max_depth=3)"})
+    with pytest.raises(SystemExit, match="2"):
+        walk(tmp_path, "a", "--length", "6")
+    assert re.match(r"walking\.py: .* with length '5', and this run has '6'", capsys.readouterr().err)
+    (tmp_path / "settings.csv").write_text("[]")
+    with pytest.raises(ValueError, match=r"settings\.csv:1: header is"):
+        RowFolder(tmp_path, TABLES, SETTINGS)
+    (tmp_path / "settings.csv").unlink()
+    with pytest.raises(ValueError, match=r"units\.csv: rows of unknown settings"):
+        RowFolder(tmp_path, TABLES, SETTINGS)
+
+
+def test_two_units_with_one_key_are_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(AssertionError, match="same key"):
+        walk(tmp_path, "aa")
+
+
+FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "ba" for number in range(6)]
+HEIGHT = measures.Measure[Fall]("height (m)", lambda row: row.height)
+
+
+def test_differences_are_paired_by_replication() -> None:
+    rng = np.random.default_rng(0)
+    high, low = measures.pick(FALLS, unit="b"), measures.pick(FALLS, unit="a")
+    assert measures.mean(high, HEIGHT, rng).value == 3.5
+    assert tuple(measures.difference(high, low, HEIGHT, rng)) == pytest.approx((1, 1, 1))
+    assert np.isnan(measures.difference(high, [], HEIGHT, rng).value)
+
+
+def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
+    rng = np.random.default_rng(0)
+    table = measures.means_table(
+        "t", "T", "", {"unit": "place", "replication": "n"}, FALLS[::-1], [HEIGHT], rng
+    )
+    assert [column.name for column in table.columns] == ["place", "n", "rows", "height (m)"]
+    assert [row[:3] for row in table.rows] == [(place, n, 1) for place in "ab" for n in range(6)]
+    assert [row[3].value for row in table.rows] == [0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 6]  # type: ignore[union-attr]
+
+
+def test_quantiles_and_shares() -> None:
+    assert measures.extremes([3, 1, 2]) == (2, 1, 3)
+    assert measures.quantiles(range(101)) == (50, 5, 95)
+    assert np.isnan(measures.quantiles([]).value)
+    assert measures.percent(1, 2).value == 50
+    assert np.isnan(measures.percent(0, 0).value)
+    assert np.isnan(measures.plain(3.0).low)
+
+
+def test_a_page_has_its_parts_in_order(tmp_path: Path) -> None:
+    table = Table("heights", "Heights", "A note.", (Column("m"),), [(1,)])
+    more = Table("more", "More", "", (Column("m"),), [(2,)])
+    parts: list[str | Table | Picture] = [
+        "A paragraph.",
+        table,
+        Picture("falls", "how they fell", b"\x89PNG"),
+    ]
+    page.write(tmp_path, "walking", Page("Walking", parts, (more,)), "walk")
+    lines = (tmp_path / "walking.md").read_text().split("\n\n")
+    assert lines[:4] == ["# Walking", "A paragraph.", "## Heights", "A note."]
+    assert lines[4:7] == ["| m |\n| ---: |\n| 1 |", "![how they fell](falls.png)", "## Command"]
+    assert lines[7] == "    walk"
+    assert (tmp_path / "table_heights.csv").read_text() == "m\n1\n"
+    assert (tmp_path / "table_more.csv").exists()
+    assert (tmp_path / "falls.png").read_bytes() == b"\x89PNG"
