@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # One process more than cores, because tests of serial lines wait; groups of tests are those of tests/conftest.py.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadgroup --no-loadscope-reorder
 
-.PHONY: reproduce test test-baselines lint throughput clean
+.PHONY: reproduce test test-baselines test-wheel lint throughput clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
@@ -19,6 +19,10 @@ test-baselines: $(VENV)/installed
 	$(BIN)/pip install --quiet torch==2.13.0
 	$(BIN)/pip install --quiet --editable '.[dev,baselines,ray,dask]'
 	$(BIN)/python -m pytest $(PARALLEL) tests/baselines tests/benchmarks/test_learners_on_clusters.py
+
+# Installs the wheel into empty environments, without extras and with each extra.
+test-wheel: $(VENV)/installed
+	$(BIN)/python -m pytest tests/wheel
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .

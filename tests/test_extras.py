@@ -1,6 +1,5 @@
 """What is said without optional dependencies: at once, in one line, with one command that installs all of them."""
 
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -10,9 +9,8 @@ import pytest
 
 from khepera_forage.cli.main import main
 from khepera_forage.extras import EXTRAS, MissingExtraError, require
+from tests.wheel.building import PIP, ROOT, built_wheel
 
-ROOT = Path(__file__).parents[1]
-PIP = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
 MODULES = [module for modules in EXTRAS.values() for module in modules]
 
 
@@ -32,6 +30,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("reproduce --quick --backend pymunk", "plots"),
         ("compare --quick --only tree", "plots"),
         ("infer --quick", "fast,inference,plots"),
+        ("dataset --episodes 1", "minari"),
         ("watch training", "render"),
         ("watch recall --out film.gif", "render"),
         ("watch recall --out film.mp4", "render,camera"),
@@ -88,15 +87,7 @@ def test_one_command_installs_everything_and_nothing_twice() -> None:
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The package as it is published."""
-    folder = tmp_path_factory.mktemp("wheel")
-    sources = folder / "sources"  # a build leaves files beside them
-    shutil.copytree(ROOT / "khepera_forage", sources / "khepera_forage")
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, sources)
-    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), str(sources)]
-    subprocess.run([*PIP, *build], check=True, capture_output=True)
-    (built,) = folder.glob("*.whl")
-    return built
+    return built_wheel(tmp_path_factory.mktemp("wheel"))
 
 
 def test_wheel_can_be_published(wheel: Path) -> None:

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import compare, decisions, infer, recall, reproduce, train, watch
+from khepera_forage.cli import compare, dataset, decisions, infer, recall, reproduce, train, watch
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
@@ -41,6 +41,12 @@ SUBCOMMANDS = (
         "list what the thesis leaves open, with our decisions and their reasons",
         decisions.add_arguments,
         decisions.run,
+    ),
+    Subcommand(
+        "dataset",
+        "write training episodes as a Minari dataset with a data card",
+        dataset.add_arguments,
+        dataset.run,
     ),
     Subcommand(
         "infer",

@@ -1,0 +1,89 @@
+"""`khepera-forage dataset`: a Minari dataset of new episodes or of files, and its data card."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.dataset import FOLDER_VARIABLE
+from khepera_forage.cli.main import main
+from khepera_forage.experience import Experience
+from khepera_forage.experience.data_card import MEANINGS, Origin, data_card
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import StateVector
+
+SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
+ORIGIN = Origin("khepera-forage dataset", "It was recorded.", "CC0-1.0", "somebody", 3)
+
+
+@pytest.fixture
+def minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("minari")
+    pytest.importorskip("h5py")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
+
+
+@pytest.mark.usefixtures("minari")
+def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["dataset", "--episodes", "2", "--seed", "4", "--author", "me", "--out", "data"]) == 0
+    printed = capsys.readouterr().out
+    assert main(["train", "--episodes", "2", "--seed", "4", "--out", "files"]) == 0
+    from khepera_forage.experience.minari import from_minari
+
+    parts = from_minari("khepera_forage/corridor-v0")
+    assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
+    steps = sum(map(len, parts))
+    assert f"khepera_forage/corridor-v0: 2 episodes, {steps} steps, in data\n" in printed
+    card = Path("data/khepera_forage/corridor-v0/README.md").read_text(encoding="utf-8")
+    for line in (
+        f"| steps | {steps}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
+        "| author | me |",
+        "| licence | CC0-1.0 |",
+        "- Decisions, that is, readings of what the thesis leaves open: `v1`.",
+        f"- Seed: 4. Seeds of the episodes: {parts[0].seed}, {parts[1].seed}.",
+        "`khepera-forage dataset --name khepera_forage/corridor-v0 --episodes 2 --seed 4`",
+    ):
+        assert line in card
+    (block,) = re.findall(r"```python\n(.*?)```", card, flags=re.DOTALL)
+    names: dict[str, object] = {}
+    exec(block, names)
+    assert names["episodes"] == parts
+
+
+@pytest.mark.usefixtures("minari")
+def test_files_are_a_dataset(capsys: pytest.CaptureFixture[str]) -> None:
+    SOME.save("g1.csv")
+    assert main(["dataset", "--experience", "g1.csv", "--name", "mine-v1", "--out", "data"]) == 0
+    card = Path("data/mine-v1/README.md").read_text(encoding="utf-8")
+    assert "The experience was read from g1.csv." in card
+    assert "Seed: that of each file. Seeds of the episodes: 7." in card
+    assert main(["dataset", "--experience", "g1.csv", "--name", "mine-v1", "--out", "data"]) == 2
+    assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--name", "mine"], "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
+        (["--name", "../mine-v0"], "--name: '../mine-v0'; allowed: NAME-vNUMBER"),
+        (["--episodes", "0"], "--episodes: '0'; allowed: a whole number of at least 1"),
+        (["--experience", "g.csv", "--episodes", "2"], "--episodes has no effect here; allowed: without"),
+        (["--experience", "nowhere.csv"], "nowhere.csv"),
+    ],
+)
+@pytest.mark.usefixtures("minari")
+def test_bad_input_is_one_line(options: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["dataset", *options]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_card_counts_behaviours_and_names_all_decisions() -> None:
+    other = Experience(SOME.vectors, SOME.behaviours, decisions=Decisions(next_to_food=22))
+    card = data_card("a-v0", [SOME, other], ORIGIN)
+    assert "| 0 | SEARCH_FOR_FOOD | 4 | 66.7 |" in card
+    assert "| 2 | ORIENT_WITH_FOOD | 2 | 33.3 |" in card
+    assert "`v1 and v1;next_to_food=22`" in card
+    assert tuple(MEANINGS) == StateVector._fields
