@@ -74,7 +74,7 @@ def main() -> int:
         rng = np.random.default_rng(given.seed)
         report = experiment.report(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), rng))
         written = experiment.page(report)
-        page.write(given.out, name, written, given.command(f"--only {name}"))
+        page.write(given.out, name, written, given.command_line(f"--only {name}"))
         print(f"# {experiment.title}: {experiment.question}\n")
         print("\n".join(table.markdown() for table in written.tables))
     print(f"Pages, pictures, tables and rows are in {results}")

@@ -96,7 +96,7 @@ def compare(given: Arguments) -> int:
     result = beside.page(rows, theirs, ours, given.repeats, given.quick)
     del given.counts["steps"]  # the sizes of the cases are fixed
     options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
-    write(given.out, "beside", result, given.command(*options))
+    write(given.out, "beside", result, given.command_line(*options))
     print("\n".join(table.markdown() for table in result.tables))
     print(f"Page, table and rows are in {given.out}: beside.md, table_beside.csv, beside.csv")
     return 0

@@ -12,7 +12,7 @@ EXTRAS = {
     "fast": ("numba",),
     "baselines": ("stable_baselines3",),
     "inference": ("SALib",),
-    "minari": ("minari", "h5py"),
+    "minari": ("minari", "h5py", "PIL"),
 }
 """The modules of each extra of `pyproject.toml`."""
 

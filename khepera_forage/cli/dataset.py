@@ -3,6 +3,7 @@
 import argparse
 import os
 import re
+import shutil
 import sys
 from contextlib import closing
 
@@ -87,16 +88,20 @@ def run(arguments: argparse.Namespace) -> int:
     from khepera_forage.experience.minari import to_minari
 
     origin = Origin(_command(arguments), procedure, arguments.licence, arguments.author, seed)
-    to_minari(
-        parts,
-        arguments.name,
-        allow_other_decisions=arguments.allow_other_decisions,
-        author=arguments.author,
-        description=procedure,
-    )
-    card = out / arguments.name / CARD
-    with replacing(card) as path:
-        path.write_text(data_card(arguments.name, parts, origin), encoding="utf-8")
+    folder = out / arguments.name
+    try:
+        to_minari(
+            parts,
+            arguments.name,
+            allow_other_decisions=arguments.allow_other_decisions,
+            author=arguments.author,
+            description=procedure,
+        )
+        with replacing(folder / CARD) as path:
+            path.write_text(data_card(arguments.name, parts, origin), encoding="utf-8")
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
+        raise
     print(f"{arguments.name}: {len(parts)} episodes, {sum(map(len, parts)):,} steps, in {arguments.out}")
     print(f"data card: {arguments.out / arguments.name / CARD}")
     print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({arguments.name!r})")

@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     given = completed(arguments, *COUNTS)
     for name, page in pages(given, draw(given, given.sets, given.experiments)).items():
-        write(given.out, name, page, given.command())
+        write(given.out, name, page, given.command_line())
         print(f"# {page.title}\n")
         print("\n".join(table.markdown() for table in page.tables))
     print(f"Pages, pictures, tables and sets are in {given.out}")

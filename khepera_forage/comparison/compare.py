@@ -78,7 +78,7 @@ def compare(given: Arguments) -> int:
         raise ValueError("no learner is left")
     rows = _rows(learners, known, range(given.seeds), _size(given), given)
     found = curves(rows, np.random.default_rng(given.seed))
-    command = given.command(*(f"--learner {place}" for place in given.learner or ()))
+    command = given.command_line(*(f"--learner {place}" for place in given.learner or ()))
     shown = {curve.learner: known[curve.learner] for curve in found}
     results = Results(
         f"{machine()} {command}",
@@ -111,7 +111,7 @@ def tune(given: Arguments) -> int:
     first = tuning.FIRST_REPLICATION
     rows = _rows(learners, known, range(first, first + given.seeds), size, given)
     written = tuning.page(rows, known, np.random.default_rng(given.seed))
-    write(given.out, TUNING, written, given.command(*options))
+    write(given.out, TUNING, written, given.command_line(*options))
     return _printed(given, written)
 
 

@@ -57,7 +57,7 @@ class Arguments(argparse.Namespace):
     counts: dict[str, int]
     settings: dict[str, str]
 
-    def command(self, *options: str) -> str:
+    def command_line(self, *options: str) -> str:
         """The command that repeats this run, for the page.
 
         Args:

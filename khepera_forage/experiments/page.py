@@ -85,7 +85,7 @@ def finish(given: Arguments, page: Page, *options: str) -> int:
     Returns:
         The status of the process.
     """
-    write(given.out, given.name, page, given.command(*options))
+    write(given.out, given.name, page, given.command_line(*options))
     print("\n".join(table.markdown() for table in page.tables))
     print(f"Page, pictures, tables and rows are in {given.out}")
     return 0

@@ -80,6 +80,19 @@ def test_bad_input_is_one_line(options: list[str], message: str, capsys: pytest.
     assert error.count("\n") == 1
 
 
+@pytest.mark.usefixtures("minari")
+def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
+    SOME.save("g1.csv")
+
+    def full(path: Path) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("khepera_forage.cli.dataset.replacing", full)
+    command = ["dataset", "--experience", "g1.csv", "--name", "mine-v1", "--out", "data"]
+    assert main(command) == 2
+    assert not Path("data/mine-v1").exists()
+
+
 def test_card_counts_behaviours_and_names_all_decisions() -> None:
     other = Experience(SOME.vectors, SOME.behaviours, decisions=Decisions(next_to_food=22))
     card = data_card("a-v0", [SOME, other], ORIGIN)

@@ -61,7 +61,7 @@ def test_counts_have_defaults_of_their_own_with_quick(tmp_path: Path) -> None:
     assert arguments.settings == {"seed": "0", "quick": "no", "length": "5"}
     arguments = given(tmp_path, "--quick", "--walks", "4")
     assert (arguments.walks, arguments.length) == (4, 2)
-    assert arguments.command("--only a") == (
+    assert arguments.command_line("--only a") == (
         "python benchmarks/walking.py --only a --walks 4 --length 2 --seed 0 --quick"
     )
 

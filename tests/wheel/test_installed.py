@@ -5,9 +5,7 @@ Each environment downloads its packages, so `make test-wheel` runs these tests, 
 
 import os
 import subprocess
-import sys
 import venv
-from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,6 +38,13 @@ COMMANDS = {
     "dataset --episodes 1 --out d": {"minari"},
 }
 """Each command, and the extras without which it says what to install."""
+DRAWING = (
+    "khepera_forage.envs.rendering.",
+    "khepera_forage.cli.teach.window",
+    "khepera_forage.rollouts.rendered_training",
+    "khepera_forage.vision.rendering.",
+)
+"""Modules that draw; those that import them say what to install."""
 IMPORTS = """
 import importlib, pkgutil, khepera_forage
 for found in pkgutil.walk_packages(khepera_forage.__path__, "khepera_forage.", onerror=lambda name: None):
@@ -100,6 +105,8 @@ def test_every_module_imports_or_says_what_to_install(environment: Environment, 
     *refused, place = done.stdout.splitlines()
     assert place.startswith(str(environment.bin.parent))
     for line in refused:
+        if line.startswith(DRAWING) and "pip install" not in line:
+            continue
         assert "pip install 'khepera-forage[" in line, line
         missing = line.split("khepera-forage[")[1].split("]")[0].split(",")
         assert not environment.extras & set(missing), line
