@@ -34,7 +34,6 @@ from khepera_forage.policies.learners import Needs
 FORMAT = "khepera_forage comparison 1"
 PUBLISHED = "published"
 """Stands for the results that come with the package."""
-_MARK = "(published)"
 _PUBLISHED_FILE = Path(__file__).with_name("published.json")
 _ESTIMATES = Point._fields[2:]
 
@@ -66,11 +65,13 @@ class Results:
         made_with: Version and command, in one line.
         learners: By name.
         curves: One a learner and arena.
+        origin: Where they were read, in one word: `published`, or the name of the folder or file.
     """
 
     made_with: str
     learners: Mapping[str, ReadLearner]
     curves: Sequence[Curve]
+    origin: str = ""
 
 
 def as_json(results: Results) -> str:
@@ -106,7 +107,7 @@ def read_results(source: str) -> Results:
             raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
         learners = {name: _learner(value) for name, value in content["learners"].items()}
         curves = [_curve(value, learners) for value in content["curves"]]
-        return Results(str(content["made_with"]), learners, curves)
+        return Results(str(content["made_with"]), learners, curves, _origin(source, path))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         what = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else error
         raise ValueError(f"{path}: {what}") from None
@@ -115,7 +116,7 @@ def read_results(source: str) -> Results:
 def beside(
     own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
 ) -> tuple[list[Curve], dict[str, Shown]]:
-    """The curves and learners of a run, and behind them those of a results file, with another title.
+    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles.
 
     Args:
         own: Of this run.
@@ -124,10 +125,17 @@ def beside(
     """
     if other is None:
         return list(own), dict(learners)
-    names = {name: f"{name} {_MARK}" for name in other.learners}
-    read = {names[name]: replace(one, title=f"{one.title} {_MARK}") for name, one in other.learners.items()}
+    mark = f"({other.origin})"
+    names = {name: f"{name} {mark}" for name in other.learners}
+    read = {names[name]: replace(one, title=f"{one.title} {mark}") for name, one in other.learners.items()}
     behind = [replace(curve, learner=names[curve.learner]) for curve in other.curves]
     return [*own, *behind], {**learners, **read}
+
+
+def _origin(source: str, path: Path) -> str:
+    if source == PUBLISHED or path.stem != "results":
+        return path.stem
+    return path.resolve().parent.name
 
 
 def _curve_as_json(curve: Curve) -> dict[str, Any]:

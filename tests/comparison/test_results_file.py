@@ -46,6 +46,7 @@ def test_results_that_are_written_are_read_again(results: Results, tmp_path: Pat
     read = read_results(str(path))
     assert read.learners == results.learners
     assert read.made_with == "here"
+    assert read.origin == tmp_path.name
     (curve,), (original,) = read.curves, results.curves
     assert math.isinf(curve.steps_to_success.value)
     for point, other in zip(curve.points, original.points, strict=True):
