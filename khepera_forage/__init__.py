@@ -10,6 +10,6 @@ from khepera_forage.task.decisions import Decisions
 
 __all__ = ["Decisions", "Noise", "__version__"]
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 register_all()
