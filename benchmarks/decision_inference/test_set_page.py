@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from harness.figures import OURS, grid, new_figure
+from harness.figures import OURS, SMALL, grid, new_figure
 from harness.page import Page, Picture
 from numpy.typing import NDArray
 
@@ -147,8 +147,8 @@ def _picture(counts: Floats, weights: Floats, single: Mapping[str, int], colours
     for (name, count), colour in zip(single.items(), colours, strict=True):
         axis.axvline(count, color=colour, linestyle="--", label=name)
     axis.set_xticks(range(0, len(bins), 2))
-    axis.set_xlabel("statistics of the rectangle that a set predicts")
+    axis.set_xlabel(f"statistics of the rectangle that a set predicts, of {len(tested_columns())}")
     axis.set_ylabel("share of sets")
-    axis.legend(frameon=False, fontsize=8)
+    axis.legend(frameon=False, fontsize=SMALL)
     grid(axis)
     return figure

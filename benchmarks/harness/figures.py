@@ -4,23 +4,40 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.thesis.figures import GREY, OURS, THESIS, mark, new_figure
+from khepera_forage.thesis.figures import GREY, OURS, SMALL, THESIS, WIDTH, mark, new_figure, padded
 from khepera_forage.thesis.statistics import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["COLOURS", "GREY", "OURS", "THESIS", "grid", "legend", "levels", "mark", "new_figure", "panels"]
+__all__ = [
+    "COLOURS",
+    "GREY",
+    "MARKERS",
+    "OURS",
+    "SMALL",
+    "THESIS",
+    "WIDTH",
+    "grid",
+    "legend",
+    "levels",
+    "mark",
+    "new_figure",
+    "padded",
+    "panels",
+]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours, which colour-blind readers can tell apart."""
+MARKERS = ("o", "s", "D", "^", "v", "P", "X")
+"""One for each colour, so that a picture can be read in grey, too."""
 
 
 def panels(count: int, title: str) -> tuple["Figure", list["Axes"]]:
     """A figure with panels, two in a line."""
     lines = math.ceil(count / 2)
-    figure = new_figure(8.8, 1.2 + 3.2 * lines)
+    figure = new_figure(WIDTH, 1.2 + 2.9 * lines)
     axes = figure.subplots(lines, 2, squeeze=False)
     figure.suptitle(title)
     return figure, list(axes.flat)
@@ -44,11 +61,11 @@ def levels(
     """
     for place, line in enumerate(reversed(list(estimates.values()))):
         for i, estimate in enumerate(line):
-            height = place + 0.24 * ((len(line) - 1) / 2 - i)
-            mark(axes, estimate.value, height, estimate, colours[i], level=True)
-    for name, colour in zip(names, colours, strict=False):
-        axes.plot([], [], "o", color=colour, label=name)
-    axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=8)
+            height = place + 0.32 * ((len(line) - 1) / 2 - i)
+            mark(axes, estimate.value, height, estimate, colours[i], level=True, marker=MARKERS[i])
+    for name, colour, marker in zip(names, colours, MARKERS, strict=False):
+        axes.plot([], [], marker, color=colour, ms=7, mec="white", label=name)
+    axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=SMALL)
     axes.set_ylim(-0.6, len(estimates) - 0.4)
     axes.set_xlabel(label)
     grid(axes, "x")
@@ -69,7 +86,7 @@ def legend(figure: "Figure", axes: "Axes", title: str = "", columns: int = 4) ->
         loc="outside lower center",
         ncols=columns,
         frameon=False,
-        fontsize=8,
+        fontsize=SMALL,
         title=title,
-        title_fontsize=8,
+        title_fontsize=SMALL,
     )
