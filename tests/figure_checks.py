@@ -9,7 +9,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.patches import Patch
 from matplotlib.text import Text
@@ -28,7 +28,7 @@ def check_readable(figure: Figure) -> None:
     assert texts
     scale = SHOWN_WIDTH / (72 * figure.get_figwidth())
     for text in texts:
-        assert text.get_fontsize() * scale >= LEGIBLE, f"too small: {text.get_text()!r}"
+        assert float(text.get_fontsize()) * scale >= LEGIBLE, f"too small: {text.get_text()!r}"
     boxes = [(text.get_text(), text.get_window_extent().padded(-1.0)) for text in texts]
     for name, box in boxes:
         inside = figure.bbox.padded(1.0)
@@ -38,7 +38,7 @@ def check_readable(figure: Figure) -> None:
         assert not box.overlaps(its), f"{name!r} lies over {other!r}"
 
 
-def texts_of(figure: FigureBase) -> Iterator[Text]:
+def texts_of(figure: Figure) -> Iterator[Text]:
     """All texts that are drawn and not empty."""
     found: list[Text | None] = [*figure.texts]
     for axes in figure.axes:
@@ -53,7 +53,7 @@ def texts_of(figure: FigureBase) -> Iterator[Text]:
     yield from (text for text in found if text is not None and text.get_visible() and text.get_text().strip())
 
 
-def legends_of(figure: FigureBase) -> list[Legend]:
+def legends_of(figure: Figure) -> list[Legend]:
     """The legends of a figure and of its panels."""
     own = [axes.get_legend() for axes in figure.axes]
     return [*figure.legends, *(legend for legend in own if legend is not None)]
@@ -68,8 +68,10 @@ def check_shading_is_explained(figure: Figure) -> None:
     shaded = [area for axes in figure.axes for area in axes.collections if type(area).__name__ in _AREAS]
     for area in shaded:
         assert isinstance(area, PolyCollection)
-        (colour,) = area.get_facecolor()
-        assert tuple(colour[:3]) in explained, f"no legend for the shade {colour}"
+        colours = np.asarray(area.get_facecolor()).reshape(-1, 4)
+        assert {(red, green, blue) for red, green, blue, _ in colours.tolist()} <= explained, (
+            f"no legend for {colours}"
+        )
 
 
 _AREAS = ("FillBetweenPolyCollection", "PolyCollection")

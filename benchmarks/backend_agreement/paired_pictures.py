@@ -88,10 +88,9 @@ def _draw(axes: "Axes", random: RandomArena) -> None:
 def _key(figure: "Figure") -> None:
     from matplotlib.lines import Line2D
 
-    shown = {"ls": "", "marker": "o"}
     handles = [
-        Line2D([], [], color=COLOURS[4], alpha=0.5, ms=12, **shown, label="home"),
-        Line2D([], [], color=COLOURS[2], ms=5, **shown, label="food"),
+        Line2D([], [], color=COLOURS[4], alpha=0.5, ms=12, marker="o", ls="", label="home"),
+        Line2D([], [], color=COLOURS[2], ms=5, marker="o", ls="", label="food"),
         Line2D([], [], color=COLOURS[0], ms=7, marker="o", label="robot and heading"),
         Line2D([], [], mfc="0.5", mec="black", ms=9, ls="", marker="p", label="obstacle"),
         Line2D([], [], color=GREY, lw=2, label=f"{_SCALE:.0f} mm"),

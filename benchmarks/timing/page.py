@@ -119,8 +119,9 @@ def _against_goals(axes: "Axes", lines: Sequence[Line]) -> None:
         Patch(color=THESIS, label="goal missed"),
         Line2D([], [], color=GREY, lw=1.2, ls="--", label="goal"),
     ]
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
-    axes.legend(handles=handles, ncols=3, frameon=False, fontsize=SMALL, **place)
+    axes.legend(
+        handles=handles, ncols=3, frameon=False, fontsize=SMALL, loc="lower right", bbox_to_anchor=(1.0, 1.0)
+    )
 
 
 def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:

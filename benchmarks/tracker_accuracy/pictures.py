@@ -77,8 +77,8 @@ def frame_figure(frame: NDArray[np.uint8], drawn: NDArray[np.uint8]) -> "Figure"
         "food: number of the region": FOOD,
     }
     handles = [
-        Line2D([], [], color=tuple(level / 255 for level in colour), lw=2, label=name)
-        for name, colour in names.items()
+        Line2D([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
+        for name, (red, green, blue) in names.items()
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=SMALL)
     return figure

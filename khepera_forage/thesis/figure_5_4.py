@@ -77,11 +77,13 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats, corridor: Arena) -> None
     picture = axes.pcolormesh(*edges, share.T, cmap="cividis", vmin=0, vmax=100)
     axes.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, fill=False, lw=2, clip_on=False, zorder=3))
     axes.add_patch(Circle((0, 0), corridor.home_radius, fill=False, lw=1.5, ls="--", label="home", zorder=2))
-    marks = {"food in training": ("*", 12, corridor.foods[0]), "start in training": (">", 9, corridor.start)}
-    places = [(place.x - home.x, place.y - home.y) for _, _, place in marks.values()]
-    for (label, (marker, size, _)), at in zip(marks.items(), places, strict=True):
+    food, start = ((at.x - home.x, at.y - home.y) for at in (corridor.foods[0], corridor.start))
+    for label, marker, size, at in (
+        ("food in training", "*", 12, food),
+        ("start in training", ">", 9, start),
+    ):
         axes.plot(*at, marker, color=THESIS, mec="white", ms=size, ls="", label=label, zorder=5)
-    _numbers(picture, edges, counts, share, places)
+    _numbers(axes, picture, edges, counts, share, (food, start))
     axes.set_aspect("equal")
     axes.set_xlim(x1, x2)
     axes.set_ylim(y1, y2)
@@ -94,6 +96,7 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats, corridor: Arena) -> None
 
 
 def _numbers(
+    axes: "Axes",
     picture: "QuadMesh",
     edges: Sequence[Floats],
     counts: Floats,
@@ -110,7 +113,7 @@ def _numbers(
         inside = [at for at in marks if left <= at[0] <= right and bottom <= at[1] <= top]
         if inside:
             y += _ASIDE * (top - bottom) * (-1 if inside[0][1] >= y else 1)
-        picture.axes.text(
+        axes.text(
             (left + right) / 2,
             y,
             f"{counts[i, j]:.0f}",

@@ -99,12 +99,12 @@ def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
     figure.draw_without_rendering()
     axes = figure.axes[0]
     numbers = [text for text in axes.texts if text.get_text().isdigit()]
-    marks = [line for line in axes.lines if len(line.get_xdata()) == 1]
+    marks = [line for line in axes.lines if np.asarray(line.get_xydata()).shape == (1, 2)]
     assert len(numbers) > 20
     assert len(marks) == 2
     for line in marks:
-        (x, y), radius = axes.transData.transform(np.ravel(line.get_data())), line.get_markersize() / 2
-        radius *= figure.dpi / 72
+        ((x, y),) = axes.transData.transform(np.asarray(line.get_xydata()))
+        radius = line.get_markersize() / 2 * figure.dpi / 72
         for number in numbers:
             box = number.get_window_extent()
             dx, dy = max(box.x0 - x, x - box.x1, 0), max(box.y0 - y, y - box.y1, 0)
