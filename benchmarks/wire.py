@@ -218,7 +218,7 @@ def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
 
 
 def _picture(rows: Sequence[Round]) -> "Figure":
-    figure = new_figure(WIDTH, 4.0)
+    figure = new_figure(WIDTH, 4.2)
     left, right = figure.subplots(1, 2)
     for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
         for place, baud in enumerate(BAUD_RATES):
@@ -230,7 +230,7 @@ def _picture(rows: Sequence[Round]) -> "Figure":
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
     left.set(xlabel="baud", ylabel="time of a round (ms, median)")
-    legend(figure, left, columns=3)
+    legend(figure, left, columns=2)
     measured = _by_fleet(rows)
     values = [taken.value for taken in measured.values()]
     bars = [[t.value - t.low for t in measured.values()], [t.high - t.value for t in measured.values()]]

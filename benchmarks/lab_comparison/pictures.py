@@ -86,7 +86,7 @@ def fault_picture(results: Sequence[FaultSums]) -> "Figure":
     second.set_ylabel("time of a round without pace (ms)", fontsize=9)
     third.set_ylabel("rounds in which a robot\nwas held or restarting (%)", fontsize=9)
     for axes in (first, second, third):
-        axes.set_xticks(range(len(FAULTS)), FAULTS, rotation=45, ha="right")
+        axes.set_xticks(range(len(FAULTS)), FAULTS, rotation=90)
         axes.tick_params(labelsize=SMALL)
         grid(axes)
     handles: list[Patch | Line2D] = [
