@@ -174,8 +174,7 @@ def _cells(predictions: list[Predictions]) -> "Figure":
         axis.set_xlabel(label, fontsize=9)
         axis.tick_params(labelsize=SMALL)
         grid(axis, "x")
-    arenas_and_episodes = [cell.replace(" ", ",\n") + " episodes" for cell in cells]
-    axes[0].set_yticks(range(len(cells)), arenas_and_episodes)
+    axes[0].set_yticks(range(len(cells)), [cell.replace(" ", ",\nepisodes: ") for cell in cells])
     axes[0].invert_yaxis()
     legend(figure, axes[0], "marks: medians; lines: central 95 % of experiments of the thesis's size")
     return figure

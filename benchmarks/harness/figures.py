@@ -60,8 +60,9 @@ def levels(
         colours: Of the kinds.
     """
     for place, line in enumerate(reversed(list(estimates.values()))):
-        for i, estimate in enumerate(line):
-            height = place + 0.32 * ((len(line) - 1) / 2 - i)
+        known = [(i, estimate) for i, estimate in enumerate(line) if math.isfinite(estimate.value)]
+        for row, (i, estimate) in enumerate(known):
+            height = place + 0.32 * ((len(known) - 1) / 2 - row)
             mark(axes, estimate.value, height, estimate, colours[i], level=True, marker=MARKERS[i])
     for name, colour, marker in zip(names, colours, MARKERS, strict=False):
         axes.plot([], [], marker, color=colour, ms=7, mec="white", label=name)

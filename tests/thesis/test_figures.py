@@ -47,7 +47,7 @@ def test_all_marks_are_inside_the_axes(draw: Draw, results: list[CellResult]) ->
 
 
 @pytest.mark.parametrize("draw", BY_EPISODES)
-def test_experiments_with_the_same_result_stand_beside_each_other(
+def test_the_more_experiments_have_a_result_the_wider_they_stand(
     draw: Draw, results: list[CellResult]
 ) -> None:
     same = [replace(r, scores=(50.0,) * 30 + (70.0,), foods=(3,) * 30 + (5,)) for r in results]
@@ -57,6 +57,8 @@ def test_experiments_with_the_same_result_stand_beside_each_other(
         points = np.asarray(dots.get_offsets())
         assert len({tuple(point) for point in points.round(6)}) == len(points) == 31
         assert np.ptp(points[:, 0]) < 0.36, "no wider than a bar"
+        often, once = points[points[:, 1] < points[:, 1].max()], points[points[:, 1] == points[:, 1].max()]
+        assert once[:, 0] == pytest.approx(often[:, 0].mean()), "alone, in the middle"
 
 
 @pytest.mark.parametrize("draw", [fig_5_3, fig_5_6])
