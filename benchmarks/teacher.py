@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, mark, new_figure
+from khepera_forage.experiments.figures import OURS, SMALL, THESIS, WIDTH, grid, legend, mark, new_figure
 from khepera_forage.experiments.measures import percent, pick, quantiles
 from khepera_forage.experiments.page import Page, Picture, finish
 from khepera_forage.experiments.processes import collect
@@ -211,27 +211,30 @@ def _settled(rows: Sequence[Forage]) -> Estimate:
 
 
 def _picture(own: dict[Condition, list[Forage]]) -> "Figure":
-    figure = new_figure(8.6, 0.9 + 0.42 * len(own))
+    figure = new_figure(WIDTH, 1.1 + 0.42 * len(own))
     left, right = figure.subplots(1, 2, sharey=True)
     for place, (condition, rows) in enumerate(reversed(own.items())):
-        colour = THESIS if condition.policy == NO_ORIENT else OURS
+        colour, marker = (THESIS, "s") if condition.policy == NO_ORIENT else (OURS, "o")
         # Without ORIENT food may lie about untouched: only the teacher's poison counts as settled when it is left.
         delivered = percent(sum(row.delivered for row in rows), sum(row.foods for row in rows))
         share = _settled(rows) if condition.food == FoodType.POISONOUS.name else delivered
         steps = quantiles([row.steps for row in rows])
-        mark(left, share.value, place, share, colour, level=True)
-        mark(right, steps.value, place, steps, colour, level=True)
-    names = [" ".join(condition) for condition in reversed(own)]
-    left.set_yticks(range(len(names)), names, fontsize=8)
+        mark(left, share.value, place, share, colour, level=True, marker=marker)
+        mark(right, steps.value, place, steps, colour, level=True, marker=marker)
+    names = [f"{condition.arena}, {condition.food.lower()} food" for condition in reversed(own)]
+    left.set_yticks(range(len(names)), names, fontsize=SMALL)
     left.set_ylim(-0.6, len(names) - 0.4)
     left.set_xlim(-4, 104)
-    left.set_xlabel("food delivered; poison: left where it is (%)\nbars: Wilson's 95 % interval", fontsize=9)
+    left.set_xlabel("food delivered, poison left alone (%)\nbars: Wilson's 95 % interval", fontsize=9)
     right.set_xlim(left=0)
-    right.set_xlabel("steps of a forage\nbars: 5th to 95th percentile", fontsize=9)
-    for axes in (left, right):
-        grid(axes, "x")
+    right.set_xlabel("steps of a forage (median)\nbars: 5th to 95th percentile", fontsize=9)
+    without = "teacher that searches in place of orienting"
+    for marker, colour, label in (("o", OURS, "teacher"), ("s", THESIS, without)):
+        left.plot([], [], marker, color=colour, ms=7, mec="white", label=label)
+    grid(left, "x")
+    grid(right, "x")
     count = len(next(iter(own.values())))
-    figure.supxlabel(f"{count} random starts each, noise of the laboratory", fontsize=8, color=GREY)
+    legend(figure, left, f"{count} random starts each, noise of the laboratory")
     return figure
 
 

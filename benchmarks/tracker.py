@@ -8,10 +8,9 @@ regions drawn on it is saved, too.
 """
 
 import sys
+from typing import TYPE_CHECKING
 
-import cv2
-import numpy as np
-from tracker_accuracy import hole_layouts, page
+from tracker_accuracy import hole_layouts, page, pictures
 from tracker_accuracy.hole_layouts import LAYOUTS, HoleCount, Layout
 from tracker_accuracy.observations import Observation, Phantoms
 from tracker_accuracy.scenes import APPEARANCES, Scenes
@@ -26,6 +25,9 @@ from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.tracker import Tracker
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 COUNTS = (
     Count("scenes", 1000, 30, "random scenes of each appearance"),
     Count("trainings", 60, 2, "trainings to observe", adds_units=True),
@@ -39,26 +41,18 @@ _SHOWN = 25
 """Round of a training that the picture shows: the robots are on their way to the food."""
 _ANCHOR = (1690.0, 1640.0)
 """mm: beside the corridors, so that a cable passes over the other robot's marker (3.7)."""
-_CROP, _ENLARGEMENT = (slice(165, 305), slice(240, 400)), 5
+_CROP, _ENLARGEMENT = (slice(165, 305), slice(240, 400)), 4
 
 
-def frame_picture(seed: int) -> bytes:
-    """Part of a frame of a training, enlarged: as rendered, and with the tracker's regions drawn on it."""
+def frame_picture(seed: int) -> "Figure":
+    """Part of a frame of a training: as rendered, and with the tracker's regions drawn on it."""
     training, tracker = RenderedTraining(seed, anchor=_ANCHOR), Tracker()
     for _ in range(_SHOWN):
         frame, _ = training.newest()
         scene = tracker.update(frame)
     training.close()
-    halves = [np.repeat(frame[:, :, None], 3, axis=2)[_CROP], draw_scene(frame, scene)[_CROP]]
-    larger = [
-        cv2.resize(half, None, fx=_ENLARGEMENT, fy=_ENLARGEMENT, interpolation=cv2.INTER_CUBIC)
-        for half in halves
-    ]
-    both = np.concatenate(larger).astype(np.uint8)
-    good, data = cv2.imencode(".png", cv2.cvtColor(both, cv2.COLOR_RGB2BGR))
-    if not good:
-        raise OSError("OpenCV cannot write a PNG")
-    return data.tobytes()
+    part = tuple(slice(_ENLARGEMENT * side.start, _ENLARGEMENT * side.stop) for side in _CROP)
+    return pictures.frame_figure(frame[_CROP], draw_scene(frame, scene, enlargement=_ENLARGEMENT)[part])
 
 
 def main() -> int:
@@ -83,7 +77,7 @@ def main() -> int:
         page.accuracy_table(found),
         page.model_table(found),
         hole_layouts.table(rows.of(HoleCount)),
-        Picture("tracker", "errors and losses", page.picture(found)),
+        Picture("tracker", "errors and losses", pictures.errors_figure(found.observations)),
         Picture("frame", "a frame with the tracker's regions", frame_picture(seed)),
     ]
     return finish(given, Page("The tracker", parts))

@@ -18,7 +18,7 @@ import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.experiments.measures import extremes, pick, quantiles
 from khepera_forage.experiments.page import Page, Picture, finish
 from khepera_forage.experiments.processes import collect
@@ -218,29 +218,27 @@ def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
 
 
 def _picture(rows: Sequence[Round]) -> "Figure":
-    figure = new_figure(9.0, 3.6)
+    figure = new_figure(WIDTH, 4.2)
     left, right = figure.subplots(1, 2)
     for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
         for place, baud in enumerate(BAUD_RATES):
             own = pick(rows, baud=baud, robots=1, gripper=gripper)
-            if own:
-                label = _KINDS[gripper] if place == 0 else None
-                taken, wire = (
-                    float(np.median([getattr(r, name) for r in own])) for name in ("taken", "wire")
-                )
-                left.bar(place + shift, taken, 0.34, color=colour, alpha=0.35)
-                left.bar(place + shift, wire, 0.34, color=colour, label=label)
-    left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--")
+            for name, what, alpha in (("taken", "measured", 0.35), ("wire", "on the wire", 1.0)):
+                label = f"{_KINDS[gripper]}: {what}" if place == 0 else None
+                median = float(np.median([getattr(row, name) for row in own])) if own else 0.0
+                left.bar(place + shift, median, 0.34, color=colour, alpha=alpha, label=label)
+    left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
-    left.set(xlabel="baud", ylabel="ms a round (median)\nsolid: on the wire; pale: measured")
-    left.legend(fontsize=8)
+    left.set(xlabel="baud", ylabel="time of a round (ms, median)")
+    legend(figure, left, columns=2)
     measured = _by_fleet(rows)
     values = [taken.value for taken in measured.values()]
     bars = [[t.value - t.low for t in measured.values()], [t.high - t.value for t in measured.values()]]
     right.bar(range(len(values)), values, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
     right.set_xticks(range(len(values)), [str(robots) for robots in measured])
     right.set(
-        xlabel=f"robots in parallel, {FLEET_BAUD} baud", ylabel="ms a round (median, 5th to 95th percentile)"
+        xlabel=f"robots in parallel, {FLEET_BAUD} baud",
+        ylabel="time of a round (ms, median)\nbars: 5th to 95th percentile",
     )
     right.set_ylim(bottom=0)
     return figure

@@ -10,7 +10,17 @@ from backend_agreement.paired import ODDS
 from backend_agreement.paired import TRAININGS as IMITATOR_TRAININGS
 from backend_agreement.samples import CONDITIONS, IMITATORS, SLOW, TRAININGS, Condition, Sample
 from backend_agreement.two_sample_tests import LEVEL, Comparison, Power
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, new_figure
+from khepera_forage.experiments.figures import (
+    GREY,
+    OURS,
+    SMALL,
+    THESIS,
+    WIDTH,
+    grid,
+    legend,
+    new_figure,
+    padded,
+)
 from khepera_forage.experiments.statistics import holm
 from khepera_forage.experiments.tables import Column, Table
 
@@ -38,6 +48,8 @@ _POWER_COLUMNS = (
     Column("false alarm by distributions (%)", estimate=True),
 )
 
+_SHOWN = {"steps": "steps of a recall", "score": "score (%)"}
+"""Measures in the picture."""
 SUMMARY = (
     "After reading this page you know how well the two backends agree, where and why they differ, and whether the "
     "current code gives the results of version 0.1 under its decisions."
@@ -133,28 +145,27 @@ def picture(samples: Mapping[tuple[Condition, str], Sample]) -> "Figure":
     Args:
         samples: By condition and `pymunk`, `compiled` or `slow`.
     """
-    figure = new_figure(12.0, 5.6)
-    axes = figure.subplots(2, len(CONDITIONS))
+    figure = new_figure(WIDTH, 0.7 + 1.9 * len(CONDITIONS))
+    axes = figure.subplots(len(CONDITIONS), 2)
     styles = (
         ("pymunk", "pymunk", {"color": GREY, "lw": 3.2, "alpha": 0.6}),
         ("slow", "compiled, wheels 2 % slow", {"color": THESIS, "lw": 1.0, "ls": "--"}),
         ("compiled", "compiled", {"color": OURS, "lw": 1.2}),
     )
-    for column, condition in enumerate(CONDITIONS):
-        for row, (measure, label) in enumerate((("steps", "steps of a recall"), ("score", "score (%)"))):
-            panel = axes[row][column]
+    for line, condition in zip(axes, CONDITIONS, strict=True):
+        for panel, (measure, label) in zip(line, _SHOWN.items(), strict=True):
             for kind, name, style in styles:
                 values = np.sort(getattr(samples[condition, kind], measure))
                 shares = 100 * np.arange(len(values) + 1) / len(values)
                 panel.plot(np.append(values[:1], values), shares, label=name, drawstyle="steps-post", **style)
             grid(panel, "both")
+            panel.set_ylim(*padded(0, 100))
             panel.set_xlabel(label, fontsize=9)
-            panel.tick_params(labelsize=8)
-        axes[1][column].set_xlim(-24, 104)
-        axes[0][column].set_title(" in the ".join(condition), fontsize=10)
-    for row in range(2):
-        axes[row][0].set_ylabel("recalls with at most that (%)", fontsize=9)
-    axes[0][0].legend(fontsize=8, loc="lower right")
+            panel.tick_params(labelsize=SMALL)
+            panel.set_title(" in the ".join(condition), fontsize=10)
+        line[0].set_ylabel("recalls up to\nthe value (%)", fontsize=9)
+        line[1].set_xlim(-24, 104)
+    legend(figure, axes[0][0])
     return figure
 
 

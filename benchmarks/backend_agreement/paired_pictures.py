@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING
 
 from backend_agreement.arenas import HOME_RADIUS, KINDS, RandomArena
 from backend_agreement.paired import COMPILED, POLICIES, PYMUNK, PairedRecall
-from khepera_forage.experiments.figures import COLOURS, GREY, grid, new_figure
+from khepera_forage.experiments.figures import (
+    COLOURS,
+    GREY,
+    MARKERS,
+    SMALL,
+    WIDTH,
+    grid,
+    legend,
+    new_figure,
+    padded,
+)
 from khepera_forage.experiments.measures import pick
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 
@@ -16,40 +26,44 @@ if TYPE_CHECKING:
 
 SHOWN = 12
 """Arenas in the picture."""
+_SCALE = 500.0
+"""mm: length of the scale below each arena."""
 
 
 def arenas_picture(arenas: Sequence[RandomArena]) -> "Figure":
     """The first arenas of the family, each with the start of its first recall."""
-    figure = new_figure(11.0, 8.2)
-    for axes, arena in zip(figure.subplots(3, 4).flat, arenas[:SHOWN], strict=False):
+    figure = new_figure(WIDTH, 9.6)
+    for axes, arena in zip(figure.subplots(4, 3).flat, arenas[:SHOWN], strict=False):
         _draw(axes, arena)
     for axes in figure.axes:
         axes.set_aspect("equal")
         axes.axis("off")
-    figure.suptitle(
-        "Random arenas with the first start. Orange: home; green: food; blue: robot; scale: 500 mm"
-    )
+    figure.suptitle("Random arenas with the first start")
+    _key(figure)
     return figure
 
 
 def delivered_picture(rows: Sequence[PairedRecall]) -> "Figure":
     """Share of the food delivered in each arena, compiled against pymunk."""
-    figure = new_figure(11.0, 4.2)
+    figure = new_figure(WIDTH, 3.6)
     for axes, policy in zip(figure.subplots(1, len(POLICIES)), POLICIES, strict=True):
-        axes.plot((0, 100), (0, 100), color=GREY, lw=0.8)
-        for kind, colour in zip(KINDS, COLOURS, strict=False):
+        axes.plot((0, 100), (0, 100), color=GREY, lw=0.8, label="as much on both backends")
+        for kind, colour, marker in zip(KINDS, COLOURS, MARKERS, strict=False):
             own = pick(rows, policy=policy, kind=kind.name)
             arenas = [pick(own, arena=number) for number in sorted({row.arena for row in own})]
             points = [
                 [_share(pick(group, backend=backend)) for group in arenas] for backend in (PYMUNK, COMPILED)
             ]
-            axes.plot(*points, "o", ms=4, alpha=0.6, color=colour, label=kind.name)
+            axes.plot(*points, marker, ms=4.5, alpha=0.6, color=colour, mew=0, label=kind.name)
         grid(axes, "both")
         axes.set_aspect("equal")
+        axes.set_xlim(*padded(0, 100))
+        axes.set_ylim(*padded(0, 100))
+        axes.tick_params(labelsize=SMALL)
         axes.set_title(policy, fontsize=10)
-        axes.set_xlabel("delivered with pymunk (%)", fontsize=9)
-    figure.axes[0].set_ylabel("delivered compiled (%)", fontsize=9)
-    figure.axes[0].legend(fontsize=7)
+        axes.set_xlabel("food delivered, pymunk (%)", fontsize=9)
+    figure.axes[0].set_ylabel("food delivered, compiled (%)", fontsize=9)
+    legend(figure, figure.axes[0], "one mark an arena", columns=3)
     return figure
 
 
@@ -73,6 +87,21 @@ def _draw(axes: "Axes", random: RandomArena) -> None:
         (x, x + FINGER_TIP * math.cos(heading)), (y, y + FINGER_TIP * math.sin(heading)), color=COLOURS[0]
     )
     left, bottom, *_ = arena.bounds
-    axes.plot((left, left + 500), (bottom - 40, bottom - 40), color=GREY, lw=2)
-    axes.set_title(f"{random.kind.name}; {random.foods} food", fontsize=8)
+    axes.plot((left, left + _SCALE), (bottom - 40, bottom - 40), color=GREY, lw=2)
+    axes.set_title(
+        f"{random.kind.name}; {random.foods} food object{'s' * (random.foods > 1)}", fontsize=SMALL
+    )
     axes.autoscale_view()
+
+
+def _key(figure: "Figure") -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=COLOURS[4], alpha=0.5, ms=12, marker="o", ls="", label="home"),
+        Line2D([], [], color=COLOURS[2], ms=5, marker="o", ls="", label="food"),
+        Line2D([], [], color=COLOURS[0], ms=7, marker="o", label="robot and heading"),
+        Line2D([], [], mfc="0.5", mec="black", ms=9, ls="", marker="p", label="obstacle"),
+        Line2D([], [], color=GREY, lw=2, label=f"{_SCALE:.0f} mm"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False, fontsize=SMALL)

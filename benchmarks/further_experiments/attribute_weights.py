@@ -21,7 +21,7 @@ from further_experiments.analysis import (
 from further_experiments.episodes import ARENAS, Files, imitator, recall_all, thesis_files
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.rows import RecallEpisode, Row
-from khepera_forage.experiments.figures import COLOURS, grid, mark, panels
+from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, grid, mark, panels
 from khepera_forage.experiments.measures import Measure, pick
 from khepera_forage.policies import Policy
 from khepera_forage.policies.adapters import ClassifierPolicy
@@ -134,14 +134,15 @@ def _curves(
         means = [found.mean(pick(rows, condition=condition), measure) for condition in CONDITIONS]
         places = [place + 0.14 * (i - (len(lines) - 1) / 2) for place in range(len(means))]
         fixed = slice(len(FIXED))
-        axes.plot(places[fixed], [e.value for e in means[fixed]], color=COLOURS[i], lw=1, label=name)
+        axes.plot(places[fixed], [e.value for e in means[fixed]], color=COLOURS[i], lw=1)
+        axes.plot([], [], color=COLOURS[i], lw=1, marker=MARKERS[i], ms=7, mec="white", label=name)
         for place, estimate in zip(places, means, strict=True):
-            mark(axes, place, estimate.value, estimate, COLOURS[i])
-    axes.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=8)
+            mark(axes, place, estimate.value, estimate, COLOURS[i], marker=MARKERS[i])
+    axes.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=SMALL)
     axes.set_ylim(-10 if measure is SCORE else -4, 104)
     axes.set_ylabel(measure.name)
     grid(axes)
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=SMALL)
 
 
 def _claims(found: Analysis, last: int) -> Iterator[Claim]:

@@ -24,7 +24,7 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.figures import legend, panels
+from khepera_forage.experiments.figures import SMALL, legend, panels
 from khepera_forage.experiments.measures import pick
 from khepera_forage.policies import Observation
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
@@ -147,10 +147,14 @@ def report(found: Analysis) -> Report:
     figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
     corridor, rectangle = (pick(found.recalls, arena=arena) for arena in ARENAS)
     label = f"delay ({ROUNDS_OF})"
-    curves(axes[0], found, corridor, SCORE, label, "corridor")
-    curves(axes[1], found, corridor, DELIVERED, label, "corridor")
-    curves(axes[2], found, rectangle, DELIVERED, label, "rectangle")
-    curves(axes[3], found, found.trainings, TRUE, label, "training")
+    curves(axes[0], found, corridor, SCORE, label, "corridor", amounts=DELAYS)
+    curves(axes[1], found, corridor, DELIVERED, label, "corridor", amounts=DELAYS)
+    curves(axes[2], found, rectangle, DELIVERED, label, "rectangle", amounts=DELAYS)
+    curves(axes[3], found, found.trainings, TRUE, label, "training", amounts=DELAYS)
+    for panel in axes:
+        for place, delay in enumerate(DELAYS):
+            if not pick(found.trainings, amount=delay):
+                panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
     legend(figure, axes[0], INTERVALS)
     return Report(claims, tables, figure, _summary(found))
 

@@ -37,7 +37,8 @@ def report(found: Analysis) -> Report:
     )
     measures = (ATTEMPTS, ROUNDS, WAITED, SEPARATIONS, COST, TRUE)
     figure, axes = panels(4, "Several learners with one teacher")
-    for panel, measure in zip(axes, (WAITED, ROUNDS, ATTEMPTS, COST), strict=True):
+    cost = COST._replace(name="rounds of all attempts divided by the learners")
+    for panel, measure in zip(axes, (WAITED, ROUNDS, ATTEMPTS, cost), strict=True):
         curves(panel, found, found.trainings, measure, "learners", share=False)
     legend(figure, axes[0], INTERVALS)
     claims = (

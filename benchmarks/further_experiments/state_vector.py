@@ -108,7 +108,7 @@ def _figure(found: Analysis, last: int) -> "Figure":
         curves(axes[i], found, own, SCORE, "training episodes", arena)
         curves(axes[2 + i], found, own, DELIVERED, "training episodes", arena)
         shown = {
-            state.name: [
+            state.name.replace("_", " ").lower(): [
                 found.mean(pick(own, condition=condition, amount=last), wrong(state))
                 for condition in (OLD, NEW)
             ]

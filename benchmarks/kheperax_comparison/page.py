@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, grid, new_figure
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.statistics import UNKNOWN, Estimate
 from khepera_forage.experiments.tables import Column, Table, Value, interval
@@ -160,8 +160,8 @@ def _picture(rows: Sequence[TimedLine]) -> "Figure":
     grid(axes)
     axes.set_xlabel("worlds stepped together")
     axes.set_ylabel("million robot-steps a second")
-    axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    figure.supxlabel("each with its noise; bars: lowest and highest repeat", fontsize=8, color=GREY)
+    axes.legend(fontsize=SMALL, frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    figure.supxlabel("each with its noise; bars: lowest and highest repeat", fontsize=SMALL, color=GREY)
     return figure
 
 

@@ -105,7 +105,7 @@ class Line:
         """The goal in words; empty without a goal."""
         if self.measure.goal is None:
             return ""
-        return f"at {'most' if self.measure.unit in LOWER_IS_BETTER else 'least'} {self.measure.goal:,g}"
+        return f"at {'most' if self.measure.unit in LOWER_IS_BETTER else 'least'} {self.measure.goal:,.12g}"
 
     @property
     def factor(self) -> float | None:

@@ -1,10 +1,11 @@
 """The page: a table for each section, and pictures."""
 
 import re
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.tables import Column, Table
 from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
@@ -25,6 +26,8 @@ _SECTIONS = (
     compiling,
 )
 _NOTES = {module.SECTION: module.NOTE for module in _SECTIONS}
+_NAME = 52
+"""Most characters in a line of a measure's name in the picture."""
 _COLUMNS = ("measure", "unit", "measured", "goal", "met", "how")
 
 
@@ -79,29 +82,45 @@ def _rounded(line: Line) -> str:
 
 
 def _picture(lines: Sequence[Line]) -> "Figure":
-    """Measures against their goals, and the parts of a step."""
-    figure = new_figure(10.0, 4.2)
-    left, right = figure.subplots(1, 2)
-    _against_goals(left, [line for line in lines if line.measure.goal is not None])
-    _by_part(right, [line for line in lines if line.measure in parts.PARTS.values()])
+    """Measures against their goals, and the parts of a step below."""
+    goals = [line for line in lines if line.measure.goal is not None]
+    by_part = [line for line in lines if line.measure in parts.PARTS.values()]
+    heights = [0.9 + 0.44 * len(goals), 0.7 + 0.24 * len(by_part)]
+    figure = new_figure(WIDTH, sum(heights))
+    upper, lower = figure.subplots(2, 1, height_ratios=heights)
+    _against_goals(upper, goals)
+    _by_part(lower, by_part)
     return figure
 
 
 def _against_goals(axes: "Axes", lines: Sequence[Line]) -> None:
     """How many times as good as its goal each measure is: at 1 the goal is just met."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
     lines = lines[::-1]
+    factors = [line.factor or 0.0 for line in lines]
     names = []
-    for place, line in enumerate(lines):
-        factor = line.factor or 0.0
+    for place, (line, factor) in enumerate(zip(lines, factors, strict=True)):
         unit = line.measure.unit
-        names.append(f"{line.measure.name}\n({line.bound} {unit})")
+        names.append(f"{textwrap.fill(line.measure.name, _NAME)}\n({line.bound} {unit})")
         axes.barh(place, factor, color=OURS if factor >= 1 else THESIS)
         label = f" {_rounded(line).split(' ')[0]} {unit}"
-        axes.text(max(factor, 1.0), place, label, va="center", fontsize=8)
+        axes.text(max(factor, 1.0), place, label, va="center", fontsize=SMALL)
     axes.axvline(1.0, color=GREY, lw=1.2, ls="--")
-    axes.set_yticks(range(len(lines)), names, fontsize=7)
-    axes.set_xlabel("times as good as the goal (dashed)")
-    axes.set_xlim(0, 1.6 * max(axes.get_xlim()))
+    axes.set_yticks(range(len(lines)), names, fontsize=SMALL)
+    axes.set_ylim(-0.6, len(lines) - 0.4)
+    axes.set_xlabel("times as good as the goal; numbers: medians")
+    axes.set_xlim(0, 1.6 * max([1.0, *factors]))  # room for the numbers beside the bars
+    grid(axes, "x")
+    handles = [
+        Patch(color=OURS, label="goal met"),
+        Patch(color=THESIS, label="goal missed"),
+        Line2D([], [], color=GREY, lw=1.2, ls="--", label="goal"),
+    ]
+    axes.legend(
+        handles=handles, ncols=3, frameon=False, fontsize=SMALL, loc="lower right", bbox_to_anchor=(1.0, 1.0)
+    )
 
 
 def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
@@ -109,7 +128,8 @@ def _by_part(axes: "Axes", lines: Sequence[Line]) -> None:
     total = sum(line.median for line in lines)
     for place, line in enumerate(lines):
         axes.barh(place, line.median, color=OURS)
-        axes.text(line.median, place, f" {100 * line.median / total:.0f} %", va="center", fontsize=8)
-    axes.set_yticks(range(len(lines)), [line.measure.name for line in lines], fontsize=7)
-    axes.set_xlabel(f"µs a step of Corridor-v1 (sum {total:.0f})")
+        axes.text(line.median, place, f" {100 * line.median / total:.0f} %", va="center", fontsize=SMALL)
+    axes.set_yticks(range(len(lines)), [line.measure.name for line in lines], fontsize=SMALL)
+    axes.set_xlabel(f"time of the parts of a step of Corridor-v1 (µs; sum {total:.0f})")
     axes.set_xlim(0, 1.1 * max(axes.get_xlim()))
+    grid(axes, "x")

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
 from khepera_forage.sim.arena import Arena, Point, Pose
 from timing import compiled
 from timing.measures import Job, Line, Measure, Values
@@ -96,36 +96,47 @@ def job(steps: int, seed: int) -> Job:
 def picture(lines: Sequence[Line]) -> "Figure":
     """The cost of a step against the number of worlds, and against that of food objects."""
     by_measure = {line.measure: line for line in lines}
-    figure = new_figure(10.0, 4.2)
+    figure = new_figure(WIDTH, 3.8)
     left, right = figure.subplots(1, 2)
-    _curve(left, by_measure, VECTOR, "make_vec", OURS)
-    _curve(left, by_measure, KERNEL, "kernel", THESIS)
+    _curve(left, by_measure, VECTOR, "make_vec", OURS, "o")
+    _curve(left, by_measure, KERNEL, "kernel", THESIS, "s")
     single = by_measure.get(compiled.SINGLE)
     if single is not None:
         left.plot([1], [1e9 / single.median], "D", color=GREY, label='gym.make, backend="compiled"')
     left.set_xscale("log", base=4)
     left.set_yscale("log")
-    left.set_xticks(WORLDS, [f"{n:,}" for n in WORLDS], rotation=30, fontsize=8)
+    left.set_xticks(WORLDS[::2], [f"{n:,}" for n in WORLDS[::2]])
+    left.minorticks_off()
     left.set_xlabel("worlds")
-    left.set_ylabel("ns a step of one world")
-    left.legend(fontsize=8)
-    _curve(right, by_measure, OBJECTS, f"kernel, {compiled.WORLDS:,} worlds", THESIS)
+    left.set_ylabel("time of a step of one world (ns)")
+    _curve(right, by_measure, OBJECTS, f"kernel, {compiled.WORLDS:,} worlds", THESIS, "s")
     least = by_measure[OBJECTS[FOODS[0]]].median
     right.plot(FOODS, [least * k for k in FOODS], "--", color=GREY, lw=1.0, label="proportional")
     right.set_xticks(FOODS)
     right.set_xlabel("food objects")
     right.set_ylim(0, 1.1 * max(max(by_measure[measure].values) for measure in OBJECTS.values()))
-    right.set_ylabel("ns a step of one world")
-    right.legend(fontsize=8)
+    right.set_ylabel("time of a step of one world (ns)")
+    for axes, place in ((left, "upper right"), (right, "lower right")):
+        axes.tick_params(labelsize=SMALL)
+        axes.legend(fontsize=SMALL, loc=place)
+        grid(axes)
     return figure
 
 
 def _curve(
-    axes: "Axes", lines: Mapping[Measure, Line], measures: Mapping[int, Measure], label: str, colour: str
+    axes: "Axes",
+    lines: Mapping[Measure, Line],
+    measures: Mapping[int, Measure],
+    label: str,
+    colour: str,
+    marker: str,
 ) -> None:
     """The medians of some measures, and the range of their repeats."""
     own = [lines[measure].values for measure in measures.values()]
     counts = list(measures)
-    axes.fill_between(counts, list(map(min, own)), list(map(max, own)), color=colour, alpha=0.2)
     medians = [lines[measure].median for measure in measures.values()]
-    axes.plot(counts, medians, "o-", color=colour, ms=4, label=label)
+    axes.plot(counts, medians, marker=marker, color=colour, ms=4, label=f"{label}: median")
+    band = f"{label}: lowest to highest repeat"
+    axes.fill_between(
+        counts, list(map(min, own)), list(map(max, own)), color=colour, alpha=0.2, lw=0, label=band
+    )

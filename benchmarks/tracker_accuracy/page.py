@@ -1,20 +1,18 @@
-"""The tables and the picture of the page."""
+"""The tables of the page."""
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, grid, mark, new_figure
 from khepera_forage.experiments.measures import extremes, percent, pick, plain
 from khepera_forage.experiments.statistics import UNKNOWN, Estimate
 from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.noise import Noise
 from tracker_accuracy.measures import errors, losses, swapped_labels
 from tracker_accuracy.observations import (
-    CAMERAS,
     KINDS,
     MODEL,
     THRESHOLD,
@@ -23,13 +21,9 @@ from tracker_accuracy.observations import (
     Observation,
     Phantoms,
 )
-from tracker_accuracy.scenes import APPEARANCES, LABORATORY
+from tracker_accuracy.scenes import APPEARANCES
 from tracker_accuracy.speed import PARTS, Rate
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-COLOURS = {TRACKER: OURS, MODEL: THESIS, THRESHOLD: GREY}
 _ACCURACY_NOTE = (
     "Random scenes anywhere in the image: two markers and two foods each, nothing hidden by a marker, cables from "
     "anywhere. Every frame is read without tracks, and the scenes are the same for every appearance. Errors are those "
@@ -163,54 +157,6 @@ def model_table(found: Observed) -> Table:
         Column("threshold on rendered frames", 4, estimate=True),
     )
     return Table("model", "The simulated camera and the tracker", _MODEL_NOTE, columns, rows)
-
-
-def picture(found: Observed) -> "Figure":
-    """Errors of all cameras as curves, and loss rates with and without a cable."""
-    figure = new_figure(10.5, 4.0)
-    left, middle, right = figure.subplots(1, 3)
-    trainings = pick(found.observations, source=TRAINING)
-    styles = dict(zip(KINDS, (":", "-", "--"), strict=True))
-    names = []
-    for place, (kind, cable) in enumerate((kind, cable) for kind in KINDS for cable in (False, True)):
-        names.append(f"{kind}{', cable' if cable else ''}")
-        for shift, camera in zip((0.22, 0.0, -0.22), CAMERAS, strict=True):
-            own = pick(trainings, camera=camera, kind=kind)
-            rate = Estimate(*(1000 * value for value in losses(own, cable).rate))
-            mark(right, rate.value, place + shift, rate, COLOURS[camera], level=True)
-            if not cable:
-                error = errors(own)
-                for axes, values in ((left, error.distances), (middle, np.abs(error.turns))):
-                    if len(values):
-                        tail = 1 - np.arange(len(values)) / len(values)
-                        style = {"color": COLOURS[camera], "ls": styles[kind], "lw": 1.4}
-                        axes.step(np.sort(values), tail, label=f"{camera}, {kind}", **style)
-    for axes, limit, name in (
-        (left, 1.0, "centre off by more than (pixels)"),
-        (middle, 3.0, "heading off by more than (deg)"),
-    ):
-        axes.set_yscale("log")
-        axes.set_ylim(1e-4, 1.2)
-        axes.axvline(limit, color=GREY, lw=1, ls=(0, (1, 2)))
-        axes.axhline(0.01, color=GREY, lw=1, ls=(0, (1, 2)))
-        axes.set_xlabel(name)
-        axes.set_xlim(0, 2.5 * limit)
-    left.set_ylabel("share of found regions")
-    left.legend(fontsize=7, frameon=False)
-    right.set_yticks(range(len(names)), names, fontsize=8)
-    right.set_xscale("symlog", linthresh=1)
-    right.set_xlim(left=0)
-    right.set_xlabel("losses in 1000 rounds")
-    for axes in (left, middle, right):
-        grid(axes, "both")
-    title = (
-        "The tracker on rendered frames (blue), the simulated camera (vermilion), a plain threshold (grey)"
-    )
-    figure.suptitle(title, fontsize=11)
-    scenes = len({row.frame for row in pick(found.observations, source=LABORATORY)})
-    note = f"trainings in simulation; single frames: {scenes} random scenes in each appearance"
-    figure.supxlabel(note, fontsize=8, color=GREY)
-    return figure
 
 
 def _median_and_99(values: NDArray[np.float64]) -> list[float]:

@@ -17,8 +17,16 @@ if TYPE_CHECKING:
 OURS, THESIS, GREY = "#0072B2", "#D55E00", "#6E6E6E"
 """Blue and vermilion of Okabe and Ito, which colour-blind readers can distinguish, and grey."""
 DPI = 150
+WIDTH = 8.0
+"""Inches. Pages show a figure about 800 pixels wide, where the smallest text, of 8 points, is then 11 pixels high."""
+SMALL = 8.0
+"""Points: the smallest text in figures."""
+MARGIN = 0.02
+"""Share of the length of an axis with fixed ends that is added at each end, so that marks there are shown whole."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours, which colour-blind readers can tell apart."""
+MARKERS = ("o", "s", "D", "^", "v", "P", "X")
+"""One for each colour, so that a picture can be read in grey, too."""
 
 
 def new_figure(width: float, height: float) -> "Figure":
@@ -40,21 +48,35 @@ def save(figure: "Figure", path: Path) -> None:
         figure.savefig(path, dpi=DPI, facecolor="white")
 
 
-def mark(axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False) -> None:
-    """Draw an estimate as a dot with its interval as a bar, vertical or `level`."""
+def mark(
+    axes: "Axes",
+    x: float,
+    y: float,
+    estimate: Estimate,
+    colour: str,
+    level: bool = False,
+    marker: str = "o",
+) -> None:
+    """Draw an estimate as a marker with its interval as a bar, vertical or `level`."""
     if not math.isfinite(estimate.value):
         return
-    axes.plot(x, y, "o", color=colour, ms=7, mec="white", zorder=5)
+    axes.plot(x, y, marker, color=colour, ms=7, mec="white", zorder=5)
     if math.isfinite(estimate.low):
         ends = np.array([[estimate.value - estimate.low], [estimate.high - estimate.value]]).clip(min=0)
         xerr, yerr = (ends, None) if level else (None, ends)
         axes.errorbar([x], [y], xerr=xerr, yerr=yerr, fmt="none", color=colour, capsize=4, lw=1.8, zorder=4)
 
 
+def padded(low: float, high: float) -> tuple[float, float]:
+    """The limits of an axis from `low` to `high` that show marks at its ends whole."""
+    pad = MARGIN * (high - low)
+    return low - pad, high + pad
+
+
 def panels(count: int, title: str) -> tuple["Figure", list["Axes"]]:
     """A figure with panels, two in a line."""
     lines = math.ceil(count / 2)
-    figure = new_figure(8.8, 1.2 + 3.2 * lines)
+    figure = new_figure(WIDTH, 1.2 + 2.9 * lines)
     axes = figure.subplots(lines, 2, squeeze=False)
     figure.suptitle(title)
     return figure, list(axes.flat)
@@ -77,12 +99,13 @@ def levels(
         colours: Of the kinds.
     """
     for place, line in enumerate(reversed(list(estimates.values()))):
-        for i, estimate in enumerate(line):
-            height = place + 0.24 * ((len(line) - 1) / 2 - i)
-            mark(axes, estimate.value, height, estimate, colours[i], level=True)
-    for name, colour in zip(names, colours, strict=False):
-        axes.plot([], [], "o", color=colour, label=name)
-    axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=8)
+        known = [(i, estimate) for i, estimate in enumerate(line) if math.isfinite(estimate.value)]
+        for row, (i, estimate) in enumerate(known):
+            height = place + 0.32 * ((len(known) - 1) / 2 - row)
+            mark(axes, estimate.value, height, estimate, colours[i], level=True, marker=MARKERS[i])
+    for name, colour, marker in zip(names, colours, MARKERS, strict=False):
+        axes.plot([], [], marker, color=colour, ms=7, mec="white", label=name)
+    axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=SMALL)
     axes.set_ylim(-0.6, len(estimates) - 0.4)
     axes.set_xlabel(label)
     grid(axes, "x")
@@ -103,7 +126,7 @@ def legend(figure: "Figure", axes: "Axes", title: str = "", columns: int = 4) ->
         loc="outside lower center",
         ncols=columns,
         frameon=False,
-        fontsize=8,
+        fontsize=SMALL,
         title=title,
-        title_fontsize=8,
+        title_fontsize=SMALL,
     )

@@ -1,4 +1,4 @@
-"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis's values and ours, and a figure of the noise table.
+"""Figures 5.2, 5.3, 5.5 and 5.6 with the thesis's values and ours, and what all figures are drawn with.
 
 They use matplotlib's figure objects directly, without a window system or global state.
 """
@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, mark, new_figure
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Table
+from khepera_forage.experiments.figures import (
+    GREY,
+    OURS,
+    SMALL,
+    THESIS,
+    mark,
+    new_figure,
+    padded,
+)
+from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.thesis.cells import CellResult
-from khepera_forage.thesis.design import NO_NOISE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +31,10 @@ _V0_1 = -0.4
 """Horizontal offset of the marks of version 0.1."""
 _WIDTH = 0.36
 """Of a bar, in episodes."""
+_SCORE_STEP = 1.0
+"""Percent: scores this near to each other are spread sideways."""
+_PALE = 0.35
+"""Opacity of bars."""
 
 
 def fig_5_2(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
@@ -51,35 +61,6 @@ def fig_5_6(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = 
     )
 
 
-def noise_figure(table: Table) -> "Figure":
-    """The noise table as a figure: scores and training attempts under each source of noise."""
-    names = list(dict.fromkeys(str(row[0]) for row in table.rows))
-    cells = list(dict.fromkeys(str(row[1]) for row in table.rows))
-    panels = [
-        (f"score (%)\n{cell} episodes", {str(r[0]): r[2] for r in table.rows if r[1] == cell})
-        for cell in cells
-    ]
-    panels.append(("attempts per complete\ntraining episode", {str(row[0]): row[5] for row in table.rows}))
-    figure = new_figure(2.6 + 2.5 * len(panels), 1.6 + 0.36 * len(names))
-    columns = figure.subplots(1, len(panels), sharey=True)
-    for axes, (label, estimates) in zip(columns, panels, strict=True):
-        for place, name in enumerate(reversed(names)):
-            estimate = estimates.get(name, UNKNOWN)
-            assert isinstance(estimate, Estimate)
-            mark(axes, estimate.value, place, estimate, OURS, level=True)
-            if name == NO_NOISE and math.isfinite(estimate.value):
-                axes.axvline(estimate.value, color=GREY, lw=1, ls=":", zorder=1)
-        axes.set_xlabel(label)
-        axes.grid(axis="x", color="0.9")
-        axes.margins(x=0.08)
-        axes.tick_params(axis="y", length=0)
-    columns[0].set_yticks(range(len(names)), names[::-1])
-    columns[0].set_ylim(-0.6, len(names) - 0.4)
-    figure.suptitle("Effect of each source of noise")
-    figure.supxlabel("dotted: no noise; bars: 95 % interval over replications", fontsize=8, color=GREY)
-    return figure
-
-
 def _score_figure(
     results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, title: str
 ) -> "Figure":
@@ -89,13 +70,14 @@ def _score_figure(
         mark(axes, result.cell.episodes + _V0_1, result.score.value, result.score, GREY)
     for result in _in_arena(results, arena):
         x = result.cell.episodes
-        _experiments(axes, x + ours, result.scores)
+        _experiments(axes, x + ours, result.scores, _SCORE_STEP)
         mark(axes, x + ours, result.score.value, result.score, OURS)
         axes.plot(x + thesis, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
-    axes.set_ylim(0, 100)
-    axes.set_yticks(range(0, 101, 10))
+    lowest = _lowest_score(_in_arena(results, arena), _in_arena(v0_1_results, arena))
+    axes.set_ylim(*padded(lowest, 100))
+    axes.set_yticks(range(lowest, 101, 10))
     axes.set_ylabel("average score of recall episodes (%)")
-    _legend(axes, v0_1=bool(v0_1_results))
+    _legend(axes, bool(v0_1_results), bars=False)
     return figure
 
 
@@ -110,18 +92,25 @@ def _food_figure(
         x = result.cell.episodes
         scale = maximum / result.cell.available
         _food_mark(axes, x + ours, result, maximum, OURS)
-        _experiments(axes, x + ours, [scale * count for count in result.foods])
+        _experiments(axes, x + ours, [scale * count for count in result.foods], scale)
         food = scale * result.thesis_food
-        axes.bar(x + thesis, food, _WIDTH, color=THESIS, alpha=0.35, zorder=1)
+        axes.bar(x + thesis, food, _WIDTH, color=THESIS, alpha=_PALE, zorder=1)
         axes.plot(x + thesis, food, "D", color=THESIS, ms=8, mec="white", zorder=4)
         if scale != 1:
             note = f"of {result.cell.available},\ntimes {scale:g}"
-            axes.text(x + thesis + 0.35, 0.2, note, va="bottom", fontsize=8, color=GREY)
-    axes.set_ylim(0, maximum * 1.02)
+            axes.text(x + thesis + 0.35, 0.2, note, va="bottom", fontsize=SMALL, color=GREY)
+    axes.set_ylim(*padded(0, maximum))
     axes.set_yticks(range(0, maximum + 1, 4))
     axes.set_ylabel(f"food objects carried home (of {maximum})")
-    _legend(axes, v0_1=bool(v0_1_results))
+    _legend(axes, bool(v0_1_results), bars=True)
     return figure
+
+
+def _lowest_score(results: Sequence[CellResult], v0_1_results: Sequence[CellResult]) -> int:
+    """The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4)."""
+    shown = [score for r in results for score in (*r.scores, r.thesis_score, *r.score)]
+    shown += [score for r in v0_1_results for score in r.score]
+    return 10 * math.floor(min([0.0, *filter(math.isfinite, shown)]) / 10)
 
 
 def _in_arena(results: Sequence[CellResult], arena: str) -> list[CellResult]:
@@ -131,7 +120,7 @@ def _in_arena(results: Sequence[CellResult], arena: str) -> list[CellResult]:
 def _food_mark(axes: "Axes", x: float, result: CellResult, maximum: int, colour: str) -> None:
     """Draw the food of a cell, scaled to `maximum` available objects, as a bar with its interval."""
     food = Estimate(*(maximum / result.cell.available * value for value in result.food))
-    axes.bar(x, food.value, _WIDTH, color=colour, alpha=0.35, zorder=1)
+    axes.bar(x, food.value, _WIDTH, color=colour, alpha=_PALE, zorder=1)
     mark(axes, x, food.value, food, colour)
 
 
@@ -141,45 +130,55 @@ def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
     axes.set_title(title)
     axes.set_xlabel("number of training episodes")
     axes.set_xlim(0, 12)
-    axes.set_xticks((0, 1, 3, 5, 10))
+    axes.set_xticks((1, 3, 5, 10))
     axes.grid(axis="y", color="0.9")
     axes.set_axisbelow(True)
     return figure, axes
 
 
-def _experiments(axes: "Axes", x: float, values: Sequence[float]) -> None:
-    """Draw single experiments as faint dots, spread sideways in a fixed pattern."""
+def _experiments(axes: "Axes", x: float, values: Sequence[float], step: float) -> None:
+    """Draw single experiments as dots: the more have about the same value, the wider they are spread.
+
+    Args:
+        axes: Where.
+        x: The middle.
+        values: One an experiment.
+        step: Values in the same multiple of it are spread.
+    """
     if not values:
         return
-    spread = 0.13 * np.sin(2.4 * np.arange(len(values)))
-    fade = max(0.08, min(0.5, 8 / len(values)))
-    axes.scatter(x + spread, values, s=9, color=OURS, alpha=fade, lw=0, zorder=2)
+    classes = np.floor(np.asarray(values) / step + 1e-9).astype(int)
+    counts = {int(number): int((classes == number).sum()) for number in np.unique(classes)}
+    places = np.empty(len(values))
+    for number, count in counts.items():
+        # From -1 to 1, symmetric: one dot stands in the middle.
+        spread = (2 * np.arange(count) + 1 - count) / max(counts.values())
+        places[classes == number] = x + 0.9 * _WIDTH / 2 * spread
+    axes.scatter(places, values, s=4, color=OURS, alpha=0.5, lw=0, zorder=2)
 
 
-def _legend(axes: "Axes", v0_1: bool) -> None:
+def _legend(axes: "Axes", v0_1: bool, bars: bool) -> None:
+    from matplotlib.legend_handler import HandlerTuple
     from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
-    label = "version 0.1, mean and 95 % interval"
-    old = Line2D([], [], marker="o", color=GREY, ls="-", ms=7, mec="white", label=label)
+    kinds = [("thesis", THESIS, "D", 8.0, ""), ("ours, mean and 95 % interval", OURS, "o", 7.0, "-")]
+    if v0_1:
+        kinds.append(("version 0.1, mean and 95 % interval", GREY, "o", 7.0, "-"))
+    handles: list[Line2D | tuple[Patch, Line2D]] = []
+    for _, colour, marker, size, line in kinds:
+        shown = Line2D([], [], marker=marker, color=colour, ls=line, ms=size, mec="white")
+        handles.append((Patch(color=colour, alpha=_PALE), shown) if bars else shown)
+    handles.insert(2, Line2D([], [], marker="o", color=OURS, ls="", ms=3, alpha=0.5))
+    labels = [label for label, *_ in kinds]
+    labels.insert(2, "ours, single experiments (wider: more)")
     axes.legend(
-        handles=[
-            Line2D([], [], marker="D", color=THESIS, ls="", ms=8, mec="white", label="thesis"),
-            Line2D(
-                [],
-                [],
-                marker="o",
-                color=OURS,
-                ls="-",
-                ms=7,
-                mec="white",
-                label="ours, mean and 95 % interval",
-            ),
-            Line2D([], [], marker="o", color=OURS, ls="", ms=4, alpha=0.4, label="ours, single experiments"),
-            *([old] if v0_1 else ()),
-        ],
+        handles,
+        labels,
+        handler_map={tuple: HandlerTuple(ndivide=1)},
         loc="upper center",
         bbox_to_anchor=(0.5, -0.14),
         ncols=2 if v0_1 else 3,
         frameon=False,
-        fontsize=8,
+        fontsize=SMALL,
     )

@@ -20,6 +20,7 @@ from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.claims.evidence import Evidence, gather
 from khepera_forage.thesis.design import THESIS, Cell
 from khepera_forage.thesis.figure_5_4 import fig_5_4
+from khepera_forage.thesis.noise_figure import noise_figure
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def _figures(
     yield "figure_5_5", figures.fig_5_5(results, v0_1_results)
     yield "figure_5_6", figures.fig_5_6(results, v0_1_results)
     if noise.rows:
-        yield "noise", figures.noise_figure(noise)
+        yield "noise", noise_figure(noise)
 
 
 def _page(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import THESIS, grid, legend, new_figure
+from khepera_forage.experiments.figures import SMALL, THESIS, WIDTH, grid, legend, new_figure, padded
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.statistics import Estimate, holm
 from khepera_forage.experiments.tables import Column, Table, Value
@@ -19,11 +19,13 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 CENTRAL = (0.5, 0.025, 0.975)
+_LINES = ("--", "-.", ":")
+"""Of the predictions; the thesis's lines are solid."""
 LABELS = {
     "score": "score (%)",
     "food": "food (share)",
-    "right_failed": "right in failed recalls (%)",
-    "steps_successful": "steps of successes",
+    "right_failed": "correct steps of\nfailed recalls (%)",
+    "steps_successful": "median steps of recalls\nthat left no food",
 }
 
 
@@ -160,7 +162,7 @@ def _table(predictions: list[Predictions]) -> Table:
 
 def _cells(predictions: list[Predictions]) -> "Figure":
     thesis = thesis_statistics()
-    figure = new_figure(8.8, 4.6)
+    figure = new_figure(WIDTH, 4.8)
     axes = figure.subplots(1, len(LABELS), sharey=True)
     cells = [name.removesuffix(f" {STATISTICS[0]}") for name in NAMES if name.endswith(f" {STATISTICS[0]}")]
     for axis, (statistic, label) in zip(axes, LABELS.items(), strict=True):
@@ -168,11 +170,12 @@ def _cells(predictions: list[Predictions]) -> "Figure":
         for i, one in enumerate(predictions):
             _bars(axis, one, columns, 0.22 * (i - (len(predictions) - 1) / 2))
         axis.plot(thesis[columns], range(len(cells)), "D", color=THESIS, markersize=5, label="thesis")
-        axis.set_xlabel(label)
+        axis.set_xlabel(label, fontsize=9)
+        axis.tick_params(labelsize=SMALL)
         grid(axis, "x")
-    axes[0].set_yticks(range(len(cells)), cells, fontsize=8)
+    axes[0].set_yticks(range(len(cells)), [cell.replace(" ", ",\nepisodes: ") for cell in cells])
     axes[0].invert_yaxis()
-    legend(figure, axes[0], "lines: central 95 % of experiments of the thesis's size")
+    legend(figure, axes[0], "marks: medians; lines: central 95 % of experiments of the thesis's size")
     return figure
 
 
@@ -185,19 +188,22 @@ def _bars(axis: "Axes", one: Predictions, columns: list[int], shift: float) -> N
 
 
 def _recalls(predictions: list[Predictions], thesis: dict[str, IndividualRecalls]) -> "Figure":
-    figure = new_figure(8.8, 5.0)
+    figure = new_figure(WIDTH, 5.2)
     axes = figure.subplots(len(thesis), len(INDIVIDUAL), squeeze=False)
     for line, (arena, own) in zip(axes, thesis.items(), strict=True):
         for axis, measure in zip(line, INDIVIDUAL, strict=True):
-            for one in predictions:
-                _distribution(axis, getattr(one.recalls[arena], measure), one.colour, one.name)
-            _distribution(axis, getattr(own, measure), THESIS, "thesis")
-            axis.set_title(f"{arena}: {INDIVIDUAL[measure]}", fontsize=8)
-            axis.tick_params(labelsize=7)
+            for one, style in zip(predictions, _LINES, strict=False):
+                _distribution(axis, getattr(one.recalls[arena], measure), one.colour, one.name, style)
+            _distribution(axis, getattr(own, measure), THESIS, "thesis", "-")
+            axis.set_xlabel(INDIVIDUAL[measure], fontsize=9)
+            axis.set_title(arena, fontsize=9)
+            axis.tick_params(labelsize=SMALL)
+            axis.set_ylim(*padded(0, 1))
             grid(axis, "both")
-    legend(figure, axes[0, 0], "share of individual recalls up to a value")
+        line[0].set_ylabel("share of recalls\nup to the value", fontsize=9)
+    legend(figure, axes[0, 0])
     return figure
 
 
-def _distribution(axis: "Axes", values: Floats, colour: str, name: str) -> None:
-    axis.ecdf(values.ravel(), color=colour, label=name, linewidth=1.4)
+def _distribution(axis: "Axes", values: Floats, colour: str, name: str, style: str) -> None:
+    axis.ecdf(values.ravel(), color=colour, label=name, linewidth=1.4, linestyle=style)

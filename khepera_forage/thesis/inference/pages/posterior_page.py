@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import GREY, OURS, legend, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, legend, new_figure
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.task.decision_fields import Field
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.inference import sensitivity
 from khepera_forage.thesis.inference.draw import Drawn
 from khepera_forage.thesis.inference.parameters import Parameter
@@ -23,6 +26,12 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 INTERVAL = (0.5, 0.05, 0.95)
+UNITS = {field.name: Field.of(field).unit for field in fields(Decisions)} | {
+    "placement_error": "mm",
+    "placement_heading_error": "degrees",
+    "position_jitter": "pixels",
+}
+"""Units of decisions and of noise, for the picture."""
 
 
 def page(drawn: Drawn, posterior: Posterior, seed: int) -> Page:
@@ -98,15 +107,15 @@ def _readings(posterior: Posterior) -> Table:
 
 
 def _picture(posterior: Posterior) -> "Figure":
-    columns = 6
+    columns = 5
     lines = math.ceil(len(posterior.parameters) / columns)
-    figure = new_figure(8.8, 0.8 + 1.25 * lines)
+    figure = new_figure(WIDTH, 0.8 + 1.35 * lines)
     axes = figure.subplots(lines, columns, squeeze=False)
     for axis, parameter in zip(axes.flat, posterior.parameters, strict=False):
         _panel(axis, parameter, posterior.weights)
     for axis in axes.flat[len(posterior.parameters) :]:
         axis.set_axis_off()
-    legend(figure, axes[0, 0])
+    legend(figure, axes[0, 0], "height: share of the sets; named readings have their numbers in the table")
     return figure
 
 
@@ -125,8 +134,10 @@ def _panel(axis: "Axes", parameter: Parameter, weights: Floats) -> None:
     axis.hist(
         parameter.values, bins, weights=weights, histtype="step", color=OURS, linewidth=1.5, label="posterior"
     )
-    axis.set_title(parameter.name, fontsize=7)
-    axis.tick_params(labelsize=6)
+    unit = UNITS.get(parameter.name)
+    axis.set_title(f"{parameter.name}\n({unit})" if unit else parameter.name, fontsize=SMALL)
+    axis.tick_params(labelsize=SMALL)
+    axis.locator_params(axis="x", nbins=4)
     axis.set_yticks([])
     if count:
         axis.set_xticks(range(count), [str(k + 1) for k in range(count)])

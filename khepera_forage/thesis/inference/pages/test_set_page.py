@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import OURS, grid, new_figure
+from khepera_forage.experiments.figures import OURS, SMALL, grid, new_figure
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table, Value
@@ -147,8 +147,8 @@ def _picture(counts: Floats, weights: Floats, single: Mapping[str, int], colours
     for (name, count), colour in zip(single.items(), colours, strict=True):
         axis.axvline(count, color=colour, linestyle="--", label=name)
     axis.set_xticks(range(0, len(bins), 2))
-    axis.set_xlabel("statistics of the rectangle that a set predicts")
+    axis.set_xlabel(f"statistics of the rectangle that a set predicts, of {len(tested_columns())}")
     axis.set_ylabel("share of sets")
-    axis.legend(frameon=False, fontsize=8)
+    axis.legend(frameon=False, fontsize=SMALL)
     grid(axis)
     return figure

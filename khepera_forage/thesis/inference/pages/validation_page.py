@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from khepera_forage.experiments.figures import GREY, OURS, grid, new_figure
+from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.thesis.inference.calibration import Calibration, Determined
@@ -85,22 +85,26 @@ def _equal_ranks(found: Calibration) -> float:
 
 
 def _picture(posterior: Posterior) -> "Figure":
-    calibrations, columns = posterior.calibrations, 6
+    calibrations, columns = posterior.calibrations, 5
     lines = math.ceil(len(calibrations) / columns)
-    figure = new_figure(8.8, 0.8 + 1.15 * lines)
+    figure = new_figure(WIDTH, 0.8 + 1.2 * lines)
     axes = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
     expected = posterior.held_out / BINS
     low, high = stats.binom.ppf([0.025, 0.975], posterior.held_out, 1 / BINS)
     for axis, found in zip(axes.flat, calibrations, strict=False):
-        axis.axhspan(low, high, color="0.88")
-        axis.axhline(expected, color=GREY, linewidth=0.8)
-        axis.hist(found.ranks, BINS, range=(0.0, 1.0), color=OURS, alpha=0.8)
-        axis.set_title(found.name, fontsize=7)
-        axis.tick_params(labelsize=6)
+        axis.hist(
+            found.ranks, BINS, range=(0.0, 1.0), color=OURS, alpha=0.8, label="sets in a class of ranks"
+        )
+        axis.axhspan(
+            low, high, color="0.85", zorder=0, lw=0, label="central 95 % if ranks are equally frequent"
+        )
+        axis.axhline(expected, color=GREY, linewidth=0.8, label="mean number of sets in a class")
+        axis.set_title(found.name, fontsize=SMALL)
+        axis.tick_params(labelsize=SMALL)
+        axis.set_xticks((0, 0.5, 1), ("0", "0.5", "1"))
         grid(axis)
     for axis in axes.flat[len(calibrations) :]:
         axis.set_axis_off()
-    figure.supxlabel(
-        "rank of the true value in its posterior, 0 to 1; grey band: 95 % of equal frequencies", fontsize=8
-    )
+    figure.supylabel("sets", fontsize=9)
+    legend(figure, axes[0, 0], "across: rank of the true value in its posterior, from 0 to 1")
     return figure

@@ -1,0 +1,119 @@
+"""The picture of the learners' comparison: every learner can be told from all others, also where curves are dense."""
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from sklearn.ensemble import RandomForestClassifier
+
+from khepera_forage.comparison.curves import Curve, curves
+from khepera_forage.comparison.learning import Compared
+from khepera_forage.comparison.picture import STYLES, figure
+from khepera_forage.comparison.rows import ARENAS, RecallBatch
+from khepera_forage.comparison.units import all_learners
+from khepera_forage.experiments.figures import COLOURS, MARKERS
+from khepera_forage.policies.learners import FromVectors, Needs
+from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, legends_of
+
+AMOUNTS = {
+    Needs.VECTORS: (200, 550, 750, 1_100, 2_200),
+    Needs.QUERIES: (100, 200, 300, 500, 1_000),
+    Needs.STEPS: (1_000, 10_000, 100_000, 1_000_000),
+    None: (0,),
+}
+"""Steps of the learning, as published."""
+
+
+def own_learner(title: str) -> FromVectors:
+    return FromVectors(title, RandomForestClassifier)
+
+
+@pytest.fixture(scope="module")
+def learners() -> dict[str, Compared]:
+    """Those of the registry, and ten that a user adds."""
+    return all_learners() | {f"own_{i}": own_learner(f"own learner {i}") for i in range(10)}
+
+
+def rows_of(learners: dict[str, Compared]) -> list[RecallBatch]:
+    rng = np.random.default_rng(1)
+    return [
+        RecallBatch(name, number, amount, arena, amount, 0, 10, 50.0, int(rng.integers(0, 21)), 20, 900, 1.0)
+        for name, learner in learners.items()
+        for amount in AMOUNTS[learner.needs]
+        for arena in ARENAS
+        for number in range(6)
+    ]
+
+
+@pytest.fixture(scope="module")
+def found(learners: dict[str, Compared]) -> list[Curve]:
+    return curves(rows_of(learners), np.random.default_rng(2))
+
+
+def coloured(axes: Axes) -> list[Line2D]:
+    """The curves of the panel's own learner; those of others are grey and without marks."""
+    return [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
+
+
+def test_every_learner_has_a_panel_of_its_own(found: list[Curve], learners: dict[str, Compared]) -> None:
+    panels = [axes for axes in figure(found, learners).axes if axes.axison]
+    titles = [axes.get_title() for axes in panels]
+    assert sorted(titles) == sorted(
+        learner.title for learner in learners.values() if learner.needs is not None
+    )
+    assert len(set(titles)) == len(titles)
+    for axes in panels:
+        lines = coloured(axes)
+        styles = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines]
+        assert styles == [tuple(style[:3]) for style in STYLES.values()]
+
+
+def test_curves_in_a_panel_are_those_of_its_learner(
+    found: list[Curve], learners: dict[str, Compared]
+) -> None:
+    by_title: dict[str, list[list[float]]] = {learners[curve.learner].title: [] for curve in found}
+    for curve in found:
+        by_title[learners[curve.learner].title].append([point.delivered.value for point in curve.points])
+    for axes in figure(found, learners).axes:
+        if axes.axison:
+            shown = [np.asarray(line.get_xydata())[:, 1].tolist() for line in coloured(axes)]
+            assert shown == by_title[axes.get_title()]
+            check_points_are_shown(axes)
+
+
+def test_each_kind_has_an_axis_of_steps_for_its_own_range(
+    found: list[Curve], learners: dict[str, Compared]
+) -> None:
+    """Imitators learn from 200 to 2,200 steps: on an axis up to 1,000,000 their curves cannot be told apart."""
+    kinds = {learner.title: learner.needs for learner in learners.values()}
+    for axes in figure(found, learners).axes:
+        if axes.axison:
+            amounts = AMOUNTS[kinds[axes.get_title()]]
+            low, high = axes.get_xlim()
+            assert np.log(amounts[-1] / amounts[0]) > 0.8 * np.log(high / low)
+
+
+def test_picture_is_readable_and_complete_in_its_legend(
+    found: list[Curve], learners: dict[str, Compared]
+) -> None:
+    drawn = figure(found, learners)
+    check_readable(drawn)
+    check_shading_is_explained(drawn)
+    labels = [text.get_text() for legend in legends_of(drawn) for text in legend.get_texts()]
+    assert {"success: 80 %", "other learners of the kind"} <= set(labels)
+    for arena in ARENAS:
+        assert {f"the teacher, {arena}", f"random behaviours, {arena}"} <= set(labels)
+
+
+def test_picture_of_one_learner_is_readable(learners: dict[str, Compared]) -> None:
+    few = {name: learners[name] for name in ("teacher", "imitator")}
+    check_readable(figure(curves(rows_of(few), np.random.default_rng(3)), few))
+
+
+def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:
+    few = {"teacher": learners["teacher"]}
+    figure(curves(rows_of(few), np.random.default_rng(3)), few).draw_without_rendering()
+
+
+def test_each_colour_has_a_marker_of_its_own() -> None:
+    assert len(set(MARKERS)) == len(MARKERS) == len(set(COLOURS)) == len(COLOURS)
