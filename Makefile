@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # One process more than cores, because tests of serial lines wait; groups of tests are those of tests/conftest.py.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadgroup --no-loadscope-reorder
 
-.PHONY: reproduce test test-baselines lint throughput clean
+.PHONY: reproduce test test-baselines lint throughput docs docs-linkcheck clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
@@ -27,6 +27,19 @@ lint: $(VENV)/installed
 
 throughput: $(VENV)/installed
 	$(BIN)/python benchmarks/throughput.py
+
+# The site, in build/docs. Every warning is an error: a broken link, an unknown name, a page outside the tree.
+docs: $(VENV)/docs-installed
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --jobs auto --builder html docs build/docs
+	@echo "build/docs/index.html"
+
+# Links to other sites, which needs a network.
+docs-linkcheck: $(VENV)/docs-installed
+	$(BIN)/sphinx-build --jobs auto --builder linkcheck docs build/docs-linkcheck
+
+$(VENV)/docs-installed: $(VENV)/installed
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	@touch $@
 
 $(VENV)/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
