@@ -37,14 +37,17 @@ nb_execution_show_tb = True
 nb_merge_streams = True
 
 default_role = "code"
+add_module_names = False
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
 autodoc_mock_imports = ["stable_baselines3"]  # 2 GB, for one base class
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
-napoleon_use_ivar = True
-napoleon_attr_annotations = False  # the signature of the class has the types
+napoleon_custom_sections = [
+    ("Attributes", "params_style")
+]  # without types, which the signature of the class has
+napoleon_attr_annotations = False
 python_maximum_signature_line_length = 100
 toc_object_entries_show_parents = "hide"
 linkcode_resolve = code_link

@@ -26,7 +26,7 @@ def page_text(package: str, paths: list[Path]) -> str:
         package: Its dotted name.
         paths: Its files, its own `__init__.py` first.
     """
-    parts = [f"# {package}"]
+    parts = [f"# {package.removeprefix('khepera_forage.')}", f"The modules of `{package}`."]
     for path in paths:
         name = module_name(path)
         if name == package:

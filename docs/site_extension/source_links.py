@@ -20,7 +20,7 @@ def setup(app: Sphinx) -> None:
     app.add_transform(SourceLinks)
 
 
-class SourceLinks(SphinxTransform):
+class SourceLinks(SphinxTransform):  # type: ignore[misc]  # not typed where Sphinx is not installed
     """Replaces links to Python files and folders, which MyST takes for downloads or cannot resolve."""
 
     default_priority = 500

@@ -23,7 +23,7 @@ def _pages(app: Sphinx) -> Iterator[Page]:
     for folder in SOURCES:
         files = sorted(folder.rglob("*.py"))
         for path in files:
-            code = app.builder.highlighter.highlight_block(  # type: ignore[attr-defined]
+            code = app.builder.highlighter.highlight_block(
                 path.read_text(encoding="utf-8"), "python", lineanchors="line"
             )
             yield _page(path, code)
