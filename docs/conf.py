@@ -37,6 +37,7 @@ nb_execution_show_tb = True
 nb_merge_streams = True
 
 default_role = "code"
+highlight_language = "text"
 add_module_names = False
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True

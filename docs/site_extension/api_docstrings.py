@@ -23,8 +23,9 @@ def setup(app: Sphinx) -> None:
 
 
 def _translate(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    # Napoleon takes what is before a colon in the first line of an attribute's docstring for its type.
-    lines[:] = ([""] if what in ("attribute", "data") else []) + to_rst(lines)
+    # Napoleon takes what is before a colon in the first line of an attribute's docstring for its type, so that line is
+    # an empty comment.
+    lines[:] = (["..", ""] if what in ("attribute", "data") else []) + to_rst(lines)
 
 
 def _skip(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:

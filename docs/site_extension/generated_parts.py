@@ -7,17 +7,19 @@ import re
 from collections.abc import Iterator
 from dataclasses import fields
 from importlib import import_module
-
-from sphinx.application import Sphinx
+from typing import TYPE_CHECKING
 
 from khepera_forage import noise
 from khepera_forage.cli.main import SUBCOMMANDS
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 
+if TYPE_CHECKING:  # the tests run without Sphinx
+    from sphinx.application import Sphinx
+
 _MARK = re.compile(r"<!-- generated: (\w+) ?(\S*) -->")
 
 
-def setup(app: Sphinx) -> None:
+def setup(app: "Sphinx") -> None:
     """Fill in the parts when a page is read."""
     app.connect("source-read", _fill_in)
 
@@ -86,7 +88,7 @@ def _attribute_docstrings(source: str) -> dict[str, str]:
     return found
 
 
-def _fill_in(app: Sphinx, page: str, content: list[str]) -> None:
+def _fill_in(app: "Sphinx", page: str, content: list[str]) -> None:
     content[0] = filled_in(content[0])
 
 

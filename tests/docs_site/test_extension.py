@@ -1,10 +1,15 @@
 """The parts of the extension that need no Sphinx."""
 
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 from site_extension.docstring_markup import to_rst
+from site_extension.generated_parts import filled_in
 from site_extension.repository import ROOT, module_name, page_of
+
+from khepera_forage.cli.main import SUBCOMMANDS
+from khepera_forage.noise import Noise
 
 
 def test_code_in_text_gets_two_backticks() -> None:
@@ -51,3 +56,29 @@ def test_page_of_file(path: str, page: str | None) -> None:
 
 def test_module_name_of_package_is_that_of_its_folder() -> None:
     assert module_name(Path(ROOT / "khepera_forage/task/__init__.py")) == "khepera_forage.task"
+
+
+def test_docstring_of_environment_is_filled_in() -> None:
+    part = filled_in("# Title\n\n<!-- generated: docstring khepera_forage.envs.training.TrainingEnv -->\n")
+    assert part.startswith("# Title\n\nA teacher forages and shouts")
+    assert "\n## Action space\n`Discrete(11)`" in part
+
+
+def test_commands_are_filled_in_with_all_their_subcommands() -> None:
+    part = filled_in("<!-- generated: commands -->")
+    assert [f"## khepera-forage {command.name}" for command in SUBCOMMANDS] == [
+        line for line in part.splitlines() if line.startswith("## ")
+    ]
+    for usage in ("reproduce [-h]", "robot probe [-h]", "camera calibrate [-h]"):
+        assert part.count(f"usage: khepera-forage {usage}") == 1
+
+
+def test_noise_is_filled_in_with_sizes_and_sources() -> None:
+    part = filled_in("<!-- generated: noise -->")
+    assert "| `wheel_slip` | 0.05 | Standard deviation of each wheel's travel, as a share of it" in part
+    assert len(part.splitlines()) == 2 + len(fields(Noise))
+
+
+def test_unknown_generated_part_is_an_error() -> None:
+    with pytest.raises(KeyError, match="weather"):
+        filled_in("<!-- generated: weather -->")
