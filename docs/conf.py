@@ -23,6 +23,8 @@ exclude_patterns = ["site_extension"]
 
 html_theme = "furo"
 html_title = "khepera_forage"
+html_static_path = ["static"]
+html_css_files = ["tables.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_show_copyright = False

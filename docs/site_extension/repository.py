@@ -13,17 +13,18 @@ PAGES = {"README.md": "index", "CHANGELOG.md": "changelog", "CONTRIBUTING.md": "
 
 
 def page_of(path: Path) -> str | None:
-    """The page about a file or folder of the repository, without its ending; None if there is none.
+    """The page about a file or folder of the repository, without `.html`; None if there is none.
 
     Args:
         path: Absolute.
     """
     if not path.is_relative_to(ROOT):
         return None
-    within = path.relative_to(ROOT)
+    within = path.relative_to(ROOT).as_posix()
     if any(path.is_relative_to(folder) for folder in SOURCES) and (path.is_dir() or path.suffix == ".py"):
-        return f"source/{within.with_suffix('').as_posix()}{'/index' if path.is_dir() else ''}"
-    return PAGES.get(within.as_posix())
+        # With the ending, because a file may be called index.py.
+        return f"source/{within}/index" if path.is_dir() else f"source/{within}"
+    return PAGES.get(within)
 
 
 def module_name(path: Path) -> str:

@@ -4,6 +4,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from site_extension.built_links import broken_links
 from site_extension.docstring_markup import to_rst
 from site_extension.generated_parts import filled_in
 from site_extension.repository import ROOT, module_name, page_of
@@ -40,7 +41,11 @@ def test_fenced_code_keeps_its_backticks() -> None:
 @pytest.mark.parametrize(
     ("path", "page"),
     [
-        ("khepera_forage/noise.py", "source/khepera_forage/noise"),
+        ("khepera_forage/noise.py", "source/khepera_forage/noise.py"),
+        (
+            "khepera_forage/policies/nearest_neighbour/index.py",
+            "source/khepera_forage/policies/nearest_neighbour/index.py",
+        ),
         ("khepera_forage/task", "source/khepera_forage/task/index"),
         ("tests/contracts", "source/tests/contracts/index"),
         ("CHANGELOG.md", "changelog"),
@@ -82,3 +87,11 @@ def test_noise_is_filled_in_with_sizes_and_sources() -> None:
 def test_unknown_generated_part_is_an_error() -> None:
     with pytest.raises(KeyError, match="weather"):
         filled_in("<!-- generated: weather -->")
+
+
+def test_broken_links_of_a_site_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text('<a href="b.html#there">1</a> <a href="https://example.org/x">2</a>')
+    (tmp_path / "b.html").write_text(
+        '<p id="there"></p><a href="a.html">1</a> <img src="lost.png"> <a href="#here">2</a> <a href="b.html#away">3</a>'
+    )
+    assert list(broken_links(tmp_path)) == ["b.html: #here", "b.html: b.html#away", "b.html: lost.png"]
