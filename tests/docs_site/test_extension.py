@@ -92,6 +92,6 @@ def test_unknown_generated_part_is_an_error() -> None:
 def test_broken_links_of_a_site_are_found(tmp_path: Path) -> None:
     (tmp_path / "a.html").write_text('<a href="b.html#there">1</a> <a href="https://example.org/x">2</a>')
     (tmp_path / "b.html").write_text(
-        '<p id="there"></p><a href="a.html">1</a> <img src="lost.png"> <a href="#here">2</a> <a href="b.html#away">3</a>'
+        '<p id="there"></p> <a href="a.html">1</a><a href="#here">2</a><a href="b.html#away">3</a><img src="lost.png">'
     )
     assert list(broken_links(tmp_path)) == ["b.html: #here", "b.html: b.html#away", "b.html: lost.png"]
