@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # One process more than cores, because tests of serial lines wait; groups of tests are those of tests/conftest.py.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadgroup --no-loadscope-reorder
 
-.PHONY: reproduce test test-baselines test-wheel lint throughput clean
+.PHONY: reproduce test test-baselines test-wheel lint throughput docs docs-linkcheck clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
@@ -32,6 +32,19 @@ lint: $(VENV)/installed
 throughput: $(VENV)/installed
 	$(BIN)/python benchmarks/throughput.py
 
+# The site, in build/docs. Every warning is an error: a broken link, an unknown name, a page outside the tree.
+docs: $(VENV)/docs-installed
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --jobs auto --builder html docs build/docs
+	@echo "build/docs/index.html"
+
+# Links to other sites, which needs a network.
+docs-linkcheck: $(VENV)/docs-installed
+	$(BIN)/sphinx-build --jobs auto --builder linkcheck docs build/docs-linkcheck
+
+$(VENV)/docs-installed: $(VENV)/installed
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	@touch $@
+
 $(VENV)/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or later is needed; $(PYTHON) is $$($(PYTHON) --version 2>&1). Try make PYTHON=python3.11"; exit 1; }
@@ -41,4 +54,4 @@ $(VENV)/installed: pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results
+	rm -rf $(VENV) results build docs/api

@@ -1,12 +1,17 @@
 """The examples of the documentation run, its tables are up to date, and its links lead to files."""
 
 import re
+import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import gymnasium as gym
+import numpy as np
 import pytest
 
+import khepera_forage
+from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.task.decision_table import decision_table, markdown_table
 
@@ -14,11 +19,15 @@ DOCS = Path(__file__).parent.parent / "docs"
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md"))}
 LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
 GENERATED = {"agreement.md", "kheperax.md"}
+INDEX = "index.md"
+INCLUDED = {"contributing.md", "changelog.md"}
+"""Pages that consist of a file of the repository's own folder."""
 EXTRAS = {"baselines": "stable_baselines3", "minari": "minari"}
 LINKS = [
-    (name, link)
-    for name, text in PAGES.items()
-    for link in re.findall(r"\]\(([^)]+)\)", text)
+    (page.relative_to(DOCS).as_posix(), link)
+    for page in sorted(DOCS.rglob("*.md"))
+    if page.parent != DOCS / "api"  # made by `make docs`
+    for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
     if not link.startswith("http")
 ]
 
@@ -30,6 +39,19 @@ def run_blocks(name: str) -> dict[str, Any]:
         extra = re.match(r"# needs the extra: (\w+)", block)
         if extra is None or (extra[1] == "minari" and find_spec("minari")):  # baselines: see tests/baselines
             exec(compile(block, name, "exec"), names)
+    return names
+
+
+def read(page: str) -> str:
+    return (DOCS / page).read_text(encoding="utf-8")
+
+
+def run_block(page: str, number: int) -> dict[str, Any]:
+    """Run one Python block of a page, alone."""
+    names: dict[str, Any] = {}
+    exec(
+        compile(re.findall(r"```python\n(.*?)```", read(page), flags=re.DOTALL)[number], page, "exec"), names
+    )
     return names
 
 
@@ -63,11 +85,95 @@ def test_blocks_of_compiled_page_run() -> None:
     assert names["recalls"].score.shape == (1000,)
 
 
-def test_blocks_for_extras_name_their_extra() -> None:
-    found = re.findall(r"# needs the extra: (\w+)", LEARNER_PAGE)
-    assert sorted(found) == sorted(EXTRAS)
+def test_blocks_of_getting_started_page_run(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run_blocks("getting_started.md")
+    assert names["vectors"].shape == (len(names["behaviours"]), 5)
+    assert re.fullmatch(r"score \d+ %, food \d+ of 10\n", capsys.readouterr().out)
+    assert names["np"].mean([row.score for row in names["rows"]]) > 20, (
+        "the imitator forages better than nothing"
+    )
+
+
+def test_gymnasium_example_delivers_the_food(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_block("environments.md", 0)["terminated"]
+    assert "food 1" in capsys.readouterr().out
+
+
+def test_pettingzoo_example_makes_an_imitator() -> None:
+    imitator = run_block("environments.md", 1)["imitator"]
+    assert 0 <= imitator.act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
+
+
+def test_decisions_example_changes_environment_and_teacher(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run_block("environments.md", 2)
+    changed = {"next_to_food": 22.0, "search_speed": 10.0}
+    assert names["env"].unwrapped.decisions.changed() == changed == names["teacher"].decisions.changed()
+    assert capsys.readouterr().out == f"{changed}\n"
+
+
+def test_compiled_example_steps_all_worlds() -> None:
+    names = run_block("environments.md", 3)
+    assert names["rewards"].shape == (256,)
+    assert names["env"].unwrapped.backend == "compiled"
+
+
+def test_example_of_training_page_has_two_learners() -> None:
+    assert run_block("environments/training.md", 0)["env"].possible_agents == [
+        "teacher_0",
+        "learner_0",
+        "learner_1",
+    ]
+
+
+def test_example_of_wheels_page_films_a_forage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    names = run_block("environments/wheels.md", 0)
+    assert (names["terminated"], names["info"]["delivered"]) == (True, 1)
+    assert names["info"]["score"] == 100, "every step is what the teacher would do"
+    assert (tmp_path / "wheels.gif").stat().st_size > 10_000
+
+
+def test_blocks_of_noise_page_run() -> None:
+    assert run_blocks("noise.md")["env"].unwrapped.world.noise == Noise(wheel_slip=0.1)
+
+
+def test_sources_of_noise_page_are_all() -> None:
+    listed = re.findall(r"^\| `([^`]+)` \| (.*) \|$", PAGES["noise.md"], flags=re.MULTILINE)
+    assert {name: tuple(re.findall(r"`(\w+)`", given)) for name, given in listed} == SOURCES
+
+
+def test_blocks_of_reinforcement_learning_page_run(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run_blocks("reinforcement_learning.md")
+    assert names["rewards"].shape == (256,)
+    assert capsys.readouterr().out == "5 rounds\n"
+
+
+@pytest.mark.parametrize(
+    ("page", "extras"),
+    [("plug_in_a_learner.md", ["baselines", "minari"]), ("reinforcement_learning.md", ["baselines"])],
+)
+def test_blocks_for_extras_name_their_extra(page: str, extras: list[str]) -> None:
+    found = set(re.findall(r"# needs the extra: (\w+)", PAGES[page]))
+    assert sorted(found) == extras
+    assert found <= set(EXTRAS)
     for extra in found:
-        assert f"khepera-forage[{extra}]" in LEARNER_PAGE
+        assert f"khepera-forage[{extra}]" in PAGES[page]
+
+
+@pytest.mark.parametrize("page", ["environments/behaviours.md", "environments/wheels.md"])
+def test_environment_page_states_foods_and_limits(page: str) -> None:
+    rows = re.findall(r"^\| `(.+?)` \| .+? \| (\d) \| (\d+) steps \|$", read(page), flags=re.MULTILINE)
+    assert len(rows) == 2
+    for name, foods, limit in rows:
+        own: Any = gym.make(name).unwrapped
+        assert (own.foods, own.limit) == (int(foods), int(limit))
+
+
+def test_extras_of_getting_started_page_are_all() -> None:
+    rows = re.findall(r"^\| (`.*?`) \| .* \|$", PAGES["getting_started.md"], flags=re.MULTILINE)
+    listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    declared = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert listed == declared["optional-dependencies"].keys() - {"dev"}
 
 
 def test_learner_page_lists_all_learners() -> None:
@@ -97,13 +203,29 @@ def test_decision_table_has_no_empty_cell() -> None:
 @pytest.mark.parametrize(("page", "link"), LINKS)
 def test_link_leads_to_a_file_and_heading(page: str, link: str) -> None:
     path, _, heading = link.partition("#")
-    target = (DOCS / path).resolve() if path else DOCS / page
+    target = ((DOCS / page).parent / path).resolve() if path else DOCS / page
     assert target.exists(), link
     if heading:
         titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), flags=re.MULTILINE)
         assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, link
 
 
-@pytest.mark.parametrize("page", sorted(PAGES.keys() - GENERATED))
+@pytest.mark.parametrize("page", sorted(PAGES.keys() - GENERATED - INCLUDED - {INDEX}))
 def test_page_begins_with_what_its_reader_can_do(page: str) -> None:
     assert "\n\nAfter reading this page you can " in PAGES[page][:200], page
+
+
+def test_folders_of_the_package_are_in_the_architecture_page() -> None:
+    package = Path(khepera_forage.__file__).parent
+    folders = {path.parent.name for path in package.glob("*/__init__.py")}
+    listed = re.findall(
+        r"^\| \[`\w+`\]\(\.\./khepera_forage/(\w+)\)", PAGES["architecture.md"], flags=re.MULTILINE
+    )
+    assert folders == set(listed)
+
+
+def test_benchmarks_are_in_the_architecture_page() -> None:
+    row = re.search(r"^\| \[`benchmarks`\].*$", PAGES["architecture.md"], flags=re.MULTILINE)
+    assert row is not None
+    scripts = {path.name for path in (DOCS.parent / "benchmarks").glob("*.py")}
+    assert set(re.findall(r"`(\w+\.py)`", row[0])) == scripts - {"arguments.py"}

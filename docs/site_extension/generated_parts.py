@@ -1,0 +1,96 @@
+"""Parts of pages that are generated from the package. A page has a comment such as `<!-- generated: noise -->`."""
+
+import argparse
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import fields
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from khepera_forage import noise
+from khepera_forage.cli.main import SUBCOMMANDS
+from khepera_forage.cli.subcommands import Subcommand, add_subcommands
+
+if TYPE_CHECKING:  # the tests run without Sphinx
+    from sphinx.application import Sphinx
+
+_MARK = re.compile(r"<!-- generated: (\w+) ?(\S*) -->")
+
+
+def setup(app: "Sphinx") -> None:
+    """Fill in the parts when a page is read."""
+    app.connect("source-read", _fill_in)
+
+
+def filled_in(text: str) -> str:
+    """A page with its generated parts.
+
+    Raises:
+        KeyError: A comment names no kind of part.
+    """
+    return _MARK.sub(lambda mark: GENERATORS[mark[1]](mark[2]), text)
+
+
+def docstring(name: str) -> str:
+    """The docstring of a class, which is in Markdown already.
+
+    Args:
+        name: Its dotted name.
+    """
+    module, _, attribute = name.rpartition(".")
+    return inspect.getdoc(getattr(import_module(module), attribute)) or ""
+
+
+def noise_table(_: str) -> str:
+    """The sizes of noise, with their meaning and source."""
+    described = _attribute_docstrings(inspect.getsource(noise.Noise))
+    lines = ["| field | laboratory | meaning and source |", "|---|---:|---|"]
+    lines += [
+        f"| `{field.name}` | {field.default} | {described[field.name]} |" for field in fields(noise.Noise)
+    ]
+    return "\n".join(lines)
+
+
+def commands(_: str) -> str:
+    """A section for each subcommand, with its help and that of its own subcommands, as the shell shows it."""
+    parts = []
+    for command in SUBCOMMANDS:
+        parts.append(f"## khepera-forage {command.name}")
+        parts += [f"```text\n{text}```" for text in _help_texts(command)]
+    return "\n\n".join(parts)
+
+
+def _help_texts(command: Subcommand) -> list[str]:
+    parser = argparse.ArgumentParser(prog="khepera-forage")
+    add_subcommands(parser, "command", [command])
+    return [each.format_help() for each in _subparsers(parser) if not list(_subparsers(each))]
+
+
+def _subparsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    """The parsers of all subcommands of a parser, and of theirs."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for subparser in action.choices.values():
+                yield subparser
+                yield from _subparsers(subparser)
+
+
+def _attribute_docstrings(source: str) -> dict[str, str]:
+    """The strings below the fields of a class, in one line each."""
+    body = ast.parse(inspect.cleandoc(source)).body[0]
+    assert isinstance(body, ast.ClassDef)
+    found = {}
+    for field, text in zip(body.body, body.body[1:], strict=False):
+        if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr):
+            found[ast.unparse(field.target)] = " ".join(ast.literal_eval(text.value).split())
+    return found
+
+
+def _fill_in(app: "Sphinx", page: str, content: list[str]) -> None:
+    content[0] = filled_in(content[0])
+
+
+GENERATORS = {"docstring": docstring, "noise": noise_table, "commands": commands}
+"""What makes each kind of part, from the text that follows the kind."""
