@@ -169,7 +169,7 @@ def test_request_at_once_is_sent_before_the_synchronisation() -> None:
 
 def test_overdue_request_can_be_interrupted() -> None:
     with connected_client(lambda request, number: [], timeout=5.0) as (client, scripted):
-        client.interrupted = lambda: bool(scripted.requests)
+        client.exchange.interrupted = lambda: bool(scripted.requests)
         begin = time.monotonic()
         with pytest.raises(RequestInterrupted):
             client.request(N)

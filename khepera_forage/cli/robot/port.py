@@ -9,7 +9,7 @@ from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 
 def add_port_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `--port`, `--baud` and `--timeout`."""
+    """Add `--port`, `--baud`, `--timeout` and `--no-watchdog`."""
     parser.add_argument(
         "--port",
         required=True,
@@ -29,6 +29,12 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help=f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
     )
+    parser.add_argument(
+        "--no-watchdog",
+        dest="watchdog",
+        action="store_false",
+        help="start no process that stops the robot if this program is killed",
+    )
 
 
 def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
@@ -38,4 +44,6 @@ def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
         ValueError: A baud rate or a time-out that is not allowed.
         ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
     """
-    return SerialKhepera(arguments.port, baud=arguments.baud, timeout=arguments.timeout)
+    return SerialKhepera(
+        arguments.port, baud=arguments.baud, timeout=arguments.timeout, watchdog=arguments.watchdog
+    )
