@@ -3,6 +3,7 @@
 import argparse
 
 from khepera_forage.cli.values import real_number
+from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -37,13 +38,22 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
+def open_robot(arguments: argparse.Namespace, period: float | None = CONTROL_PERIOD) -> SerialKhepera:
     """The driver of the robot at the port.
+
+    Args:
+        arguments: Of the command.
+        period: Seconds of a round, which the line must keep; None accepts any line.
 
     Raises:
         ValueError: A baud rate or a time-out that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
+            line does not keep the period.
     """
     return SerialKhepera(
-        arguments.port, baud=arguments.baud, timeout=arguments.timeout, watchdog=arguments.watchdog
+        arguments.port,
+        baud=arguments.baud,
+        timeout=arguments.timeout,
+        watchdog=arguments.watchdog,
+        period=period,
     )

@@ -30,6 +30,8 @@ MAX_ADAPTED_TIMEOUT = 0.5
 
 _NOT_REPEATABLE = ("G", RESTART)
 """Setting the counters twice loses the counts in between; a restart has no reply."""
+_COST_OF_GARBAGE = 0.25
+"""How much a try counts whose reply was garbled: the robot is there."""
 _MAX_BACKOFF = 8
 """Timeouts that a try may last: the wait doubles after each silent try, up to this."""
 _MAX_BACKOFF_OF_STOP = 2
@@ -166,20 +168,20 @@ class ProtocolClient:
                 f"{request.command} cannot be requested here; allowed: commands that may be sent twice"
             )
         statistics, attempt = self.transport.statistics, _Attempt(self.exchange, request, at_once)
-        sent_before, rejected, silent = statistics.sent, 0, 0
-        failed, reason = 0, "received nothing"
+        sent_before, rejected, failed, silent = statistics.sent, 0, 0.0, 0.0
         while True:
             if self.exchange.interrupted():
                 raise RequestInterrupted
-            answered_before = statistics.answered
-            patience = min(min(2**silent, max_backoff) * self.timeout, self.deadline - time.monotonic())
+            answered_before, cost = statistics.answered, 1.0
+            patience = min(2 ** int(silent), max_backoff) * self.timeout
             try:
-                reply = attempt(patience)
+                reply = attempt(min(patience, self.deadline - time.monotonic()))
                 if isinstance(reply, Reply):
                     return reply
                 rejected, reason = rejected + 1, f"it replied z,{reply.text}"
             except NoReply as failure:
                 reason = str(failure)
+                cost = _COST_OF_GARBAGE if failure.heard else 1.0
             except RobotRestarted:
                 self.exchange.pending.clear()
                 raise
@@ -187,8 +189,8 @@ class ProtocolClient:
                 tries = statistics.sent - sent_before
                 self._give_up(request, tries, f"the port failed: {error}", RobotLost, error)
             synchronised = statistics.answered > answered_before
-            failed += 1 if synchronised or not failed else 0
-            silent = 0 if synchronised else silent + 1
+            failed += cost if synchronised or not failed else 0.0
+            silent = 0.0 if synchronised else silent + cost
             if max(failed, silent) >= self.tries or time.monotonic() > self.deadline:
                 kind = RequestRejected if rejected == failed else RobotLost
                 self._give_up(request, statistics.sent - sent_before, reason, kind)
@@ -224,7 +226,7 @@ class _Attempt:
         if sync is not None:
             reply = self._exchange.single(sync, patience, request if self._sent else None)
             if isinstance(reply, ErrorReply):
-                raise NoReply(f"it replied z,{reply.text}")
+                raise NoReply(f"it replied z,{reply.text}", heard=False)
             if reply.command == request.command:
                 return reply
         self._sent = True

@@ -16,10 +16,20 @@ _MAX_REPLY_LENGTH = 60
 """Bytes: N has up to 43, K and H fewer than 60."""
 _WAIT_AFTER_GARBAGE = 0.02
 """Seconds to wait, in addition to the latency of the line, for the reply once a garbled line has arrived."""
+_PATIENCE_AFTER_SYNC = 8
+"""How many times longer to wait for late replies after a synchronisation request."""
 
 
 class NoReply(Exception):  # noqa: N818 (an event, not an error)
-    """One exchange brought no reply."""
+    """One exchange brought no reply.
+
+    Attributes:
+        heard: Whether something else arrived, such as a garbled line.
+    """
+
+    def __init__(self, reason: str, heard: bool) -> None:
+        super().__init__(reason)
+        self.heard = heard
 
 
 class Exchange:
@@ -97,16 +107,19 @@ class Exchange:
                 statistics.unmatched += 1
             unmatched = line
         statistics.timeouts += 1
-        raise NoReply(self._reason(unmatched))
+        raise NoReply(self._reason(unmatched), heard=bool(unmatched))
 
     def batch(
         self, requests: Sequence[Request], patience: float, sent: Sequence[Request] = ()
     ) -> list[Reply | None]:
         """Send several requests at once and collect their replies, which arrive in the same order.
 
+        If some are late, a synchronisation request follows: once it is answered, what is missing is lost.
+
         Args:
             requests: A command may occur twice, not directly after itself.
-            patience: Seconds to wait for the replies in addition to the transmission of the bytes.
+            patience: Seconds to wait for the replies in addition to the transmission of the bytes; again, and longer,
+                after the synchronisation request.
             sent: Requests that `send_unanswered` has sent, when no older reply to them was pending.
 
         Returns:
@@ -120,26 +133,37 @@ class Exchange:
         if not sent:
             transport.discard_input()
         starts_mid_line = transport.mid_line and not sent
-        commands = [request.command for request in expected]
+        count = len(expected)
         stale = self.pending.among([request.command for request in requests])
         for request in requests:
             self.pending.sent(request)
-        length = len(transport.send(*requests)) + len(expected) * _MAX_REPLY_LENGTH
+        length = len(transport.send(*requests)) + count * _MAX_REPLY_LENGTH
         due = time.monotonic() + seconds_on_wire(length, self._baud)
-        replies: list[Reply | None] = [None] * len(expected)
+        deadline = due + patience
+        replies: list[Reply | None] = [None] * (count + 1)
         position = 0
-        while position < len(expected) and (now := time.monotonic()) < due + patience:
+        while position < count:
+            now = time.monotonic()
             self._check_wait(now > due + self.latency)
+            if now > deadline:
+                sync = self.pending.sync_request(expected[position])
+                if len(expected) > count or sync is None:
+                    break
+                statistics.timeouts += 1
+                expected.append(sync)
+                self.send_unanswered(sync)
+                deadline = now + _PATIENCE_AFTER_SYNC * patience
             received = transport.receive_line()
             if received is None:
                 continue
             _, reply = received
+            commands = [request.command for request in expected[position:]]
             if starts_mid_line:
                 starts_mid_line = False
             elif isinstance(reply, ErrorReply):
                 statistics.rejected += 1
-            elif reply is not None and reply.command in commands[position:] and reply.command not in stale:
-                position = commands.index(reply.command, position)
+            elif reply is not None and reply.command in commands and reply.command not in stale:
+                position += commands.index(reply.command)
                 replies[position] = reply
                 statistics.answered += 1
                 self.pending.answered(expected[position])
@@ -149,9 +173,9 @@ class Exchange:
                 stale = frozenset()  # All older replies have arrived before this one.
             elif reply is not None:
                 statistics.unmatched += 1
-        statistics.timeouts += position < len(expected)
+        replies, names = replies[:count], [request.command for request in expected[:count]]
         if None in replies:
-            return [None if commands.count(c) > 1 else r for c, r in zip(commands, replies, strict=True)]
+            return [None if names.count(name) > 1 else r for name, r in zip(names, replies, strict=True)]
         return replies
 
     def _check_wait(self, overdue: bool) -> None:

@@ -5,10 +5,11 @@ with a USB adapter, more over radio or a network.
 
 On a line with a noticeable latency, the requests of a round are *pipelined*: sent without waiting for each reply, so
 that the latency counts once a round and not once a request. PYRO controls real Kheperas in this way; other drivers wait
-for each reply, as this one does on a fast line. If a robot does not answer pipelined requests together when its port is
-opened, it receives all requests one by one.
+for each reply, as this one does on a fast line without late replies. If a robot does not answer pipelined requests
+together when its port is opened, it receives all requests one by one.
 """
 
+import math
 import statistics
 import time
 from typing import NamedTuple
@@ -43,11 +44,13 @@ class LineTiming(NamedTuple):
         baud: Its baud rate.
         latency: Seconds that a reply takes in addition to the transmission of its bytes.
         pipelined: Whether the requests of a round are sent without waiting for each reply.
+        can_pipeline: Whether the robot answers requests that are sent in this way.
     """
 
     baud: int
     latency: float = 0.0
     pipelined: bool = False
+    can_pipeline: bool = False
 
     @property
     def round_time(self) -> float:
@@ -68,11 +71,12 @@ class LineTiming(NamedTuple):
         if self.round_time <= period:
             return
         waits = 1 if self.pipelined else _ROUND_REQUESTS
+        possible = math.ceil(100 * self.round_time) / 100
         longest = max(0.0, (period - seconds_on_wire(_ROUND_BYTES, self.baud)) / waits)
         raise LineTooSlow(
             f"{port} is too slow for rounds of {period:g} s: a reply takes {1000 * self.latency:.0f} ms longer than "
             f"its transmission, and a round {1000 * self.round_time:.0f} ms; required: at most {1000 * longest:.0f} ms "
-            f"for a reply at {self.baud} baud. Lengthen the period to {self.round_time:.2f} s or more, raise the baud "
+            f"for a reply at {self.baud} baud. Lengthen the period to {possible:.2f} s or more, raise the baud "
             "rate, or shorten the latency (latency timer of a USB adapter, radio, network)"
         )
 
@@ -93,9 +97,9 @@ class LineTimer:
         client.deadline = self._begin + max(OPENING_TIMEOUT, client.tries * self._timeout)
 
     @property
-    def late(self) -> bool:
+    def is_late(self) -> bool:
         """Whether no further request fits into the time for opening."""
-        return time.monotonic() > self._begin + _MEASURING_TIMEOUT
+        return max(self._latencies) > _PATIENCE or time.monotonic() > self._begin + _MEASURING_TIMEOUT
 
     def request(self, request: Request) -> None:
         """Send a request, and measure the latency of its reply.
@@ -116,19 +120,19 @@ class LineTimer:
         """
         client = self._client
         for number in range(len(self._latencies), _MEASUREMENTS):
-            if self.late:
+            if self.is_late:
                 break
             self.request(Request("E" if number % 2 == 0 else "B"))
         client.timeout = self._timeout
         latency = max(0.0, min(self._latencies))
         client.adapt(latency, max(0.0, statistics.median(self._latencies)))
-        pipelined = latency > _FAST and (self._answers_a_batch(latency) or self._answers_a_batch(latency))
-        return LineTiming(client.baud, latency, pipelined)
+        can_pipeline = self._answers_a_batch(latency) or self._answers_a_batch(latency)
+        return LineTiming(client.baud, latency, can_pipeline and latency > _FAST, can_pipeline)
 
     def _answers_a_batch(self, latency: float) -> bool:
         """Whether all replies to pipelined requests arrive, and together after one latency."""
         client = self._client
-        if self.late:
+        if self.is_late:
             return True  # The line is too slow in any case.
         begin = time.monotonic()
         replies = client.exchange.batch(_BATCH, client.timeout)

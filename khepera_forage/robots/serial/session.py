@@ -3,6 +3,8 @@
 Runs in the thread that owns the port.
 """
 
+import time
+
 from khepera_forage.robots.khepera import CONTROL_PERIOD, JAW_OPEN, Motors, RobotLost, Senses
 from khepera_forage.robots.serial.call_limits import CallLimits
 from khepera_forage.robots.serial.client import ProtocolClient
@@ -17,6 +19,8 @@ TOO_MANY_RESTARTS = "it restarts again and again"
 MOTION_COMMANDS = ("C", "D", "P")
 """Position control, speed and pulse-width modulation of the wheels."""
 
+_PIPELINED_ROUNDS = 50
+"""Rounds whose readings are pipelined on a fast line after a late reply: late replies then do not add up."""
 _STOP = Request("D", (0, 0))
 
 
@@ -48,6 +52,7 @@ class Session:
         self._sent_arm: int | None = None
         self._sent_jaw: int | None = None
         self._unconfirmed: list[Request] = []
+        self._pipelined_rounds = 0
         self._sensors = SensorReader(client, CONTROL_PERIOD if period is None else period)
         self._must_restore = False
 
@@ -63,7 +68,7 @@ class Session:
         """
         timer = LineTimer(self._client)
         timer.request(Request("B"))
-        if timer.late and self._period is not None:
+        if timer.is_late and self._period is not None:
             self._client.exchange.send_unanswered(_STOP)
         else:
             timer.request(_STOP)
@@ -88,6 +93,7 @@ class Session:
             requests.append(Request("T,1,E", (command.arm,)))
         if command.jaw != self._sent_jaw:
             requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
+        # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
         if self.timing.pipelined:
             self.stop_confirmed = False
             if self._client.send(requests):
@@ -100,16 +106,21 @@ class Session:
     def receive(self) -> Senses:
         """Read the sensors."""
         self._limits.begin()
+        begin = time.monotonic()
         requests = self._sensors.begin_round()
-        received: dict[Request, Reply] = {}
-        if self.timing.pipelined:
-            replies = self._client.request_all(requests, self._unconfirmed)
-            received = dict(zip(requests, replies[len(self._unconfirmed) :], strict=True))
+        received: list[Reply] = []
+        if self.timing.pipelined or (self._pipelined_rounds > 0 and self.timing.can_pipeline):
+            received = self._client.request_all(requests, self._unconfirmed)[len(self._unconfirmed) :]
             self._unconfirmed = []
             self.stop_confirmed = self._speeds == (0, 0)
+            if again := self._sensors.doubtful(requests, received, self._speeds):
+                received += self._client.request_all(again)
+                requests += again
         senses = self._sensors.read(requests, received, self._speeds)
         if self._sensors.counters.restart_noticed:
             self._must_restore = True
+        is_late = time.monotonic() - begin > self._client.timeout + self.timing.duration(len(requests), 0)
+        self._pipelined_rounds = _PIPELINED_ROUNDS if is_late else self._pipelined_rounds - 1
         return senses
 
     def stop(self, discard_command: bool) -> None:
