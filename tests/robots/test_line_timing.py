@@ -118,3 +118,16 @@ def test_lost_reply_of_a_pipelined_round_is_requested_again() -> None:
 def test_timing_counts_the_latency_once_if_pipelined() -> None:
     assert LineTiming(38400, 0.05, False).round_time == pytest.approx(4 * 0.05 + 61 * 11 / 38400)
     assert LineTiming(38400, 0.05, True).round_time == pytest.approx(0.05 + 61 * 11 / 38400)
+
+
+def test_doubtful_counters_are_read_again_without_a_timeout() -> None:
+    """A blocked wheel turns less than commanded."""
+    with make_rig(faults=late(0.03)) as rig, SerialKhepera(rig.url) as robot:
+        run_rounds(rig, robot, Motors(0, 0, 215, 200), 3)
+        robot.drive(Motors(20, 20, 215, 200))
+        robot.transmit()
+        begin, timeouts = time.monotonic(), robot.statistics.timeouts
+        robot.receive()
+        assert robot.statistics.timeouts == timeouts
+        assert time.monotonic() - begin < 2 * 0.03 + SCHEDULING
+        assert robot.sense().left_pulses == rig.robots[0].sense().left_pulses

@@ -21,6 +21,8 @@ from khepera_forage.robots.serial.protocol import Request, encode_reply, encode_
 
 OPENING_TIMEOUT = 1.9
 """Seconds for opening: then the robot counts as lost, or its line as too slow."""
+MAX_ROUND_BYTES, MAX_ROUND_REQUESTS = 170, 8
+"""Bytes and requests of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 
 _ROUND_REQUESTS = 4
 """D, N, T,1,G and H: a round in which the gripper rests."""

@@ -75,10 +75,11 @@ class SensorReader:
             for request, reply in zip(requests, received, strict=True)
             if not self._plausible(request, _values(request, reply), speeds)
         ]
-        if _ARM in again and _JAW in again and _BARRIER not in again:
-            again.insert(
-                again.index(_JAW), _BARRIER
-            )  # to tell a repeated reply of one from that of the other
+        # Equal letters must not follow each other: a repeated reply to one could be taken for the reply to the other.
+        if again == [_COUNTERS]:  # The counters were the last reading, too.
+            again.insert(0, _BARRIER)
+        elif _ARM in again and _JAW in again and _BARRIER not in again:
+            again.insert(again.index(_JAW), _BARRIER)
         return again
 
     def read(self, requests: Sequence[Request], received: Sequence[Reply], speeds: Values) -> Senses:

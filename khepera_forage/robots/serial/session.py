@@ -9,7 +9,7 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD, JAW_OPEN, Motors, Robo
 from khepera_forage.robots.serial.call_limits import CallLimits
 from khepera_forage.robots.serial.client import ProtocolClient
 from khepera_forage.robots.serial.errors import RobotRestarted
-from khepera_forage.robots.serial.line_timing import LineTimer, LineTiming
+from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, LineTimer, LineTiming
 from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.sensor_reader import SensorReader
 
@@ -119,7 +119,8 @@ class Session:
         senses = self._sensors.read(requests, received, self._speeds)
         if self._sensors.counters.restart_noticed:
             self._must_restore = True
-        is_late = time.monotonic() - begin > self._client.timeout + self.timing.duration(len(requests), 0)
+        expected = self.timing.duration(len(requests), MAX_ROUND_BYTES)
+        is_late = time.monotonic() - begin > self._client.timeout + expected
         self._pipelined_rounds = _PIPELINED_ROUNDS if is_late else self._pipelined_rounds - 1
         return senses
 
