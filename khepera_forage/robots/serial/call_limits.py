@@ -34,16 +34,15 @@ class CallLimits:
         self._client = client
         self._may_be_moving = may_be_moving
         self._hold_at = float("inf")
-        # The timeout as the user has set it: `adapt` has not changed it yet.
-        self._hold_after = max(HOLD_AFTER, client.timeout)
-        self._max_duration = max(MAX_DURATION, _MAX_TIMEOUTS * client.timeout)
+        self._hold_after = max(HOLD_AFTER, client.base_timeout)
+        self._max_duration = max(MAX_DURATION, _MAX_TIMEOUTS * client.base_timeout)
         client.exchange.while_waiting = self._check
 
     def begin(self) -> None:
         """Begin a call."""
         now = time.monotonic()
         self._hold_at = now + self._hold_after
-        self._client.deadline = now + self._max_duration
+        self._client.exchange.deadline = now + self._max_duration
 
     def _check(self) -> None:
         now = time.monotonic()

@@ -50,9 +50,9 @@ class ProtocolClient:
             same request.
 
     Attributes:
-        timeout: As the argument, or more on a line with a long latency.
-        exchange: The line.
-        deadline: Moment on the monotonic clock at which the robot counts as lost.
+        base_timeout: As the argument `timeout`.
+        timeout: The same, or more on a line with a long latency.
+        exchange: The line; the robot counts as lost after `exchange.deadline`.
 
     Raises:
         ValueError: A baud rate, timeout or number of tries that is not allowed.
@@ -74,9 +74,8 @@ class ProtocolClient:
             raise ValueError(f"tries {tries}; allowed: at least 1")
         self.port = port
         self.baud = baud
-        self.timeout = timeout
+        self.base_timeout = self.timeout = timeout
         self.tries = tries
-        self.deadline = float("inf")
         self.exchange = Exchange(port, baud)
 
     @property
@@ -92,7 +91,7 @@ class ProtocolClient:
             usual: The median.
         """
         self.exchange.latency = shortest
-        self.timeout = max(self.timeout, min(2 * usual, MAX_ADAPTED_TIMEOUT))
+        self.timeout = max(self.base_timeout, min(2 * usual, MAX_ADAPTED_TIMEOUT))
 
     def request(self, request: Request) -> Reply:
         """Send a request and return its reply; repeats the request as often as needed.
@@ -173,9 +172,8 @@ class ProtocolClient:
             if self.exchange.interrupted():
                 raise RequestInterrupted
             answered_before, cost = statistics.answered, 1.0
-            patience = min(2 ** int(silent), max_backoff) * self.timeout
             try:
-                reply = attempt(min(patience, self.deadline - time.monotonic()))
+                reply = attempt(min(2 ** int(silent), max_backoff) * self.timeout)
                 if isinstance(reply, Reply):
                     return reply
                 rejected, reason = rejected + 1, f"it replied z,{reply.text}"
@@ -191,7 +189,8 @@ class ProtocolClient:
             synchronised = statistics.answered > answered_before
             failed += cost if synchronised or not failed else 0.0
             silent = 0.0 if synchronised else silent + cost
-            if max(failed, silent) >= self.tries or time.monotonic() > self.deadline:
+            too_late = time.monotonic() > self.exchange.deadline
+            if (max(failed, silent) >= self.tries or too_late) and not self.exchange.interrupted():
                 kind = RequestRejected if rejected == failed else RobotLost
                 self._give_up(request, statistics.sent - sent_before, reason, kind)
 

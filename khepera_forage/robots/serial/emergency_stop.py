@@ -206,7 +206,7 @@ class _ExitHandler:
     def _suspend(self) -> None:
         if self._process == os.getpid():
             self._suspended += [robot.port for robot in self._robots if robot.suspend()]
-            stop_and_log(self._robots, "before the program was suspended")
+            stop_and_log(self._robots, "when the program was suspended")
 
 
 def _is_ours_to_replace(number: signal.Signals) -> bool:

@@ -44,6 +44,7 @@ class Exchange:
         pending: Commands to which a reply may still arrive.
         interrupted: Called while a reply is overdue; if it returns true, `RequestInterrupted` is raised.
         while_waiting: Called again and again during a wait.
+        deadline: Moment on the monotonic clock at which every wait ends.
         latency: Seconds between a request and its reply, in addition to their transmission, as far as known.
     """
 
@@ -52,6 +53,7 @@ class Exchange:
         self.pending = PendingReplies()
         self.interrupted: Callable[[], bool] = lambda: False
         self.while_waiting: Callable[[], None] = lambda: None
+        self.deadline = float("inf")
         self.latency = 0.0
         self._baud = baud
 
@@ -79,7 +81,7 @@ class Exchange:
         self.pending.sent(request)
         reply_time = seconds_on_wire(_MAX_REPLY_LENGTH, self._baud)
         due = time.monotonic() + seconds_on_wire(len(transport.send(request)), self._baud) + reply_time
-        deadline = due + patience
+        deadline = min(due + patience, self.deadline)
         unmatched = b""
         while (now := time.monotonic()) < deadline:
             self._check_wait(now > due + self.latency)
@@ -139,7 +141,7 @@ class Exchange:
             self.pending.sent(request)
         length = len(transport.send(*requests)) + count * _MAX_REPLY_LENGTH
         due = time.monotonic() + seconds_on_wire(length, self._baud)
-        deadline = due + patience
+        deadline = min(due + patience, self.deadline)
         replies: list[Reply | None] = [None] * (count + 1)
         position = 0
         while position < count:
@@ -147,12 +149,12 @@ class Exchange:
             self._check_wait(now > due + self.latency)
             if now > deadline:
                 sync = self.pending.sync_request(expected[position])
-                if len(expected) > count or sync is None:
+                if len(expected) > count or sync is None or now > self.deadline:
                     break
                 statistics.timeouts += 1
                 expected.append(sync)
                 self.send_unanswered(sync)
-                deadline = now + _PATIENCE_AFTER_SYNC * patience
+                deadline = min(now + _PATIENCE_AFTER_SYNC * patience, self.deadline)
             received = transport.receive_line()
             if received is None:
                 continue

@@ -94,9 +94,8 @@ class LineTimer:
         self._client = client
         self._begin = time.monotonic()
         self._latencies: list[float] = []
-        self._timeout = client.timeout
-        client.timeout = max(client.timeout, _PATIENCE)
-        client.deadline = self._begin + max(OPENING_TIMEOUT, client.tries * self._timeout)
+        client.timeout = max(client.base_timeout, _PATIENCE)
+        client.exchange.deadline = self._begin + max(OPENING_TIMEOUT, client.tries * client.base_timeout)
 
     @property
     def is_late(self) -> bool:
@@ -125,7 +124,6 @@ class LineTimer:
             if self.is_late:
                 break
             self.request(Request("E" if number % 2 == 0 else "B"))
-        client.timeout = self._timeout
         latency = max(0.0, min(self._latencies))
         client.adapt(latency, max(0.0, statistics.median(self._latencies)))
         can_pipeline = self._answers_a_batch(latency) or self._answers_a_batch(latency)
