@@ -1,4 +1,4 @@
-"""Time on the serial lines: what a round costs at each baud rate, and with several robots in parallel.
+"""Serial lines: time of a round by baud rate, robots, latency and disturbance; and stopping when a process ends.
 
     python benchmarks/wire.py --help
 
@@ -7,21 +7,23 @@ Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at 
 
 import math
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from serial_lines.disturbances import DISTURBANCES, DisturbedLine, DisturbedRound, disturbance_table
+from serial_lines.endings import ENDINGS, End, Ending, ending_table
+from serial_lines.latency import LATENCIES, SlowLine, SlowRound, latency_table
+from serial_lines.virtual_fleet import DECISIONS, TIMING, virtual_fleet
 
-from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.experiments.arguments import Count, parse
 from khepera_forage.experiments.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.experiments.measures import extremes, pick, quantiles
 from khepera_forage.experiments.page import Page, Picture, finish
 from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.row_folder import Rows
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
@@ -29,12 +31,6 @@ from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.port import BAUD_RATES, BITS_PER_BYTE, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.traffic import Traffic
-from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import CORRIDOR, copies
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,9 +38,6 @@ if TYPE_CHECKING:
 FLEETS = (1, 2, 4, 8)
 """Numbers of robots."""
 FLEET_BAUD = 38400
-DECISIONS = replace(DEFAULT_DECISIONS, arm_travel_time=1.0)
-"""An arm that takes several rounds, as the driver expects, so that rounds with a moving gripper are typical ones."""
-TIMING = timing_of(DECISIONS)
 PERIOD_MS = 1000 * TIMING.round_duration
 _MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_duration)
 """Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
@@ -113,7 +106,10 @@ class Drive(NamedTuple):
         """Measure every round."""
         wheels = np.random.default_rng(self.seed).integers(-12, 13, (self.rounds + _WARM_UP, 2)).tolist()
         rows = []
-        with _fleet(self.baud, self.robots, self.seed) as (fleet, advance):
+        with (
+            virtual_fleet(self.baud, self.robots, self.seed) as (ports, advance, _),
+            Fleet([SerialKhepera(port.url, baud=self.baud) for port in ports]) as fleet,
+        ):
             heard: list[Traffic] = []
             fleet.robots[0].on_traffic(heard.append)
             for number, (left, right) in enumerate(wheels, -_WARM_UP):
@@ -141,38 +137,31 @@ class Drive(NamedTuple):
         return Round(self.baud, self.robots, number, gripper, len(sent), received, wire, 1000 * taken)
 
 
-@contextmanager
-def _fleet(baud: int, robots: int, seed: int) -> Iterator[tuple[Fleet, Callable[[], None]]]:
-    """Robots behind virtual Kheperas, and a function that advances their simulated world by a round."""
-    corridors = copies(checked_arena(CORRIDOR, DECISIONS), robots)
-    world = PymunkWorld(corridors, [1 + number % 2 for number in range(robots)], timing=TIMING)
-    starts = tuple(arena.start for arena in world.arenas)
-    world.reset(np.random.default_rng(seed), Layout(starts, ()))
-    lock = threading.RLock()
-    firmwares = [Firmware(robot, lock, TIMING.round_duration) for robot in world.robots]
-
-    def advance() -> None:
-        with lock:
-            world.advance()
-            for firmware in firmwares:
-                firmware.tick()
-
-    with ExitStack() as stack:
-        ports = [stack.enter_context(VirtualKhepera(firmware, baud=baud)) for firmware in firmwares]
-        fleet = stack.enter_context(Fleet([SerialKhepera(port.url, baud=baud) for port in ports]))
-        yield fleet, advance
-
-
 def drives(rounds: int, seed: int) -> list[Drive]:
     """One robot at every baud rate, then more robots at one rate."""
     alone = [Drive(baud, 1, rounds, seed) for baud in BAUD_RATES]
     return alone + [Drive(FLEET_BAUD, robots, rounds, seed) for robots in FLEETS if robots > 1]
 
 
-def page(rows: Sequence[Round]) -> Page:
-    """Two tables and a picture."""
-    shown = Picture("wire", "milliseconds of a round by baud rate, and by number of robots", _picture(rows))
-    return Page("Time on the serial lines", [_line_table(rows), _fleet_table(rows), shown])
+def lines(rounds: int, seed: int) -> list[SlowLine | DisturbedLine | Ending]:
+    """Slow and disturbed lines, and ends of a process."""
+    slow = [SlowLine(latency, max(10, rounds // 4), seed) for latency in LATENCIES]
+    disturbed = [DisturbedLine(disturbance, rounds, seed) for disturbance in DISTURBANCES]
+    return [*slow, *disturbed, *(Ending(ending, max(1, rounds // 40)) for ending in ENDINGS)]
+
+
+def page(rows: Rows) -> Page:
+    """Tables and a picture."""
+    rounds = rows.of(Round)
+    shown = Picture("wire", "milliseconds of a round by baud rate, and by number of robots", _picture(rounds))
+    tables = (
+        _line_table(rounds),
+        _fleet_table(rounds),
+        latency_table(rows.of(SlowRound)),
+        disturbance_table(rows.of(DisturbedRound)),
+        ending_table(rows.of(End)),
+    )
+    return Page("Serial lines", [*tables, shown])
 
 
 def _line_table(rows: Sequence[Round]) -> Table:
@@ -248,8 +237,9 @@ def main() -> int:
     """Run the benchmark."""
     rounds = Count("rounds", 200, 40, "rounds at each baud rate and with each number of robots")
     given = parse("wire", __doc__, rounds, jobs=None)
-    rows = collect(given, drives(given.rounds, given.seed), {Round: "rounds"})
-    return finish(given, page(rows.of(Round)))
+    units = [*drives(given.rounds, given.seed), *lines(given.rounds, given.seed)]
+    tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}
+    return finish(given, page(collect(given, units, tables)))
 
 
 if __name__ == "__main__":

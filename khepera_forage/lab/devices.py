@@ -22,7 +22,12 @@ def open_robots(settings: LabSettings) -> Fleet:
         robots = []
         for entry in settings.robots:
             robot = SerialKhepera(
-                entry.port, baud=entry.baud, max_speed=settings.safe_speed, timeout=entry.timeout
+                entry.port,
+                baud=entry.baud,
+                max_speed=settings.safe_speed,
+                timeout=entry.timeout,
+                watchdog=entry.watchdog,
+                period=settings.period,
             )
             opened.callback(robot.close)
             robots.append(robot)

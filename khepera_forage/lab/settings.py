@@ -22,6 +22,7 @@ class RobotSettings:
         holes: Number of holes of its marker, 1 or 2.
         offset: From the arena in the file to this robot's copy of it, in mm.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
+        watchdog: Whether a process stops the robot if this one is killed or frozen.
     """
 
     port: str
@@ -30,6 +31,7 @@ class RobotSettings:
     holes: int = 2
     offset: Point = ORIGIN
     timeout: float = DEFAULT_TIMEOUT
+    watchdog: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from khepera_forage.lab.toml_table import (
     one_of,
     quoted,
     text,
+    true_or_false,
 )
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
@@ -109,6 +110,7 @@ def _robot(table: Table, index: int) -> RobotSettings:
         baud=table.take("baud", one_of(BAUD_RATES), 38400),
         holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
         timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
+        watchdog=table.take("watchdog", true_or_false, True),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )
     table.finish()

@@ -107,6 +107,13 @@ def number(low: float, high: float, unit: str) -> Callable[[str, Any], float]:
     return read
 
 
+def true_or_false(key: str, value: Any) -> bool:
+    """Read a truth value."""
+    if not isinstance(value, bool):
+        raise TableError(f"{key} is {quoted(value)}; allowed: true, false")
+    return value
+
+
 def one_of(allowed: Sequence[int]) -> Callable[[str, Any], int]:
     """A reader of one of the allowed whole numbers."""
 

@@ -214,8 +214,10 @@ class VirtualLaboratory(Laboratory):
                 self.virtual_kheperas[i : i + 1] = [
                     VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
                 ]
+        # The virtual robots end with this process: no watchdog has anything to stop.
         robots = [
-            replace(robot, port=url) for robot, url in zip(settings.robots, self.port_urls, strict=True)
+            replace(robot, port=url, watchdog=False)
+            for robot, url in zip(settings.robots, self.port_urls, strict=True)
         ]
         return replace(settings, robots=tuple(robots))
 

@@ -128,13 +128,17 @@ class RobotLost(ConnectionError):  # noqa: N818 (an event, not a mistake)
 
     Args:
         port: The robot's port.
-        command: The last request.
+        command: The last request; empty if no request is to blame.
         tries: How often it was sent.
         reason: Why there is no reply.
     """
 
     def __init__(self, port: str, command: str, tries: int, reason: str) -> None:
-        super().__init__(f"{port}: no answer to {command!r} after {tries} tries: {reason}")
+        if tries:
+            event = f"no answer to {command!r} after {tries} {'try' if tries == 1 else 'tries'}: {reason}"
+        else:
+            event = f"{command!r} was not sent: {reason}" if command else reason
+        super().__init__(f"{port}: {event}")
         self.port = port
         self.command = command
         self.tries = tries

@@ -1,4 +1,4 @@
-"""`benchmarks/wire.py`: time on the wire is that of the bytes, and robots in parallel cost what one costs."""
+"""`benchmarks/wire.py`: times on the wire are those of the bytes, slow lines are handled, all ends stop robots."""
 
 from pathlib import Path
 
@@ -47,3 +47,32 @@ def test_every_baud_rate_and_number_of_robots_has_its_line(out: Path) -> None:
     assert all(float(row["times one robot's"]) < 4 for row in fleet), (
         "eight in turn would take eight times as long"
     )
+
+
+def test_every_latency_is_pipelined_or_rejected(out: Path) -> None:
+    lines = {int(row["latency (ms)"]): row for row in read(out / "table_latency.csv")}
+    assert [lines[latency]["requests"] for latency in (0, 16, 80, 100, 1000)] == [
+        "one by one",
+        "pipelined",
+        "pipelined",
+        "rejected",
+        "rejected",
+    ]
+    assert all(float(row["opening (ms)"]) < 2000 for row in lines.values())
+    assert float(lines[80]["a round (ms)"]) < 180, "one by one, four requests would take 320 ms"
+
+
+def test_counters_are_right_on_disturbed_lines(out: Path) -> None:
+    rows = read(out / "table_disturbances.csv")
+    assert len(rows) == 4
+    for row in rows:
+        assert int(row["counter error (pulses)"]) <= 60
+        assert int(row["lost"]) == 0
+
+
+def test_every_end_of_a_process_stops_the_robot(out: Path) -> None:
+    endings = read(out / "table_endings.csv")
+    assert {"Ctrl-C", "Ctrl-Z", "kill -9", "SIGSTOP", "os._exit"} <= {
+        row["end of the process"] for row in endings
+    }
+    assert all(float(row["wheels turn on (ms): high"]) < 1000 for row in endings)

@@ -15,6 +15,7 @@ from khepera_forage.cli.robot.sensors import bars
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.watchdog import Watchdog
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -69,6 +70,19 @@ def test_probe_prints_versions_and_response_times(port: str, capsys: pytest.Capt
     trips = [float(ms) for ms in re.findall(r"([\d.]+) ms round trip", out)]
     assert len(trips) == 5
     assert all(1 < ms < 1000 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
+    rate = re.search(r"at most ([\d.]+) rounds a second, requests one by one", out)
+    assert rate is not None
+    assert 1 < float(rate[1]) < 57, "61 bytes take 17 ms"
+
+
+def test_probe_reports_the_rate_of_a_line_that_is_too_slow_for_the_other_commands(
+    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
+) -> None:
+    frozen.faults = Faults(delay=1.0, lateness=(0.15, 0.15))
+    assert "requests pipelined" in output(capsys, "probe", "--port", frozen.url)
+    assert main(["robot", "sensors", "--port", frozen.url, "--rounds", "1"]) == 2
+    assert "too slow for rounds of 0.1 s" in capsys.readouterr().err
+    frozen.faults = Faults()
 
 
 def test_sensors_prints_lines_without_a_terminal(port: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -98,6 +112,26 @@ def test_drive_turns_the_wheels_and_stops(port: str, capsys: pytest.CaptureFixtu
         before = robot.request("H")
         robot.request("E")
         assert robot.request("H") == before
+
+
+@pytest.mark.parametrize(("option", "watchdogs"), [([], 1), (["--no-watchdog"], 0)])
+def test_no_watchdog_starts_none(
+    port: str,
+    option: list[str],
+    watchdogs: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    started: list[str] = []
+    original = Watchdog.__init__
+
+    def recorded(self: Watchdog, port: str, descriptor: int) -> None:
+        started.append(port)
+        original(self, port, descriptor)
+
+    monkeypatch.setattr(Watchdog, "__init__", recorded)
+    output(capsys, "grip", "open", "--port", port, *option)
+    assert started == [port] * watchdogs
 
 
 def test_grip_moves_the_jaw(port: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,5 +1,7 @@
 """A laboratory that loses a robot or the camera: all robots are stopped, and `reset` reconnects."""
 
+import os
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,10 +9,12 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.laboratories import load_settings
+from khepera_forage.lab.devices import open_robots
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.serial.errors import LineTooSlow
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.vision.video import CameraLost
 from tests.lab.laboratories import (
@@ -52,6 +56,29 @@ def test_old_frame_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyP
     monkeypatch.undo()
     lab.reset(np.random.default_rng(1), LAYOUT)
     drive_all(lab)
+
+
+def test_suspension_ends_the_episode_and_asks_the_operator(lab: VirtualLaboratory) -> None:
+    drive_all(lab)
+    os.kill(os.getpid(), signal.SIGCONT)  # as after Ctrl-Z
+    assert is_stopped(lab)
+    with pytest.raises(RobotLost, match="the program was suspended"):
+        lab.advance()
+    assert is_stopped(lab)
+    lab.reset(np.random.default_rng(1), LAYOUT)
+    assert lab.virtual_operator.requests[0].reason.startswith("reconnect what was lost")
+    drive_all(lab)
+
+
+def test_slow_line_is_rejected_before_anything_moves(lab: VirtualLaboratory) -> None:
+    lab.virtual_kheperas[1].faults = Faults(delay=1.0, lateness=(0.2, 0.2))
+    lab.stop()
+    lab.robots[1].close()
+    settings = replace(lab.settings, robots=lab.settings.robots[1:])
+    with pytest.raises(LineTooSlow, match=r"too slow for rounds of 0\.1 s"):
+        open_robots(settings)
+    with open_robots(replace(settings, period=0.3)) as fleet:
+        assert fleet.robots[0].timing.pipelined
 
 
 def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -61,7 +61,7 @@ def test_every_key_is_read() -> None:
     settings = parsed(
         'safe_speed = 12\nperiod = 0.2\n[arena]\nname = "rectangle"\n'
         '[[robots]]\nname = "Ada"\nport = "socket://127.0.0.1:5000"\nbaud = 9600\nholes = 2\n'
-        "offset = [10.5, 20]\ntimeout = 0.3\n"
+        "offset = [10.5, 20]\ntimeout = 0.3\nwatchdog = false\n"
         '[camera]\nsource = "rtsp://camera"\ncalibration = "c.toml"\noldest = 1\n'
         "[tracker]\ncontrast = 1.7\nfeatureless = true\n"
         "[tolerance]\nposition = 20\nheading = 5\n",
@@ -71,7 +71,7 @@ def test_every_key_is_read() -> None:
     assert settings.period == 0.2
     assert settings.arena == RECTANGLE
     assert settings.robots == (
-        RobotSettings("socket://127.0.0.1:5000", "Ada", 9600, 2, Point(10.5, 20.0), 0.3),
+        RobotSettings("socket://127.0.0.1:5000", "Ada", 9600, 2, Point(10.5, 20.0), 0.3, False),
     )
     assert settings.camera.source == "rtsp://camera"
     assert settings.camera.calibration == Path("lab/c.toml")
@@ -123,6 +123,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset =", "baud = 38401\noffset =", "robots[1].baud is 38401; allowed: 9600, 19200, 38400, 57600, 115200"),
         ("offset =", 'baud = "9600"\noffset =', "robots[1].baud is '9600'; allowed: 9600,"),
         ("offset =", "timeout = 0\noffset =", "robots[1].timeout is 0; allowed: 0.01 to 10 seconds"),
+        ("offset =", "watchdog = 1\noffset =", "robots[1].watchdog is 1; allowed: true, false"),
         ("offset =", "holes = 3\noffset =", "robots[1].holes is 3; allowed: 1, 2"),
         ("offset =", "holes = true\noffset =", "robots[1].holes is True; allowed: 1, 2"),
         ("offset = [0, 300]", "offset = [0]", "robots[1].offset is [0]; allowed: [x mm, y mm]"),
@@ -135,7 +136,8 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ('port = "/dev/ttyUSB1"', 'name = "b"', "robots[1].port is missing"),
         ('port = "/dev/ttyUSB1"', 'port = ""', "robots[1].port is ''; allowed: a text that is not empty"),
         ("offset =", 'name = "teacher"\noffset =', "robots[1].name is 'teacher', as robots[0].name"),
-        ("offset =", "ofset =", "robots[1].ofset is unknown; allowed: baud, holes, name, offset, port, timeout"),
+        ("offset =", "ofset =", "robots[1].ofset is unknown; allowed: baud, holes, name, offset, port, timeout, "
+         "watchdog"),
         ("source = 0", "", "camera.source is missing"),
         ("source = 0", "source = -1", "camera.source is -1; allowed: the number of a device"),
         ("source = 0", "source = 0\noldest = 99", "camera.oldest is 99; allowed: 0.05 to 10 seconds"),

@@ -3,8 +3,6 @@
 import os
 import signal
 import subprocess
-import sys
-import textwrap
 import threading
 import time
 from collections.abc import Iterator
@@ -16,42 +14,8 @@ import pytest
 from khepera_forage.robots.serial import emergency_stop
 from khepera_forage.robots.serial.port_thread import Task
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from tests.robots.rig import FORWARD, Rig, make_rig
-
-DRIVE = """
-import os, signal, sys, time
-from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-robots = [SerialKhepera(port) for port in sys.argv[1:]]
-def drive():
-    for robot in robots:
-        robot.drive(Motors(5, 5, 215, 200))
-        robot.transmit()
-    print("driving", flush=True)
-def drive_and_receive():
-    drive()
-    while True:
-        Fleet(robots).receive()
-"""
-
-
-def start_driver(rig: Rig, body: str) -> "subprocess.Popen[str]":
-    ports = [port.url for port in rig.ports]
-    child = subprocess.Popen(
-        [sys.executable, "-W", "error", "-c", DRIVE + textwrap.dedent(body), *ports],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert child.stdout is not None
-    assert child.stdout.readline() == "driving\n", child.communicate()[1]
-    return child
-
-
-def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:
-    _, errors = child.communicate(timeout=20)
-    return child.returncode, errors
+from tests.robots.driver_process import start_driver, wait_for_exit
+from tests.robots.rig import FORWARD, make_rig
 
 
 @pytest.mark.parametrize(
@@ -67,7 +31,7 @@ def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:
 )
 def test_exit_stops_the_robots(body: str, status: int, message: str) -> None:
     with make_rig(2) as rig:
-        child = start_driver(rig, body)
+        child = start_driver([port.url for port in rig.ports], body)
         code, errors = wait_for_exit(child)
         assert code == status
         assert message in errors
@@ -75,14 +39,14 @@ def test_exit_stops_the_robots(body: str, status: int, message: str) -> None:
         assert rig.is_stopped()
 
 
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
 @pytest.mark.parametrize(
     "body", ["drive(); time.sleep(60)", "drive_and_receive()"], ids=["idle", "during a request"]
 )
 def test_signal_stops_the_robots(name: str, body: str) -> None:
     number = signal.Signals[name]
     with make_rig(2, baud=38400) as rig:
-        child = start_driver(rig, body)
+        child = start_driver([port.url for port in rig.ports], body)
         time.sleep(0.1)
         assert rig.wheel_pulses(0) == rig.wheel_pulses(1) == (50, 50)
         child.send_signal(number)
@@ -92,17 +56,33 @@ def test_signal_stops_the_robots(name: str, body: str) -> None:
         assert ("KeyboardInterrupt" in errors) == (name == "SIGINT")
 
 
-def test_replaced_signal_handler_is_called() -> None:
-    install = "import signal, sys\nsignal.signal(signal.SIGTERM, lambda number, frame: sys.exit(7))\n"
+@pytest.mark.parametrize("name", ["SIGABRT", "SIGALRM", "SIGXCPU", "SIGUSR1", "SIGVTALRM"])
+def test_fatal_signal_stops_the_robots(name: str) -> None:
+    number = signal.Signals[name]
     with make_rig(1) as rig:
-        child = subprocess.Popen(
-            [sys.executable, "-W", "error", "-c", install + DRIVE + "drive_and_receive()", rig.url],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        child = start_driver([rig.url], "drive(); time.sleep(60)", options="watchdog=False")
+        assert rig.wheel_pulses() == (50, 50)
+        child.send_signal(number)
+        assert wait_for_exit(child) == (-number, "")
+        assert rig.is_stopped()
+
+
+def test_signal_of_another_purpose_does_not_stop_the_robots() -> None:
+    timer = "import signal\nsignal.signal(signal.SIGALRM, lambda number, frame: print('alarm', flush=True))"
+    with make_rig(1) as rig:
+        child = start_driver([rig.url], "drive(); time.sleep(60)", before=timer)
+        child.send_signal(signal.SIGALRM)
         assert child.stdout is not None
-        assert child.stdout.readline() == "driving\n"
+        assert child.stdout.readline() == "alarm\n"
+        assert rig.wheel_pulses() == (50, 50)
+        child.kill()
+        child.communicate()
+
+
+def test_replaced_signal_handler_is_called() -> None:
+    install = "import signal, sys\nsignal.signal(signal.SIGTERM, lambda number, frame: sys.exit(7))"
+    with make_rig(1) as rig:
+        child = start_driver([rig.url], "drive_and_receive()", before=install)
         child.terminate()
         code, errors = wait_for_exit(child)
         assert (code, errors) == (7, "")
@@ -115,22 +95,8 @@ def test_ignored_signal_stays_ignored() -> None:
     sys.stdin.readline()
     """
     with make_rig(1) as rig:
-        child = subprocess.Popen(
-            [
-                sys.executable,
-                "-c",
-                "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-                + DRIVE
-                + textwrap.dedent(body),
-                rig.url,
-            ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert child.stdout is not None
-        assert child.stdout.readline() == "driving\n"
+        ignore = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)"
+        child = start_driver([rig.url], body, before=ignore, stdin=subprocess.PIPE)
         child.send_signal(signal.SIGHUP)
         time.sleep(0.2)
         assert child.poll() is None
@@ -151,14 +117,8 @@ def test_forked_child_does_not_stop_the_robots() -> None:
     os._exit(0)
     """
     with make_rig(1) as rig:
-        child = subprocess.Popen(
-            [sys.executable, "-c", DRIVE + textwrap.dedent(body), rig.url],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        child = start_driver([rig.url], body, stdin=subprocess.PIPE)
         assert child.stdout is not None
-        assert child.stdout.readline() == "driving\n"
         assert child.stdout.readline() == "(0, 0)\n"
         assert rig.wheel_pulses() == (50, 50)
         child.communicate("\n", timeout=20)
@@ -222,9 +182,16 @@ class Unstoppable:
     """A robot that cannot be stopped."""
 
     port = "nowhere"
+    stop_confirmed = False
 
     def begin_stop(self) -> Task[None]:
         return Task(lambda: None)
+
+    def suspend(self) -> bool:
+        return True
+
+    def end_watchdog(self) -> None:
+        """It has none."""
 
 
 def test_failure_to_stop_one_robot_does_not_affect_others() -> None:

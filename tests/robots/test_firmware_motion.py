@@ -131,6 +131,22 @@ class TestGripper:
         stage.rounds(20)
         assert (stage.numbers("T,1,H,1"), stage.numbers("T,1,H,0")) == ([255], [0])
 
+    def test_resistivity_is_high_while_empty_fingers_touch(self, stage: Stage) -> None:
+        """PYRO takes more than 20 for closed fingers."""
+        assert stage.numbers("T,1,F")[0] <= 20, "open and empty"
+        stage.request("T,1,D,1")
+        stage.rounds(20)
+        assert stage.numbers("T,1,F")[0] > 20
+
+    def test_resistivity_of_wooden_food_is_that_of_open_fingers(self) -> None:
+        stage = make_stage(food_ahead=57.0)
+        stage.request("T,1,E,255")
+        stage.rounds(12)
+        stage.request("T,1,D,1")
+        stage.rounds(20)
+        assert stage.numbers("T,1,H,0")[0] > 100
+        assert stage.numbers("T,1,F")[0] <= 20
+
     def test_arm_targets_are_limited_to_its_travel(self, stage: Stage) -> None:
         assert stage.request("T,1,E,0") == "t,1,e"
         stage.rounds(20)

@@ -89,7 +89,7 @@ def test_all_lost_robots_are_named() -> None:
 def test_slow_robot_holds_the_others() -> None:
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
-        rig.ports[0].faults = Faults(delay=1.0, lateness=(0.5, 0.5))
+        rig.ports[0].faults = Faults(delay=1.0, lateness=(0.3, 0.3))
         for robot in fleet.robots:
             robot.drive(FORWARD)
         late = fleet.robots[0].begin_receive()
@@ -106,10 +106,12 @@ def test_slow_robot_holds_the_others() -> None:
 def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
     """While requests to one robot are repeated, the other robot is stopped."""
 
-    def silent_after_two(request: bytes, number: int) -> list[Action]:
-        return NumberedReplies({})(request, number) if number < 2 else []
+    opening = 5
 
-    with make_rig() as rig, ScriptedRobot(silent_after_two) as scripted:
+    def silent_after_opening(request: bytes, number: int) -> list[Action]:
+        return NumberedReplies({})(request, number) if number < opening else []
+
+    with make_rig() as rig, ScriptedRobot(silent_after_opening) as scripted:
         robot = SerialKhepera(rig.url)
         silent = SerialKhepera(scripted.url, timeout=0.1, tries=3)
         robot.drive(FORWARD)
@@ -135,7 +137,7 @@ def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
         assert losses[0].port == scripted.url
         assert rig.wheel_pulses() == (0, 0)
         fleet.close()
-        assert b"D,0,0" in scripted.requests[2:], "the silent robot may still receive requests"
+        assert b"D,0,0" in scripted.requests[opening:], "the silent robot may still receive requests"
 
 
 def test_stop_and_close_stop_all_robots() -> None:

@@ -47,11 +47,11 @@ def test_position_without_target_is_due_until_it_rests() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reading", "implausible"), [(231, False), (227, False), (25, True), (220, True), (250, True)]
+    ("reading", "plausible"), [(231, True), (227, True), (25, False), (220, False), (250, False)]
 )
-def test_position_off_the_way_to_the_target_is_implausible(reading: int, implausible: bool) -> None:
+def test_position_off_the_way_to_the_target_is_implausible(reading: int, plausible: bool) -> None:
     arm = GripperPosition(ARM_LIMITS, can_stall=False, phase=0)
     arm.set_target(255)
-    assert arm.implausible((227,)), "there is no last reading"
+    assert not arm.plausible((227,)), "there is no last reading"
     arm.update(227)
-    assert arm.implausible((reading,)) is implausible
+    assert arm.plausible((reading,)) is plausible

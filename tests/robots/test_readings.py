@@ -10,6 +10,7 @@ from khepera_forage.robots.serial.readings import (
     jaw_position,
     object_presence,
     read_confirmed,
+    within,
 )
 
 
@@ -18,16 +19,20 @@ from khepera_forage.robots.serial.readings import (
     [
         ([(10,)], (10,)),
         ([(99,), (98,)], (98,)),
-        ([(99,), (10,), (11,)], (11,)),
-        ([(10, 99), (10, 9), (11, 99)], (10, 99)),
+        ([(99,), (10,)], (10,)),
+        ([(99,), (70,), (60,), (58,)], (58,)),
+        ([(99,), (90,), (80,), (70,), (60,)], None),
     ],
-    ids=["plausible", "implausible but confirmed", "wrong", "median of three, value by value"],
+    ids=["plausible", "confirmed", "wrong, then plausible", "confirmed at last", "unknown"],
 )
-def test_implausible_reading_is_repeated(readings: list[Values], accepted: Values) -> None:
+def test_implausible_reading_is_repeated(readings: list[Values], accepted: Values | None) -> None:
     remaining: Iterator[Values] = iter(readings)
-    assert (
-        read_confirmed(lambda: next(remaining), lambda values: max(values) > 50, equal_within=2) == accepted
+    reading = read_confirmed(
+        lambda: next(remaining),
+        lambda values: max(values) <= 50,
+        lambda first, second: within(first, second, 2),
     )
+    assert reading == accepted
     assert next(remaining, None) is None
 
 

@@ -14,12 +14,24 @@ LATE = 0.3
 """Seconds, more than the timeout of the tests."""
 
 
-def test_late_reply_is_not_matched_to_the_repeated_request() -> None:
-    with connected_client(NumberedReplies({0: lambda reply: [LATE, reply]})) as (client, scripted):
-        answer = client.request(N)
-        assert scripted.requests[0] == scripted.requests[-1] == b"N"
-        assert answer == reply_to_n(len(scripted.requests)), "the reply to the last request"
+def test_late_reply_to_an_earlier_request_is_not_matched() -> None:
+    with connected_client(NumberedReplies({0: lambda reply: [LATE, reply]}), tries=1) as (client, scripted):
+        with pytest.raises(RobotLost):
+            client.request(N)
+        client.tries = 6
+        assert client.request(N) == reply_to_n(len(scripted.requests))
+        assert scripted.requests[-1] == b"N"
         assert client.transport.statistics.unmatched >= 1
+
+
+def test_late_reply_is_matched_to_its_own_request() -> None:
+    """Sending the request again would take longer, and the robot could be late again."""
+    with connected_client(NumberedReplies({0: lambda reply: [LATE, reply]})) as (client, scripted):
+        assert client.request(N) == reply_to_n(1)
+        assert scripted.requests.count(b"N") == 1
+        for _ in range(3):
+            for request in (H, ARM, N):
+                assert client.request(request).values[0] == len(scripted.requests)
 
 
 def test_late_arm_position_is_not_matched_to_a_jaw_request() -> None:
@@ -57,11 +69,14 @@ def test_no_synchronisation_between_different_commands() -> None:
 
 
 def test_each_retry_uses_a_synchronisation_request_that_is_not_pending() -> None:
-    """The reply is later than several retries: still no stale value is returned."""
-    with connected_client(NumberedReplies({0: lambda reply: [1.2, reply]}), timeout=0.05) as (
+    """The reply to an earlier request is later than several retries: still it is not matched to this one."""
+    with connected_client(NumberedReplies({0: lambda reply: [1.2, reply]}), timeout=0.05, tries=1) as (
         client,
         scripted,
     ):
+        with pytest.raises(RobotLost):
+            client.request(N)
+        client.tries = 6
         assert client.request(N) == reply_to_n(len(scripted.requests))
         syncs = scripted.requests[1:-1]
         assert len(syncs) == len(set(syncs)) >= 3, "none is sent again while its reply is pending"

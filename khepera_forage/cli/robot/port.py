@@ -3,13 +3,14 @@
 import argparse
 
 from khepera_forage.option_values import real_number
+from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 
 def add_port_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `--port`, `--baud` and `--timeout`."""
+    """Add `--port`, `--baud`, `--timeout` and `--no-watchdog`."""
     parser.add_argument(
         "--port",
         required=True,
@@ -29,13 +30,30 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help=f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
     )
+    parser.add_argument(
+        "--no-watchdog",
+        dest="watchdog",
+        action="store_false",
+        help="start no process that stops the robot if this program is killed",
+    )
 
 
-def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
+def open_robot(arguments: argparse.Namespace, period: float | None = CONTROL_PERIOD) -> SerialKhepera:
     """The driver of the robot at the port.
+
+    Args:
+        arguments: Of the command.
+        period: Seconds of a round, which the line must keep; None accepts any line.
 
     Raises:
         ValueError: A baud rate or a time-out that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
+            line does not keep the period.
     """
-    return SerialKhepera(arguments.port, baud=arguments.baud, timeout=arguments.timeout)
+    return SerialKhepera(
+        arguments.port,
+        baud=arguments.baud,
+        timeout=arguments.timeout,
+        watchdog=arguments.watchdog,
+        period=period,
+    )

@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, or no robot answers.
     """
-    with open_robot(arguments) as robot:
+    with open_robot(arguments, period=None) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         bios, protocol = robot.request("B")
         print(f"robot      BIOS {bios}, protocol {protocol}")
@@ -39,7 +39,12 @@ def run(arguments: argparse.Namespace) -> int:
                 print(f"{_name(command, values):10s} {_round_trips(robot, command, values)}")
             except RequestRejected:
                 continue
-        counts = robot.statistics
+        timing, counts = robot.timing, robot.statistics
+        print(
+            f"latency    {1000 * timing.latency:.1f} ms in addition to the transmission; a round takes "
+            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second, requests "
+            f"{'pipelined' if timing.pipelined else 'one by one'}"
+        )
         print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
     return 0
 

@@ -4,43 +4,38 @@ The protocol has neither sequence numbers nor checksums. A reply is matched to i
 order in which the robot replies. The client therefore never sends a command while an earlier reply to the same command
 may still arrive, late or repeated. It first sends a *synchronisation request* (command E, or another one if a reply to
 E is pending too). Once that is answered, no older reply can arrive. After a timeout this costs one round trip instead
-of waiting for silence.
+of waiting for silence; the reply to the request itself also counts if it arrives meanwhile.
 
 Undetectable here: a digit changed into another one in transmission (the session repeats requests with implausible
 readings), and replies out of order, which do not occur on a serial line.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import NoReturn
 
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.command_table import RESTART
 from khepera_forage.robots.serial.errors import RequestInterrupted, RequestRejected, RobotRestarted
-from khepera_forage.robots.serial.port import seconds_on_wire
+from khepera_forage.robots.serial.exchange import Exchange, NoReply
 from khepera_forage.robots.serial.protocol import ErrorReply, Reply, Request, encode_request
-from khepera_forage.robots.serial.reply_matching import PendingReplies
 from khepera_forage.robots.serial.transport import Transport
 
 DEFAULT_BAUD = 38400
 DEFAULT_TIMEOUT = 0.1
 MAX_TIMEOUT = 10.0
 DEFAULT_TRIES = 6
+MAX_ADAPTED_TIMEOUT = 0.5
+"""Seconds: limit of the timeout that follows from the latency of the line."""
 
-_MAX_REPLY_LENGTH = 60
-"""Bytes: N has up to 43, K and H fewer than 60."""
 _NOT_REPEATABLE = ("G", RESTART)
 """Setting the counters twice loses the counts in between; a restart has no reply."""
+_COST_OF_GARBAGE = 0.25
+"""How much a try counts whose reply was garbled: the robot is there."""
 _MAX_BACKOFF = 8
 """Timeouts that a try may last: the wait doubles after each silent try, up to this."""
 _MAX_BACKOFF_OF_STOP = 2
 """The same for stopping, where sending the request again matters more than waiting for its reply."""
-_WAIT_AFTER_GARBAGE = 0.02
-"""Seconds to wait for the reply once a garbled line has arrived."""
-
-
-class _NoReply(Exception):  # noqa: N818 (an event, not an error)
-    """One try brought no reply."""
 
 
 class ProtocolClient:
@@ -55,9 +50,9 @@ class ProtocolClient:
             same request.
 
     Attributes:
-        transport: The serial port with its statistics.
-        interrupted: Called before every try and while a reply is overdue; if it returns true, `RequestInterrupted` is
-            raised.
+        base_timeout: As the argument `timeout`.
+        timeout: The same, or more on a line with a long latency.
+        exchange: The line; the robot counts as lost after `exchange.deadline`.
 
     Raises:
         ValueError: A baud rate, timeout or number of tries that is not allowed.
@@ -79,11 +74,24 @@ class ProtocolClient:
             raise ValueError(f"tries {tries}; allowed: at least 1")
         self.port = port
         self.baud = baud
+        self.base_timeout = self.timeout = timeout
         self.tries = tries
-        self.interrupted: Callable[[], bool] = lambda: False
-        self.transport = Transport(port, baud)
-        self._timeout = timeout
-        self._pending = PendingReplies()
+        self.exchange = Exchange(port, baud)
+
+    @property
+    def transport(self) -> Transport:
+        """The serial port with its statistics."""
+        return self.exchange.transport
+
+    def adapt(self, shortest: float, usual: float) -> None:
+        """Adapt to the latency of the line: the timeout becomes at least twice as long, within limits.
+
+        Args:
+            shortest: Shortest latency that was measured, in seconds.
+            usual: The median.
+        """
+        self.exchange.latency = shortest
+        self.timeout = max(self.base_timeout, min(2 * usual, MAX_ADAPTED_TIMEOUT))
 
     def request(self, request: Request) -> Reply:
         """Send a request and return its reply; repeats the request as often as needed.
@@ -92,123 +100,133 @@ class ProtocolClient:
             ValueError: The request cannot be encoded, or is G or restart, which may not be repeated.
             RobotLost: No reply, or the port failed; `RequestRejected` if the robot sent only error replies.
             RobotRestarted: The restart banner arrived; the robot may have executed the request before.
-            RequestInterrupted: See the attribute `interrupted`.
+            RequestInterrupted: `exchange.interrupted` returned true.
         """
-        return self._repeat(request, self._try, _MAX_BACKOFF)
+        return self._repeat(request, False, _MAX_BACKOFF)
 
     def request_at_once(self, request: Request) -> Reply:
         """As `request`, but each try first sends the request without regard to pending replies.
 
         For stopping: the request arrives as early as possible, even at a robot whose replies are lost.
         """
-        return self._repeat(request, self._try_at_once, _MAX_BACKOFF_OF_STOP)
+        return self._repeat(request, True, _MAX_BACKOFF_OF_STOP)
+
+    def send(self, requests: Sequence[Request]) -> bool:
+        """Send requests for whose replies `request_all` waits; returns false if an older reply may still arrive.
+
+        Raises:
+            RobotLost: The port failed.
+            RequestInterrupted: As for `request`.
+        """
+        if self.exchange.interrupted():
+            raise RequestInterrupted
+        if self.exchange.pending.among([request.command for request in requests]):
+            return False
+        try:
+            for request in requests:
+                self.exchange.send_unanswered(request)
+        except OSError as error:
+            self._give_up(requests[0], 0, f"the port failed: {error}", RobotLost, error)
+        return True
+
+    def request_all(self, requests: Sequence[Request], sent: Sequence[Request] = ()) -> list[Reply]:
+        """Send requests without waiting for each reply; those without a reply are repeated one by one.
+
+        Args:
+            requests: Different commands, or the same with others in between.
+            sent: Requests already sent by `send`.
+
+        Returns:
+            The replies to `sent` and `requests`.
+
+        Raises:
+            RobotLost, RobotRestarted, RequestInterrupted: As for `request`.
+        """
+        if self.exchange.interrupted():
+            raise RequestInterrupted
+        expected = [*sent, *requests]
+        try:
+            replies = self.exchange.batch(requests, self.timeout, sent)
+        except RobotRestarted:
+            self.exchange.pending.clear()
+            raise
+        except OSError as error:
+            self._give_up(expected[0], len(sent), f"the port failed: {error}", RobotLost, error)
+        return [
+            self.request(request) if reply is None else reply
+            for request, reply in zip(expected, replies, strict=True)
+        ]
 
     def close(self) -> None:
         """Close the port; a second call does nothing."""
         self.transport.close()
 
-    def _repeat(
-        self, request: Request, attempt: Callable[[Request, int], Reply | ErrorReply], max_backoff: int
-    ) -> Reply:
+    def _repeat(self, request: Request, at_once: bool, max_backoff: int) -> Reply:
         if request.command in _NOT_REPEATABLE:
             raise ValueError(
                 f"{request.command} cannot be requested here; allowed: commands that may be sent twice"
             )
-        statistics = self.transport.statistics
-        sent_before, rejected, silent = statistics.sent, 0, 0
-        failed = 0
+        statistics, attempt = self.transport.statistics, _Attempt(self.exchange, request, at_once)
+        sent_before, rejected, failed, silent = statistics.sent, 0, 0.0, 0.0
         while True:
-            if self.interrupted():
+            if self.exchange.interrupted():
                 raise RequestInterrupted
-            answered_before = statistics.answered
+            answered_before, cost = statistics.answered, 1.0
             try:
-                reply = attempt(request, min(2**silent, max_backoff))
+                reply = attempt(min(2 ** int(silent), max_backoff) * self.timeout)
                 if isinstance(reply, Reply):
                     return reply
                 rejected, reason = rejected + 1, f"it replied z,{reply.text}"
-            except _NoReply as failure:
+            except NoReply as failure:
                 reason = str(failure)
+                cost = _COST_OF_GARBAGE if failure.heard else 1.0
             except RobotRestarted:
-                self._pending.clear()
+                self.exchange.pending.clear()
                 raise
             except OSError as error:
-                self._give_up(request, sent_before, f"the port failed: {error}", RobotLost, error)
+                tries = statistics.sent - sent_before
+                self._give_up(request, tries, f"the port failed: {error}", RobotLost, error)
             synchronised = statistics.answered > answered_before
-            failed += 1 if synchronised or not failed else 0
-            silent = 0 if synchronised else silent + 1
-            if max(failed, silent) >= self.tries:
+            failed += cost if synchronised or not failed else 0.0
+            silent = 0.0 if synchronised else silent + cost
+            too_late = time.monotonic() > self.exchange.deadline
+            if (max(failed, silent) >= self.tries or too_late) and not self.exchange.interrupted():
                 kind = RequestRejected if rejected == failed else RobotLost
-                self._give_up(request, sent_before, reason, kind)
+                self._give_up(request, statistics.sent - sent_before, reason, kind)
 
     def _give_up(
         self,
         request: Request,
-        sent_before: int,
+        tries: int,
         reason: str,
         kind: type[RobotLost],
         cause: Exception | None = None,
     ) -> NoReturn:
         command = encode_request(request).decode().strip()
-        raise kind(self.port, command, self.transport.statistics.sent - sent_before, reason) from cause
+        raise kind(self.port, command, tries, reason) from cause
 
-    def _try(self, request: Request, backoff: int) -> Reply | ErrorReply:
-        """One try, preceded by a synchronisation request if a reply to the same command is pending."""
-        if (sync := self._pending.sync_request(request)) is not None:
-            reply = self._exchange(sync, backoff)
+
+class _Attempt:
+    """The tries of one request.
+
+    Each is preceded by a synchronisation request if a reply to the same command is pending.
+    """
+
+    def __init__(self, exchange: Exchange, request: Request, at_once: bool) -> None:
+        self._exchange, self._request, self._at_once = exchange, request, at_once
+        self._sent = False
+        """Whether all replies to this command that may still arrive belong to this request."""
+
+    def __call__(self, patience: float) -> Reply | ErrorReply:
+        request = self._request
+        if self._at_once:
+            self._exchange.send_unanswered(request)
+        sync = self._exchange.pending.sync_request(request)
+        if sync is not None:
+            reply = self._exchange.single(sync, patience, request if self._sent else None)
             if isinstance(reply, ErrorReply):
-                raise _NoReply(f"it replied z,{reply.text}")
-        return self._exchange(request, backoff)
-
-    def _try_at_once(self, request: Request, backoff: int) -> Reply | ErrorReply:
-        self._pending.sent(request)
-        self.transport.send(request)
-        return self._try(request, backoff)
-
-    def _exchange(self, request: Request, backoff: int) -> Reply | ErrorReply:
-        """Send a request and wait for the reply.
-
-        Args:
-            request: The request.
-            backoff: Number of timeouts to wait.
-
-        Raises:
-            _NoReply: No matching reply arrived in time.
-            RobotRestarted: The banner arrived.
-            RequestInterrupted: The reply is overdue, and an urgent task needs the port.
-        """
-        transport, statistics = self.transport, self.transport.statistics
-        transport.discard_input()
-        starts_mid_line = transport.mid_line
-        self._pending.sent(request)
-        reply_time = seconds_on_wire(_MAX_REPLY_LENGTH, self.baud)
-        due = time.monotonic() + seconds_on_wire(len(transport.send(request)), self.baud) + reply_time
-        deadline = due + backoff * self._timeout
-        unmatched = b""
-        while (now := time.monotonic()) < deadline:
-            if now > due and self.interrupted():
-                raise RequestInterrupted
-            received = transport.receive_line()
-            if received is None:
-                continue
-            line, reply = received
-            if starts_mid_line:
-                # The first part of this line arrived before the request was sent, so it is not the reply.
-                starts_mid_line = False
-            elif isinstance(reply, ErrorReply):
-                statistics.rejected += 1
+                raise NoReply(f"it replied z,{reply.text}", heard=False)
+            if reply.command == request.command:
                 return reply
-            elif reply is None:
-                deadline = min(deadline, time.monotonic() + reply_time + _WAIT_AFTER_GARBAGE)
-            elif reply.command == request.command:
-                statistics.answered += 1
-                self._pending.answered(request)
-                return reply
-            else:
-                statistics.unmatched += 1
-            unmatched = line
-        statistics.timeouts += 1
-        raise _NoReply(
-            f"received only {unmatched!r} (is the robot set to {self.baud} baud?)"
-            if unmatched
-            else "received nothing"
-        )
+        self._sent = True
+        return self._exchange.single(request, patience)

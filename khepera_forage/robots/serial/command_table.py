@@ -75,7 +75,7 @@ COMMANDS: dict[str, Command] = {
     "T,1,B": Command((), (BYTE, BYTE), "gripper: version and revision of its software"),
     "T,1,D": Command((SWITCH,), (), "gripper: open the jaw (0) or close it (1)"),
     "T,1,E": Command((BYTE,), (), "gripper: set the target position of the arm"),
-    "T,1,F": Command((), (BYTE,), "gripper: resistivity of the held object"),
+    "T,1,F": Command((), (BYTE,), "gripper: resistivity sensor; above 20 if the fingers conduct (PYRO)"),
     "T,1,G": Command((), (BYTE,), "gripper: optical barrier; about 0 without an object, above 100 with one"),
     # The reply does not repeat the argument (NIC-IF, KNET): only the request distinguishes jaw and arm.
     "T,1,H": Command((SWITCH,), (BYTE,), "gripper: position of the jaw (0) or of the arm (1)"),

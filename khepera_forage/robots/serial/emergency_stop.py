@@ -1,10 +1,11 @@
 """Stopping all open robots on every exit path of the process: signals, uncaught exceptions, `sys.exit`, normal exit.
 
-A Khepera drives on at its last speed (no source mentions a watchdog). No program can catch a `kill -9` or a power cut
-of the computer: only the robot's switch stops it then.
+A Khepera drives on at its last speed (no source mentions a watchdog). `watchdog` covers what a process cannot catch,
+such as `kill -9`. After a power cut of the computer only the robot's switch stops it.
 """
 
 import atexit
+import faulthandler
 import logging
 import os
 import signal
@@ -17,7 +18,33 @@ from typing import Any, Protocol
 from khepera_forage.robots.serial.port_thread import Task
 
 _LOG = logging.getLogger(__name__)
-_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+def _available(*names: str) -> tuple[signal.Signals, ...]:
+    return tuple(signal.Signals[name] for name in names if name in signal.Signals.__members__)
+
+
+_REQUESTS_TO_END = _available("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
+_FATAL_BY_DEFAULT = _available(
+    "SIGABRT",
+    "SIGALRM",
+    "SIGVTALRM",
+    "SIGPROF",
+    "SIGXCPU",
+    "SIGXFSZ",
+    "SIGUSR1",
+    "SIGUSR2",
+    "SIGPIPE",
+    "SIGPOLL",
+    "SIGPWR",
+    "SIGSTKFLT",
+    "SIGSYS",
+    "SIGTRAP",
+)
+"""They end a process that has no handler. A program with a handler uses them for something else, such as a timer."""
+_SUSPENSIONS = _available("SIGTSTP", "SIGTTIN", "SIGTTOU")
+"""Ctrl-Z, and the terminal access of a process in the background."""
+_RESUMPTIONS = _available("SIGCONT")
 _TIMEOUT = 4.0
 """Seconds allowed for stopping all robots."""
 _Handler = Callable[[int, FrameType | None], Any] | int | signal.Handlers | None
@@ -31,8 +58,25 @@ class Stoppable(Protocol):
         """Its port."""
         ...
 
+    @property
+    def stop_confirmed(self) -> bool:
+        """Whether it has confirmed a stop and received no other speeds since."""
+        ...
+
     def begin_stop(self) -> Task[None]:
         """Begin to stop its wheels; never blocks."""
+        ...
+
+    def suspend(self) -> bool:
+        """If its wheels are turning, make its next request raise an error; does not stop them.
+
+        Returns:
+            Whether they are turning.
+        """
+        ...
+
+    def end_watchdog(self) -> None:
+        """End its watchdog, if it has one: the robot was stopped."""
         ...
 
 
@@ -56,7 +100,10 @@ def stop_all(robots: tuple[Stoppable, ...], timeout: float = _TIMEOUT) -> list[t
 def stop_and_log(robots: tuple[Stoppable, ...], occasion: str) -> None:
     """Stop robots; log those that could not be stopped, by default on standard error."""
     for robot, error in stop_all(robots):
-        _LOG.error("%s may still be moving; it could not be stopped %s: %s", robot.port, occasion, error)
+        if not robot.stop_confirmed:
+            _LOG.error(
+                "%s may still be moving; it did not confirm its stop %s: %s", robot.port, occasion, error
+            )
 
 
 class _ExitHandler:
@@ -69,6 +116,7 @@ class _ExitHandler:
     def __init__(self) -> None:
         self._robots: tuple[Stoppable, ...] = ()
         self._replaced: dict[int, _Handler] = {}
+        self._suspended: list[str] = []
         self._process = os.getpid()
         self._lock = threading.Lock()
 
@@ -94,38 +142,82 @@ class _ExitHandler:
 
     def _install_handlers(self) -> None:
         if threading.current_thread() is not threading.main_thread():
-            return  # Python allows it only in the main thread; `atexit` remains.
-        for number in _SIGNALS:
-            current = signal.getsignal(number)
-            # Leave ignored signals (nohup), and handlers not installed by Python, which cannot be called from here.
-            if number not in self._replaced and current is not None and current is not signal.SIG_IGN:
-                self._replaced[number] = current
-                signal.signal(number, self._on_signal)
+            return  # Python allows it only in the main thread; `atexit` and the watchdogs remain.
+        for numbers, handler in (
+            (_REQUESTS_TO_END, self._on_end),
+            (_FATAL_BY_DEFAULT, self._on_end),
+            (_SUSPENSIONS, self._on_suspension),
+            (_RESUMPTIONS, self._on_resumption),
+        ):
+            for number in numbers:
+                if number not in self._replaced and _is_ours_to_replace(number):
+                    self._replaced[number] = signal.signal(number, handler)
 
     def _remove_handlers(self) -> None:
         if threading.current_thread() is not threading.main_thread():
             return  # The handlers remain, and only call the replaced ones.
+        ours = (self._on_end, self._on_suspension, self._on_resumption)
         for number in list(self._replaced):
             # A handler installed later may call ours: leave both.
-            if signal.getsignal(number) == self._on_signal:
+            if signal.getsignal(number) in ours:
                 signal.signal(number, self._replaced.pop(number))
 
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+    def _on_end(self, number: int, frame: FrameType | None) -> None:
         self._stop(f"on signal {signal.Signals(number).name}")
+        self._call_replaced(number, frame)
+
+    def _on_suspension(self, number: int, frame: FrameType | None) -> None:
+        self._suspend()
+        self._call_replaced(number, frame)
+        if signal.getsignal(number) == signal.SIG_DFL:  # `_call_replaced` has suspended the process
+            signal.signal(number, self._on_suspension)
+
+    def _on_resumption(self, number: int, frame: FrameType | None) -> None:
+        # After SIGSTOP, which cannot be caught, the robots are stopped only now.
+        self._suspend()
+        self._call_replaced(number, frame)
+        if self._suspended:
+            stopped = ", ".join(self._suspended)
+            self._suspended = []
+            _LOG.warning(
+                "the program was suspended: stopped %s; no wheel turns before a new command", stopped
+            )
+
+    def _call_replaced(self, number: int, frame: FrameType | None) -> None:
         replaced = self._replaced.get(number)
         if callable(replaced):
             replaced(number, frame)
-        elif replaced == signal.SIG_DFL:
+        elif replaced == signal.SIG_DFL and number not in _RESUMPTIONS:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 
     def _at_exit(self) -> None:
         self._stop("at the end of the program")
+        if self._process == os.getpid():
+            for robot in self._robots:
+                if robot.stop_confirmed:
+                    robot.end_watchdog()
 
     def _stop(self, occasion: str) -> None:
         # A forked child has no port threads, and must leave the parent's robots alone.
         if self._process == os.getpid():
             stop_and_log(self._robots, occasion)
+
+    def _suspend(self) -> None:
+        if self._process == os.getpid():
+            self._suspended += [robot.port for robot in self._robots if robot.suspend()]
+            stop_and_log(self._robots, "when the program was suspended")
+
+
+def _is_ours_to_replace(number: signal.Signals) -> bool:
+    """Whether a signal has a handler that ours may stand in for, and call."""
+    current = signal.getsignal(number)
+    if number in _FATAL_BY_DEFAULT and current != signal.SIG_DFL:
+        return False
+    if number == signal.SIGABRT and faulthandler.is_enabled():
+        return False  # Python does not report its handler, which prints the cause of a crash.
+    # Leave ignored signals (nohup), and handlers not installed by Python, which cannot be called from here.
+    return current is not None and current is not signal.SIG_IGN
 
 
 _EXIT_HANDLER = _ExitHandler()

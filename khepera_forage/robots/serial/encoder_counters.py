@@ -1,8 +1,18 @@
 """The wheels' encoder counters, continued across 32-bit wrap-around and restarts of the robot."""
 
-from khepera_forage.robots.khepera import PULSES_PER_UNIT
+import time
+
+from khepera_forage.robots.khepera import PULSE, SPEED_UNIT
 from khepera_forage.robots.serial.command_table import wrap_counter
-from khepera_forage.robots.serial.readings import COUNTER_LIMITS, Values
+from khepera_forage.robots.serial.readings import Values
+
+PLAUSIBLE_DEVIATION = 30
+"""Pulses (2.4 mm) by which a wheel's travel may differ from its speed times the time without a second reading. A wrong
+reading that is accepted and a right one then differ by at most twice as much."""
+_EQUAL_WITHIN = 20
+"""Pulses by which two readings of a wheel may differ from its travel in between."""
+_PULSES = SPEED_UNIT / PULSE
+"""Pulses of a wheel in one second at one speed unit."""
 
 _RESTART_JUMP = 1000
 """Pulses: a restart has reset a counter that changed by more than this and is now nearer to zero than this."""
@@ -13,41 +23,65 @@ class EncoderCounters:
 
     The pulses between the last reading and a restart are lost: less than one round's worth.
 
+    Args:
+        period: Seconds of a round.
+
     Attributes:
         total: Counts of the left and the right wheel.
+        raw: The last reading; None before the first.
+        restart_noticed: Whether a reading has revealed a restart whose banner was not received.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, period: float) -> None:
         self.total = (0, 0)
-        self._raw: Values | None = None
-        self._restarted = False
+        self._period = period
+        self._read_at = 0.0
+        self.raw: Values | None = None
+        self.restart_noticed = self._restarted = False
 
     def restarted(self) -> None:
         """Record that the robot sent its banner: its counters restarted at zero."""
         self._restarted = True
 
-    def implausible(self, raw: Values, speeds: Values, speeds_before: Values) -> bool:
-        """Whether the wheels' speeds, in this round and the one before, do not explain a reading."""
-        if self._raw is None:
-            return True
-        slack = COUNTER_LIMITS.max_change
-        for value, last, *wheel_speeds in zip(raw, self._raw, speeds, speeds_before, strict=True):
-            travel = [speed * PULSES_PER_UNIT for speed in wheel_speeds]
-            if not min(0, *travel) - slack <= wrap_counter(value - last) <= max(0, *travel) + slack:
-                return True
-        return False
+    def plausible(self, raw: Values, speeds: Values) -> bool:
+        """Whether the wheels' speeds explain a reading, after one period or after a longer time since the last one.
 
-    def update(self, raw: Values) -> bool:
-        """Add a reading; returns whether it reveals a restart whose banner was not received."""
-        if self._raw is None:
-            self.total = (raw[0], raw[1])
-        changes = [wrap_counter(value - last) for value, last in zip(raw, self._raw or raw, strict=True)]
+        A simulation advances by one period even if it takes longer to compute.
+        """
+        if self.raw is None:
+            return False
+        elapsed = max(self._period, time.monotonic() - self._read_at)
+        changes = [wrap_counter(value - last) for value, last in zip(raw, self.raw, strict=True)]
+        return all(
+            any(
+                abs(change - speed * _PULSES * seconds) <= PLAUSIBLE_DEVIATION
+                for seconds in (self._period, elapsed)
+            )
+            for change, speed in zip(changes, speeds, strict=True)
+        )
+
+    def update(self, raw: Values) -> None:
+        """Add a reading."""
+        last = raw if self.raw is None else self.raw
+        changes = [wrap_counter(value - before) for value, before in zip(raw, last, strict=True)]
         jumped = any(abs(change) > _RESTART_JUMP for change in changes)
         was_reset = (self._restarted or jumped) and all(abs(value) < _RESTART_JUMP for value in raw)
-        unnoticed_restart = was_reset and not self._restarted
-        if self._raw is not None:
-            left, right = raw if was_reset else changes
-            self.total = (self.total[0] + left, self.total[1] + right)
-        self._raw = raw
+        self.restart_noticed = was_reset and not self._restarted
+        if self.raw is None:
+            self.total = (raw[0], raw[1])
+        left, right = raw if was_reset and self.raw is not None else changes
+        self.total = (self.total[0] + left, self.total[1] + right)
+        self.raw = raw
+        self._read_at = time.monotonic()
         self._restarted = False
-        return unnoticed_restart
+
+
+def agree(first: Values, second: Values, speeds: Values, seconds: float) -> bool:
+    """Whether two readings differ by no more than the wheels can have turned in the seconds between them."""
+    for change, speed in zip(
+        (wrap_counter(b - a) for a, b in zip(first, second, strict=True)), speeds, strict=True
+    ):
+        travel = speed * _PULSES * seconds
+        if not min(0.0, travel) - _EQUAL_WITHIN <= change <= max(0.0, travel) + _EQUAL_WITHIN:
+            return False
+    return True

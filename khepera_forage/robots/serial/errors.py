@@ -13,3 +13,14 @@ class RequestInterrupted(Exception):  # noqa: N818
 
 class RequestRejected(RobotLost):
     """The robot sends only error replies: it lacks the command, or the turret that the command addresses."""
+
+
+class RobotSuspended(RobotLost):
+    """The program was suspended while the wheels turned; they were stopped, and a new command starts them again."""
+
+    def __init__(self, port: str) -> None:
+        super().__init__(port, "", 0, "the program was suspended, and the robot was stopped")
+
+
+class LineTooSlow(ConnectionError):  # noqa: N818
+    """The latency of a line does not allow rounds of the required duration."""

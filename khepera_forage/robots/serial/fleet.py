@@ -8,12 +8,10 @@ from typing import Any, Self
 
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial import emergency_stop
-from khepera_forage.robots.serial.port import seconds_on_wire
+from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, MAX_ROUND_REQUESTS
 from khepera_forage.robots.serial.port_thread import Task
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
-_MAX_ROUND_BYTES = 170
-"""Bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 _STOP_TIMEOUT = 4.0
 """Seconds to wait for a robot to confirm its stop."""
 _Begin = Callable[[SerialKhepera, "SimpleQueue[Task[Any]]"], Task[None]]
@@ -40,7 +38,7 @@ class Fleet:
         self.robots = tuple(robots)
         # On the slowest line.
         self._hold_after = max(
-            robot.timeout + seconds_on_wire(_MAX_ROUND_BYTES, robot.baud) for robot in robots
+            robot.timeout + robot.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES) for robot in robots
         )
 
     def transmit(self) -> None:

@@ -47,15 +47,15 @@ class GripperPosition:
         settled = at_rest and (arrived or self._can_stall or self._target is None)
         return not settled or self._round % _REFRESH_ROUNDS == 0
 
-    def implausible(self, values: Values) -> bool:
-        """Whether a reading is not between the last position and the target, or too far from the last position."""
+    def plausible(self, values: Values) -> bool:
+        """Whether a reading is between the last position and the target, and not too far from the last position."""
         (value,) = values
         if self.value is None:
-            return True
+            return False
         target = self.value if self._target is None else self._target
         low, high = min(self.value, target), max(self.value, target)
         on_the_way = low - _AT_TARGET <= value <= high + _AT_TARGET
-        return not on_the_way or abs(value - self.value) > self._limits.max_change
+        return on_the_way and abs(value - self.value) <= self._limits.max_change
 
     def update(self, value: int) -> None:
         """Record a reading."""

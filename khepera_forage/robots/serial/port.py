@@ -4,6 +4,7 @@ Requires pyserial, the extra `robots`; it is imported when a port is opened, not
 """
 
 import contextlib
+import socket
 from typing import TYPE_CHECKING
 
 from khepera_forage.extras import require
@@ -61,3 +62,15 @@ def open_port(port: str, baud: int) -> "Serial":
     with contextlib.suppress(AttributeError, OSError, ValueError):
         opened.set_low_latency_mode(True)
     return opened
+
+
+def descriptor_of(port: "Serial") -> int | None:
+    """The file descriptor of an open port; None if it has none, as `loop://`."""
+    # `rfc2217://` has no `fileno`. Its protocol needs no preparation of bytes below 255.
+    connection = getattr(port, "_socket", None)
+    if isinstance(connection, socket.socket):
+        return connection.fileno()
+    try:
+        return int(port.fileno())
+    except (AttributeError, OSError):
+        return None

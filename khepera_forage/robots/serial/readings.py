@@ -1,8 +1,8 @@
 """Readings of the robot's sensors: plausibility, repetition, and conversion to the ranges of `Senses`.
 
 The protocol has no checksum: a digit changed in transmission may leave a well-formed reply. A reading that the last one
-and the command make implausible is therefore requested again; if the two differ, the median of three counts. The limits
-trade time for certainty: a true reading is always accepted in the end.
+and the command make implausible is therefore requested again, until one is plausible or agrees with the one before. The
+limits trade time for certainty: a true reading is accepted as soon as it arrives twice.
 """
 
 from collections.abc import Callable
@@ -32,8 +32,8 @@ PROXIMITY_LIMITS = Limits(200, 200)
 PRESENCE_LIMITS = Limits(0, 0)
 ARM_LIMITS = Limits(8, 8)
 JAW_LIMITS = Limits(45, 45)
-COUNTER_LIMITS = Limits(60, 40)
-"""Pulses; the change is the deviation from the commanded travel."""
+MAX_READINGS = 5
+"""Readings of a sensor in one round; if none is plausible and no two agree, its value is unknown."""
 
 
 def object_presence(barrier: int) -> int:
@@ -52,23 +52,29 @@ def jaw_position(reading: int) -> int:
 
 
 def read_confirmed(
-    read: Callable[[], Values], implausible: Callable[[Values], bool], equal_within: int
-) -> Values:
-    """A reading, repeated if it is implausible, and a third time if the first two differ.
+    read: Callable[[], Values],
+    plausible: Callable[[Values], bool],
+    agree: Callable[[Values, Values], bool],
+) -> Values | None:
+    """A reading that is plausible, or confirmed by the one before.
 
     Args:
         read: Requests a reading.
-        implausible: Whether a reading contradicts the expectation.
-        equal_within: Two readings that differ by at most this count as equal.
+        plausible: Whether a reading meets the expectation.
+        agree: Whether two consecutive readings show the same.
 
     Returns:
-        The first, the second, or the median of three, value by value.
+        The reading; None if the readings contradict each other, so that the value is unknown.
     """
-    first = read()
-    if not implausible(first):
-        return first
-    second = read()
-    if all(abs(a - b) <= equal_within for a, b in zip(first, second, strict=True)):
-        return second
-    third = read()
-    return tuple(sorted(three)[1] for three in zip(first, second, third, strict=True))
+    before: Values | None = None
+    for _ in range(MAX_READINGS):
+        values = read()
+        if plausible(values) or (before is not None and agree(before, values)):
+            return values
+        before = values
+    return None
+
+
+def within(a: Values, b: Values, difference: int) -> bool:
+    """Whether all values differ by at most this."""
+    return all(abs(x - y) <= difference for x, y in zip(a, b, strict=True))

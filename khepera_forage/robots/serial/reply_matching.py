@@ -4,6 +4,8 @@ Replies carry no number, but a robot replies in order. Once it has replied to a 
 reply to an older request can follow.
 """
 
+from collections.abc import Iterable
+
 from khepera_forage.robots.serial.protocol import Request
 
 _SYNC_REQUESTS = tuple(
@@ -25,6 +27,10 @@ class PendingReplies:
     def answered(self, request: Request) -> None:
         """Record a reply: no older reply can follow. The command must not have been pending when it was sent."""
         self._commands = {request.command}
+
+    def among(self, commands: Iterable[str]) -> frozenset[str]:
+        """Those of some commands to which an older reply may still arrive."""
+        return frozenset(self._commands.intersection(commands))
 
     def clear(self) -> None:
         """Record a restart of the robot: it sends no reply to earlier requests."""

@@ -3,17 +3,18 @@
 from collections.abc import Callable
 from queue import SimpleQueue
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
-from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost, Senses, applicable, check_finite
+from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, Motors, Senses, applicable, check_finite
 from khepera_forage.robots.serial import emergency_stop
 from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, DEFAULT_TRIES, ProtocolClient
-from khepera_forage.robots.serial.errors import RequestInterrupted, RobotRestarted
-from khepera_forage.robots.serial.port_thread import PortThread, Task
-from khepera_forage.robots.serial.session import MAX_RESTARTS, TOO_MANY_RESTARTS, Session
+from khepera_forage.robots.serial.line_timing import LineTiming
+from khepera_forage.robots.serial.port_thread import Task
+from khepera_forage.robots.serial.protocol import Request
+from khepera_forage.robots.serial.robot_thread import RobotThread
+from khepera_forage.robots.serial.session import MOTION_COMMANDS, turns_wheels
 from khepera_forage.robots.serial.traffic import LineStatistics, Traffic
-
-T = TypeVar("T")
+from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
 _STOP_TIMEOUT = 10.0
 """Seconds that `stop` waits for the port's thread."""
@@ -28,8 +29,10 @@ class SerialKhepera:
     rest, then every tenth round. An implausible reading is requested again; see `readings`.
 
     The wheels are stopped on every exit path: `close`, `with`, an exception, signals, the exit of the interpreter; see
-    `emergency_stop`. The driver notices a restart of the robot (its power supply failed) by the banner or by the
-    counters. It then sends the last command again and continues the counters.
+    `emergency_stop`. A `watchdog` process stops them if this process is killed or frozen. After a suspension (Ctrl-Z)
+    they remain stopped, and the next request raises `RobotSuspended` once. The driver notices a restart of the robot
+    (its power supply failed) by the banner or by the counters. It then sends the last command again and continues the
+    counters.
 
     All methods are thread-safe; the port itself belongs to one thread per robot.
 
@@ -40,10 +43,14 @@ class SerialKhepera:
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
         tries: The robot counts as lost after this number of requests in a row without any reply, or of tries for the
             same request.
+        watchdog: Whether to start a watchdog process. A port without a file descriptor (`loop://`) cannot have one.
+        period: Seconds of a round, which the line must keep; None accepts any line. It is also the time that a wheel
+            turns from one reading of its counter to the next.
 
     Raises:
         ValueError: An argument that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
+            line does not keep the period.
         ImportError: pyserial is missing.
     """
 
@@ -55,26 +62,43 @@ class SerialKhepera:
         max_speed: int = MAX_SPEED,
         timeout: float = DEFAULT_TIMEOUT,
         tries: int = DEFAULT_TRIES,
+        watchdog: bool = True,
+        period: float | None = CONTROL_PERIOD,
     ) -> None:
         if not 1 <= max_speed <= MAX_SPEED:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{MAX_SPEED} speed units")
         self.port = port
         self.baud = baud
-        self.timeout = timeout
         self._max_speed = max_speed
         self._command: Motors | None = None
         self._senses: Senses | None = None
-        self._closed = False
+        self._closed = self._turned_by_request = False
+        self._watchdog: Watchdog | None = None
         self._client = ProtocolClient(port, baud=baud, timeout=timeout, tries=tries)
-        self._thread = PortThread(f"port {port}")
-        self._client.interrupted = self._thread.must_yield
-        self._session = Session(self._client)
+        self._thread = RobotThread(self._client, period)
         emergency_stop.register(self)
         try:
-            self._begin(self._session.begin).result()
+            self._thread.begin(self._thread.session.begin).result()
+            if watchdog:
+                self._watchdog = start_watchdog(port, self._client.transport.descriptor)
         except BaseException:
             self._release()
             raise
+
+    @property
+    def stop_confirmed(self) -> bool:
+        """Whether the robot has confirmed a stop, and was sent no command since that turns its wheels."""
+        return self._thread.session.stop_confirmed
+
+    @property
+    def timing(self) -> LineTiming:
+        """The latency of the line, and the time that a round takes on it."""
+        return self._thread.session.timing
+
+    @property
+    def timeout(self) -> float:
+        """Seconds that a reply may take in addition to the transmission time; on a slow line more than the argument."""
+        return self._client.timeout
 
     @property
     def statistics(self) -> LineStatistics:
@@ -152,25 +176,43 @@ class SerialKhepera:
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
             RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
-        return self._begin(lambda: self._session.request(command, *values)).result()
+        if command in MOTION_COMMANDS:
+            self._turned_by_request = turns_wheels(Request(command, values))
+        return self._thread.begin(lambda: self._thread.session.request(command, *values)).result()
 
     def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
         """Begin `transmit`; the task is put into the queue when it is done."""
-        return self._begin(self._transmit, done_queue)
+        return self._thread.begin(self._transmit, done_queue)
 
     def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
         """Begin `receive`; the task is put into the queue when it is done."""
-        return self._begin(self._receive, done_queue)
+        return self._thread.begin(self._receive, done_queue)
+
+    def suspend(self) -> bool:
+        """Make the next request raise `RobotSuspended` if the wheels are turning; `begin_stop` stops them.
+
+        Returns:
+            Whether they are turning.
+        """
+        turning = self._turned_by_request or (self._command is not None and any(self._command[:2]))
+        self._thread.was_suspended = self._thread.was_suspended or turning
+        return turning
+
+    def end_watchdog(self) -> None:
+        """End the watchdog: the wheels were stopped. A second call does nothing."""
+        if self._watchdog is not None:
+            self._watchdog.end()
 
     def begin_stop(self) -> Task[None]:
         """Begin `stop`; never blocks, so signal handlers may call it."""
+        self._turned_by_request = False
         if self._command is not None:
             self._command = self._command._replace(left=0, right=0)
-        return self._submit_stop(discard_command=True)
+        return self._thread.begin_stop(discard_command=True)
 
     def begin_hold(self) -> Task[None]:
         """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
-        return self._submit_stop(discard_command=False)
+        return self._thread.begin_stop(discard_command=False)
 
     def __enter__(self) -> Self:
         return self
@@ -180,49 +222,20 @@ class SerialKhepera:
     ) -> None:
         self.close()
 
-    def _begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
-        if self._closed:
-            raise ConnectionError(f"{self.port} is closed")
-        return self._thread.submit(Task(lambda: self._complete(work), done_queue))
-
-    def _submit_stop(self, discard_command: bool) -> Task[None]:
-        task = Task(lambda: self._session.stop(discard_command))
-        if self._closed:
-            task = Task(lambda: None)  # `close` has stopped the wheels.
-            task.run()
-            return task
-        return self._thread.submit(task, urgent=True)
-
     def _release(self) -> None:
         self._closed = True
         emergency_stop.unregister(self)
         self._thread.end()
+        self.end_watchdog()
         self._client.close()
 
     # The methods below run in the port's thread.
-
-    def _complete(self, work: Callable[[], T]) -> T:
-        """Do the work; start over after an urgent stop or a restart of the robot."""
-        restarts = 0
-        while True:
-            try:
-                self._session.restore()
-                return work()
-            except RequestInterrupted:
-                self._thread.run_urgent()
-                if self._thread.ending:
-                    raise ConnectionError(f"{self.port} is closed") from None
-            except RobotRestarted:
-                self._session.on_restart()
-                restarts += 1
-                if restarts > MAX_RESTARTS:
-                    raise RobotLost(self.port, "restart", restarts, TOO_MANY_RESTARTS) from None
 
     def _transmit(self) -> None:
         # Read the command only now: `begin_stop` may have changed it since `begin_transmit`.
         command = self._command
         if command is not None:
-            self._session.transmit(command)
+            self._thread.session.transmit(command)
 
     def _receive(self) -> None:
-        self._senses = self._session.receive()
+        self._senses = self._thread.session.receive()

@@ -3,34 +3,30 @@
 Runs in the thread that owns the port.
 """
 
-from collections.abc import Callable
+import time
 
-from khepera_forage.robots.khepera import JAW_OPEN, Motors, RobotLost, Senses
+from khepera_forage.robots.khepera import CONTROL_PERIOD, JAW_OPEN, Motors, RobotLost, Senses
+from khepera_forage.robots.serial.call_limits import CallLimits
 from khepera_forage.robots.serial.client import ProtocolClient
-from khepera_forage.robots.serial.encoder_counters import EncoderCounters
 from khepera_forage.robots.serial.errors import RobotRestarted
-from khepera_forage.robots.serial.gripper_position import GripperPosition
-from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.readings import (
-    ARM_LIMITS,
-    COUNTER_LIMITS,
-    JAW_LIMITS,
-    PRESENCE_LIMITS,
-    PROXIMITY_LIMITS,
-    Limits,
-    Values,
-    arm_position,
-    jaw_position,
-    object_presence,
-    read_confirmed,
-)
+from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, LineTimer, LineTiming
+from khepera_forage.robots.serial.protocol import Reply, Request
+from khepera_forage.robots.serial.sensor_reader import SensorReader
 
 MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 TOO_MANY_RESTARTS = "it restarts again and again"
+MOTION_COMMANDS = ("C", "D", "P")
+"""Position control, speed and pulse-width modulation of the wheels."""
 
-_JAW, _ARM = 0, 1
-"""Argument of T,1,H."""
+_PIPELINED_ROUNDS = 50
+"""Rounds whose readings are pipelined on a fast line after a late reply: late replies then do not add up."""
+_STOP = Request("D", (0, 0))
+
+
+def turns_wheels(request: Request) -> bool:
+    """Whether a request sets the wheels in motion."""
+    return request.command in MOTION_COMMANDS and (request.command == "C" or any(request.values))
 
 
 class Session:
@@ -38,65 +34,95 @@ class Session:
 
     Args:
         client: The connection to the robot.
+        period: Seconds of a round, which the line must keep; None accepts any line.
+
+    Attributes:
+        timing: The timing of the line, from `begin` on.
+        stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
     """
 
-    def __init__(self, client: ProtocolClient) -> None:
+    def __init__(self, client: ProtocolClient, period: float | None) -> None:
+        self.timing = LineTiming(client.baud)
+        self.stop_confirmed = False
         self._client = client
-        self._speeds = self._speeds_before = (0, 0)
+        self._period = period
+        self._limits = CallLimits(client, lambda: not self.stop_confirmed)
+        self._speeds = (0, 0)
         self._command: Motors | None = None
         self._sent_arm: int | None = None
         self._sent_jaw: int | None = None
-        self._arm = GripperPosition(ARM_LIMITS, can_stall=False, phase=0)
-        self._jaw = GripperPosition(JAW_LIMITS, can_stall=True, phase=5)
-        self._counters = EncoderCounters()
-        self._proximity: Values | None = None
-        self._presence: Values | None = None
+        self._unconfirmed: list[Request] = []
+        self._pipelined_rounds = 0
+        self._sensors = SensorReader(client, CONTROL_PERIOD if period is None else period)
         self._must_restore = False
 
     def begin(self) -> None:
-        """Check that a Khepera replies, and stop its wheels.
+        """Check that a Khepera replies, stop its wheels, and measure the line.
 
         Request B comes first: it is sent again if the robot rejects it because another program left an unfinished
         request on the line.
+
+        Raises:
+            RobotLost: The robot does not reply.
+            LineTooSlow: The line does not keep the period.
         """
-        self.request("B")
-        self._set_speeds(0, 0)
+        timer = LineTimer(self._client)
+        timer.request(Request("B"))
+        if timer.is_late and self._period is not None:
+            self._client.exchange.send_unanswered(_STOP)
+        else:
+            timer.request(_STOP)
+            self.stop_confirmed = True
+        self.timing = timer.finish()
+        if self._period is not None:
+            self.timing.check(self._client.port, self._period)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send one request; returns the values of the reply."""
-        return self._client.request(Request(command, values)).values
+        self._limits.begin()
+        self._confirm()
+        return self._request(Request(command, values)).values
 
     def transmit(self, command: Motors) -> None:
         """Send the wheel speeds, and the targets of arm and jaw if they have changed."""
+        self._limits.begin()
+        self._confirm()
         self._command = command
-        self._set_speeds(int(command.left), int(command.right))
+        requests = [Request("D", (int(command.left), int(command.right)))]
         if command.arm != self._sent_arm:
-            self.request("T,1,E", command.arm)
-            self._sent_arm = command.arm
-            self._arm.set_target(command.arm)
+            requests.append(Request("T,1,E", (command.arm,)))
         if command.jaw != self._sent_jaw:
-            self.request("T,1,D", 0 if command.jaw == JAW_OPEN else 1)
-            self._sent_jaw = command.jaw
-            self._jaw.set_target(command.jaw)
+            requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
+        # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
+        if self.timing.pipelined:
+            self.stop_confirmed = False
+            if self._client.send(requests):
+                self._unconfirmed = requests
+        for request in requests:
+            if not self._unconfirmed:
+                self._request(request)
+            self._record(request, command)
 
     def receive(self) -> Senses:
-        """Read the sensors. Equal letters never follow each other: that would cost a synchronisation request."""
-        arm_due, jaw_due = self._arm.is_due(), self._jaw.is_due()
-        a, b, c, d, e, f, g, h = self._proximity = self._read(
-            PROXIMITY_LIMITS, self._proximity, lambda: self._numbers("N")
-        )
-        if arm_due:
-            self._read_position(self._arm, ARM_LIMITS, _ARM)
-        (presence,) = self._presence = self._read(
-            PRESENCE_LIMITS, self._presence, lambda: (object_presence(self._numbers("T,1,G")[0]),)
-        )
-        if jaw_due:
-            self._read_position(self._jaw, JAW_LIMITS, _JAW)
-        self._read_counters()
-        assert self._arm.value is not None, "is_due is true until there is a reading"
-        assert self._jaw.value is not None, "is_due is true until there is a reading"
-        arm, jaw = arm_position(self._arm.value), jaw_position(self._jaw.value)
-        return Senses((a, b, c, d, e, f, g, h), *self._counters.total, arm, jaw, presence)
+        """Read the sensors."""
+        self._limits.begin()
+        begin = time.monotonic()
+        requests = self._sensors.begin_round()
+        received: list[Reply] = []
+        if self.timing.pipelined or (self._pipelined_rounds > 0 and self.timing.can_pipeline):
+            received = self._client.request_all(requests, self._unconfirmed)[len(self._unconfirmed) :]
+            self._unconfirmed = []
+            self.stop_confirmed = self._speeds == (0, 0)
+            if again := self._sensors.doubtful(requests, received, self._speeds):
+                received += self._client.request_all(again)
+                requests += again
+        senses = self._sensors.read(requests, received, self._speeds)
+        if self._sensors.counters.restart_noticed:
+            self._must_restore = True
+        expected = self.timing.duration(len(requests), MAX_ROUND_BYTES)
+        is_late = time.monotonic() - begin > self._client.timeout + expected
+        self._pipelined_rounds = _PIPELINED_ROUNDS if is_late else self._pipelined_rounds - 1
+        return senses
 
     def stop(self, discard_command: bool) -> None:
         """Stop the wheels.
@@ -108,12 +134,18 @@ class Session:
         Raises:
             RobotLost: The robot does not confirm.
         """
+        self._limits.begin()
         if discard_command and self._command is not None:
             self._command = self._command._replace(left=0, right=0)
+        if self._unconfirmed:
+            # Their replies can no longer be told from others: send the targets again with the next command.
+            self._unconfirmed = []
+            self._sent_arm = self._sent_jaw = None
         for _ in range(MAX_RESTARTS):
             try:
-                self._client.request_at_once(Request("D", (0, 0)))
+                self._client.request_at_once(_STOP)
                 self._speeds = (0, 0)
+                self.stop_confirmed = True
                 return
             except RobotRestarted:
                 self.on_restart()
@@ -121,7 +153,8 @@ class Session:
 
     def on_restart(self) -> None:
         """Record that the robot sent its banner."""
-        self._counters.restarted()
+        self._unconfirmed = []
+        self._sensors.counters.restarted()
         self._must_restore = True
 
     def restore(self) -> None:
@@ -129,39 +162,38 @@ class Session:
         if not self._must_restore:
             return
         self._sent_arm = self._sent_jaw = None
-        self._arm.set_target(None)
-        self._jaw.set_target(None)
+        self._sensors.arm.set_target(None)
+        self._sensors.jaw.set_target(None)
         if self._command is not None:
             self.transmit(self._command)
         self._must_restore = False
 
-    def _set_speeds(self, left: int, right: int) -> None:
-        self.request("D", left, right)
-        self._speeds_before, self._speeds = self._speeds, (left, right)
+    def _confirm(self) -> None:
+        """Wait for the replies to the requests of the last `transmit`."""
+        if self._unconfirmed:
+            self._client.request_all((), self._unconfirmed)
+            self._unconfirmed = []
+            self.stop_confirmed = self._speeds == (0, 0)
 
-    def _numbers(self, command: str, *values: int) -> Values:
-        return tuple(value for value in self.request(command, *values) if isinstance(value, int))
+    def _request(self, request: Request) -> Reply:
+        """Send one request; again, if the wheels were stopped while its reply was overdue."""
+        turns = turns_wheels(request)
+        if turns:
+            self.stop_confirmed = False
+        while True:
+            holds = self._limits.holds
+            reply = self._client.request(request)
+            if not turns or self._limits.holds == holds:
+                return reply
 
-    def _read(self, limits: Limits, last: Values | None, read: Callable[[], Values]) -> Values:
-        def implausible(values: Values) -> bool:
-            return last is None or any(
-                abs(a - b) > limits.max_change for a, b in zip(values, last, strict=True)
-            )
-
-        return read_confirmed(read, implausible, limits.equal_within)
-
-    def _read_position(self, position: GripperPosition, limits: Limits, part: int) -> None:
-        # Compare raw readings: limiting them to the range of `Senses` could hide a lost digit.
-        (value,) = read_confirmed(
-            lambda: self._numbers("T,1,H", part), position.implausible, limits.equal_within
-        )
-        position.update(value)
-
-    def _read_counters(self) -> None:
-        raw = read_confirmed(
-            lambda: self._numbers("H"),
-            lambda values: self._counters.implausible(values, self._speeds, self._speeds_before),
-            COUNTER_LIMITS.equal_within,
-        )
-        if self._counters.update(raw):
-            self._must_restore = True
+    def _record(self, request: Request, command: Motors) -> None:
+        """Record that the robot has received a part of a command."""
+        if request.command == "D":
+            self._speeds = request.values[0], request.values[1]
+            self.stop_confirmed = not (self._unconfirmed or turns_wheels(request))
+        elif request.command == "T,1,E":
+            self._sent_arm = command.arm
+            self._sensors.arm.set_target(command.arm)
+        else:
+            self._sent_jaw = command.jaw
+            self._sensors.jaw.set_target(command.jaw)

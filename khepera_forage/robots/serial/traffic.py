@@ -28,6 +28,7 @@ class LineStatistics:
         unmatched: Well-formed replies to another request, such as late and repeated ones.
         rejected: Error replies (`z,...`).
         restarts: Restart banners.
+        unknown: Readings that contradicted each other, so that the previous one was kept.
     """
 
     sent: int = 0
@@ -37,3 +38,4 @@ class LineStatistics:
     unmatched: int = 0
     rejected: int = 0
     restarts: int = 0
+    unknown: int = 0

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.framing import LineSplitter
-from khepera_forage.robots.serial.port import open_port
+from khepera_forage.robots.serial.port import descriptor_of, open_port
 from khepera_forage.robots.serial.protocol import (
     ErrorReply,
     ProtocolError,
@@ -53,14 +53,19 @@ class Transport:
         self._splitter = LineSplitter()
         self._lines: deque[bytes] = deque()
 
+    @property
+    def descriptor(self) -> int | None:
+        """File descriptor of the open port, if it has one."""
+        return descriptor_of(self._serial)
+
     def close(self) -> None:
         """Close the port; a second call does nothing."""
         self._serial.close()
 
-    def send(self, request: Request) -> bytes:
-        """Send a request; returns its bytes."""
-        data = encode_request(request)
-        self.statistics.sent += 1
+    def send(self, *requests: Request) -> bytes:
+        """Send requests; returns their bytes."""
+        data = b"".join(map(encode_request, requests))
+        self.statistics.sent += len(requests)
         if self.on_traffic is not None:
             self.on_traffic(Traffic(True, data))
         self._serial.write(data)

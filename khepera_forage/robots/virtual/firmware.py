@@ -39,8 +39,12 @@ GRIPPER_VERSION = (2, 1)
 """Assumption: the version of the gripper's manual."""
 BARRIER_FREE, BARRIER_CROSSED = 0, 200
 """Readings of the optical barrier: 0 without an object (KNET, KH2PY, WSU-R), more than 100 with one (PYRO)."""
-INSULATOR = 255
-"""Resistivity of anything that does not conduct. Assumption: the end of the scale."""
+INSULATED, CONDUCTING = 0, 255
+"""Replies to T,1,F. The only source is PYRO, which takes more than 20 for closed fingers and less for open ones: the
+reading is high while a current flows from finger to finger. The food is of wood, so only closed, empty fingers conduct.
+Assumption: the ends of the scale, and that PYRO's threshold is right; the text of K-Team's manual was not found."""
+_FINGERS_TOUCH = 3
+"""Jaw position up to which the fingers touch each other: 0 but for the noise of the position. Assumption."""
 DARK = 500
 """Ambient light reading without a lamp (Khepera manual 3.1.7, by way of RN)."""
 FULL_PWM, FULL_SPEED = PWM.high, SPEED.high
@@ -183,7 +187,7 @@ class Firmware:
             "T,1,B": lambda: GRIPPER_VERSION,
             "T,1,D": lambda closed: self._drive(jaw=JAW_CLOSED if closed else JAW_OPEN),
             "T,1,E": lambda position: self._drive(arm=position),
-            "T,1,F": lambda: (INSULATOR,),
+            "T,1,F": lambda: (CONDUCTING if self._robot.sense().jaw <= _FINGERS_TOUCH else INSULATED,),
             "T,1,G": lambda: (BARRIER_CROSSED if self._robot.sense().object_presence else BARRIER_FREE,),
             "T,1,H": lambda arm: (self._robot.sense().arm if arm else self._robot.sense().jaw,),
             "T,1,J": lambda: (0,),

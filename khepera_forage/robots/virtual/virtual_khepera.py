@@ -23,7 +23,8 @@ _CHUNK_DURATION = 0.002
 class VirtualKhepera:
     """Serves a firmware on a pseudo-terminal or a TCP port, in its own thread, until closed.
 
-    Requests are executed one after the other. Bytes take as long as on a real line in both directions: a request is
+    Requests are executed one after the other. A late reply delays the ones behind it, as on a line with a buffer, but
+    not the execution of requests. Bytes take as long as on a real line in both directions: a request is
     executed when its last byte would have arrived, and its reply is written no faster than the baud rate. The baud rate
     of the host's end is ignored: a pseudo-terminal has none.
 
@@ -64,6 +65,8 @@ class VirtualKhepera:
         self.url = self._endpoint.url
         self._splitter = LineSplitter()
         self._requests: deque[tuple[bytes, float]] = deque()
+        self._replies: deque[tuple[bytes, float]] = deque()
+        """With the times at which they are due."""
         self._received_until = self._sent_until = 0.0
         self._closing = False
         self._wake_reader, self._wake_writer = os.pipe()
@@ -114,18 +117,20 @@ class VirtualKhepera:
     def _serve(self) -> None:
         try:
             while not self._closing:
-                if not self._requests:
-                    self._listen(None)
-                    continue
-                line, due = self._requests.popleft()
-                self._wait_until(due)
-                if not self._closing and not self._execute(line):
-                    break
+                now = time.monotonic()
+                if self._replies and self._replies[0][1] <= now:
+                    self._send(self._replies.popleft()[0])
+                elif self._requests and self._requests[0][1] <= now:
+                    if not self._execute(self._requests.popleft()[0]):
+                        break
+                else:
+                    dues = [queue[0][1] for queue in (self._requests, self._replies) if queue]
+                    self._listen(min(dues) - now if dues else None)
         finally:
             self._endpoint.close()
 
     def _execute(self, line: bytes) -> bool:
-        """Execute a request and send its reply, with a fault if one is drawn; returns whether the line still works."""
+        """Execute a request, with a fault if one is drawn; returns whether the line still works."""
         injector = self._injector
         fault: Fault | None = injector.draw()
         if fault == "unplug":
@@ -133,21 +138,25 @@ class VirtualKhepera:
             return False
         if fault == "reset":
             cut_off = b"" if injector.coin_toss() else injector.truncate(self._firmware.handle(line))
-            self._send(cut_off + self._firmware.power_on())
+            self._reply(cut_off + self._firmware.power_on())
             return True
         if fault == "drop" and injector.coin_toss():
             return True
         reply = self._firmware.handle(line)
         if fault == "garble":
-            self._send(injector.garble(reply))
+            self._reply(injector.garble(reply))
         elif fault == "duplicate":
-            self._send(reply + reply)
+            self._reply(reply + reply)
         elif fault == "delay":
-            self._wait_until(time.monotonic() + injector.lateness())
-            self._send(reply)
+            self._reply(reply, injector.lateness())
         elif fault is None:
-            self._send(reply)
+            self._reply(reply)
         return True
+
+    def _reply(self, data: bytes, lateness: float = 0.0) -> None:
+        """Queue a reply. Later ones wait behind it, but requests are executed meanwhile."""
+        last = self._replies[-1][1] if self._replies else 0.0
+        self._replies.append((data, max(last, time.monotonic() + lateness)))
 
     def _send(self, reply: bytes) -> None:
         """Write a reply at the speed of the line."""

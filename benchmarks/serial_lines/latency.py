@@ -1,0 +1,127 @@
+"""Rounds on a line with a constant latency."""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from khepera_forage.experiments.measures import pick, quantiles
+from khepera_forage.experiments.statistics import UNKNOWN
+from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.lab.clock import WallClock
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+from khepera_forage.robots.serial.errors import LineTooSlow
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.faults import Faults
+from serial_lines.virtual_fleet import TIMING, virtual_fleet
+
+LATENCIES = (0, 5, 16, 40, 80, 100, 200, 300, 1000)
+"""Milliseconds: 16 is that of a USB adapter with the usual setting; 100 and more do not allow a period of 0.1 s."""
+BAUD = 38400
+_GRIPPER_PERIOD = 5
+"""Rounds from one movement of the gripper to the next."""
+_NOTE = (
+    f"One robot at {BAUD} baud; wheels and gripper move. Opening: until the line is measured and accepted or rejected. "
+    "A round ends when its readings have arrived. Measured from the end of the last round: median [5th, 95th "
+    "percentile], and the longest round. Bound: the period, the latency, and the transmission of the bytes of a round "
+    "in which all readings are requested twice."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SlowRound:
+    """One round.
+
+    Attributes:
+        latency: Of the line, in ms.
+        opening: Milliseconds that opening took.
+        pipelined: Whether requests are pipelined.
+        number: Of the round, from 0; -1 for a line that was rejected.
+        taken: Milliseconds from the end of the last round; 0 for a rejected line.
+        bound: Milliseconds that it may take.
+    """
+
+    latency: int
+    opening: float
+    pipelined: bool
+    number: int
+    taken: float
+    bound: float
+
+
+class SlowLine(NamedTuple):
+    """A robot on a line with a constant latency.
+
+    Attributes:
+        latency: In ms.
+        rounds: How many.
+        seed: Of the world.
+    """
+
+    latency: int
+    rounds: int
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """The latency."""
+        return f"latency {self.latency} ms"
+
+    def run(self) -> list[SlowRound]:
+        """Measure every round."""
+        seconds = self.latency / 1000
+        late = Faults(delay=1.0 if self.latency else 0.0, lateness=(seconds, seconds))
+        with virtual_fleet(BAUD, 1, self.seed) as (ports, advance, _):
+            ports[0].faults = late
+            begin = time.perf_counter()
+            try:
+                robot = SerialKhepera(ports[0].url, baud=BAUD, period=TIMING.round_duration)
+            except LineTooSlow:
+                return [SlowRound(self.latency, 1000 * (time.perf_counter() - begin), False, -1, 0.0, 0.0)]
+            opening = 1000 * (time.perf_counter() - begin)
+            bound = 1000 * (
+                TIMING.round_duration + seconds + robot.timing._replace(latency=0.0).duration(1, 244)
+            )
+            rows, clock = [], WallClock(TIMING.round_duration)
+            with robot:
+                end = time.perf_counter()
+                for number in range(self.rounds):
+                    down = number // _GRIPPER_PERIOD % 2
+                    robot.drive(
+                        Motors(5, number % 9, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
+                    )
+                    robot.transmit()
+                    clock.wait()
+                    advance()  # by a whole round, after the command has arrived
+                    robot.receive()
+                    taken = time.perf_counter() - end
+                    end += taken
+                    pipelined = robot.timing.pipelined
+                    rows.append(SlowRound(self.latency, opening, pipelined, number, 1000 * taken, bound))
+                ports[0].faults = Faults()
+        return rows
+
+
+def latency_table(rows: Sequence[SlowRound]) -> Table:
+    """Opening and rounds by latency."""
+    columns = (
+        Column("latency (ms)"),
+        Column("opening (ms)", digits=0),
+        Column("requests"),
+        Column("a round (ms)", digits=0, estimate=True),
+        Column("longest (ms)", digits=0),
+        Column("bound (ms)", digits=0),
+    )
+    lines = []
+    for latency in LATENCIES:
+        own = pick(rows, latency=latency)
+        if not own:
+            continue
+        if own[0].number < 0:
+            lines.append((latency, own[0].opening, "rejected", UNKNOWN, math.nan, math.nan))
+            continue
+        taken = [row.taken for row in own]
+        requests = "pipelined" if own[0].pipelined else "one by one"
+        lines.append((latency, own[0].opening, requests, quantiles(taken), max(taken), own[0].bound))
+    return Table("latency", "Lines with a latency", _NOTE, columns, lines)

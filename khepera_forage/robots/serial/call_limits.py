@@ -1,0 +1,52 @@
+"""Limits of the time that a call may take: first the wheels are stopped, then the robot counts as lost."""
+
+import time
+from collections.abc import Callable
+
+from khepera_forage.robots.serial.client import ProtocolClient
+from khepera_forage.robots.serial.protocol import Request
+
+HOLD_AFTER = 0.5
+"""Seconds after which a call that is not complete stops the wheels."""
+MAX_DURATION = 3.0
+"""Seconds after which a robot whose call is not complete counts as lost."""
+_MAX_TIMEOUTS = 30
+"""The same in timeouts, for a user who has chosen a long one."""
+
+
+class CallLimits:
+    """Limits the time of the calls on one line.
+
+    A robot whose replies are lost or late drives on at its last speed. After `HOLD_AFTER`, or one timeout if that is
+    longer, the wheels are therefore stopped, and again and again until the call is complete. The next command starts
+    them again.
+
+    Args:
+        client: The connection to the robot.
+        may_be_moving: Whether the wheels may be turning.
+
+    Attributes:
+        holds: How often the wheels were stopped.
+    """
+
+    def __init__(self, client: ProtocolClient, may_be_moving: Callable[[], bool]) -> None:
+        self.holds = 0
+        self._client = client
+        self._may_be_moving = may_be_moving
+        self._hold_at = float("inf")
+        self._hold_after = max(HOLD_AFTER, client.base_timeout)
+        self._max_duration = max(MAX_DURATION, _MAX_TIMEOUTS * client.base_timeout)
+        client.exchange.while_waiting = self._check
+
+    def begin(self) -> None:
+        """Begin a call."""
+        now = time.monotonic()
+        self._hold_at = now + self._hold_after
+        self._client.exchange.deadline = now + self._max_duration
+
+    def _check(self) -> None:
+        now = time.monotonic()
+        if now >= self._hold_at and self._may_be_moving():
+            self._hold_at = now + self._hold_after
+            self.holds += 1
+            self._client.exchange.send_unanswered(Request("D", (0, 0)))

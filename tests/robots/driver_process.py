@@ -1,0 +1,56 @@
+"""A driver in a process of its own, which a test ends in every way."""
+
+import subprocess
+import sys
+import textwrap
+from collections.abc import Sequence
+
+DRIVE = """
+import os, signal, sys, time
+from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+robots = [SerialKhepera(port, {options}) for port in sys.argv[1:]]
+def drive():
+    for robot in robots:
+        robot.drive(Motors(5, 5, 215, 200))
+        robot.transmit()
+    print("driving", flush=True)
+def drive_and_receive():
+    drive()
+    while True:
+        Fleet(robots).receive()
+"""
+
+
+def start_driver(
+    ports: Sequence[str], body: str, *, before: str = "", options: str = "", stdin: int | None = None
+) -> "subprocess.Popen[str]":
+    """Start a process that drives robots, and wait until they drive.
+
+    Args:
+        ports: Of the robots.
+        body: Program after the definitions above; calls `drive()`.
+        before: Program before them.
+        options: Further arguments of `SerialKhepera`.
+        stdin: Standard input, as for `subprocess.Popen`.
+    """
+    program = "\n".join((before, DRIVE.format(options=options), textwrap.dedent(body)))
+    child = subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", program, *ports],
+        stdin=stdin,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A group of its own, as a shell starts it: only such a process can be suspended.
+        process_group=0,
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "driving\n", child.communicate()[1]
+    return child
+
+
+def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:
+    """The exit status and the errors that a process has printed."""
+    _, errors = child.communicate(timeout=20)
+    return child.returncode, errors
