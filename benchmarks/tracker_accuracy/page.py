@@ -24,7 +24,7 @@ from tracker_accuracy.observations import (
     Phantoms,
 )
 from tracker_accuracy.scenes import APPEARANCES, LABORATORY
-from tracker_accuracy.speed import PARTS, Rate
+from tracker_accuracy.speed import CROSSED, PARTS, Rate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,7 +56,7 @@ class Observed(NamedTuple):
 
 def speed_table(found: Observed, frames: int) -> Table:
     """Frames a second."""
-    goals = {"tracker": "at least 500"}
+    goals = {PARTS[0]: "at least 300", CROSSED: "at least 300"}
     rows = [
         (part, *extremes([row.rate for row in pick(found.rates, part=part)]), goals.get(part, ""))
         for part in PARTS

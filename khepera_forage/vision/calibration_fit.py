@@ -25,6 +25,8 @@ _GAIN = 0.9
 _REPEATS, _STEP = 6, 1e-4
 """Of the Gauss-Newton method, and for its numerical derivatives."""
 _NEWTON_REPEATS = 8
+_DETERMINED = 0.01
+"""Least ratio of singular values of the equations of a homography that is determined by its points."""
 _LARGEST = 0.5
 """Greatest coefficient that is tried."""
 
@@ -35,8 +37,9 @@ class CalibrationFit(NamedTuple):
     Attributes:
         calibration: From all points.
         residuals: Distance in mm of each point from the calibration's estimate of it.
-        held_out: The same by a calibration from all other points, with the same kind of lens; empty for four points.
-        held_out_without_lens: The same without a lens; empty for four points.
+        held_out: The same by a calibration from all other points, with the same kind of lens; nan if these determine no
+            calibration, and empty for four points.
+        held_out_without_lens: The same without a lens.
         coverage: Share of the picture that lies within the points' convex hull.
     """
 
@@ -84,8 +87,9 @@ def fit_calibration(
 
 
 def root_mean_square(errors: Sequence[float]) -> float:
-    """Root of the mean square; 0 without errors."""
-    return math.sqrt(sum(error * error for error in errors) / max(1, len(errors)))
+    """Root of the mean square of the errors that are known; nan without any."""
+    known = [error for error in errors if not math.isnan(error)]
+    return math.sqrt(sum(error * error for error in known) / len(known)) if known else math.nan
 
 
 def _distances(
@@ -102,12 +106,30 @@ def _distances(
 def _held_out(
     points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int
 ) -> tuple[float, ...]:
-    """Distance in mm of each place from the estimate by a fit to all others."""
+    """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
     errors = []
     for i in range(len(points)):
-        k, matrix = _fitted(np.delete(points, i, axis=0), np.delete(places, i, axis=0), coefficients)
-        errors.append(float(np.hypot(*(_mapped(points[i : i + 1], k, matrix) - places[i])[0])))
+        others = np.delete(points, i, axis=0)
+        error = math.nan
+        if _determine_homography(others):
+            k, matrix = _fitted(others, np.delete(places, i, axis=0), coefficients)
+            error = float(np.hypot(*(_mapped(points[i : i + 1], k, matrix) - places[i])[0]))
+        errors.append(error)
     return tuple(errors)
+
+
+def _determine_homography(points: NDArray[np.float64]) -> bool:
+    """Whether points determine a homography: four of them must be in general position, no three on a line."""
+    scaled = (points - MIDDLE) / UNIT
+    ones, none = np.ones(len(points)), np.zeros((len(points), 3))
+    rays = np.column_stack((scaled, ones))
+    # The equations of a homography that maps the points to themselves, as an example of any.
+    equations = [
+        np.hstack((rays, none, -scaled[:, :1] * rays)),
+        np.hstack((none, rays, -scaled[:, 1:] * rays)),
+    ]
+    sizes = np.linalg.svd(np.concatenate(equations), compute_uv=False)
+    return bool(sizes[7] > _DETERMINED * sizes[0])
 
 
 def _fitted(

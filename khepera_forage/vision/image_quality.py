@@ -21,7 +21,7 @@ BLUR_LIMIT = 1.5
 """Pixels, standard deviation. docs/tracker/tracker.md shows the losses above it."""
 NOISE_LIMIT = 12.0
 """Grey levels, standard deviation. The same page shows the losses above it."""
-FLOOR_LIMITS = (25.0, 170.0)
+FLOOR_LIMITS = (20.0, 160.0)
 """Grey levels of the floor. Below, noise and black cannot be told from it; above, white saturates and grows."""
 _CONTRAST_RESERVE = 1.1
 """Least ratio of the measured contrast to the tracker's: light varies from place to place and minute to minute."""

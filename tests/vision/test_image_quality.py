@@ -49,7 +49,7 @@ def test_noise_is_measured(noise: float) -> None:
     [
         ({"exposure": 1.9}, "exposure", "overexposed.*reduce the camera's exposure"),
         ({"exposure": 0.15}, "exposure", "underexposed.*increase the camera's exposure"),
-        ({"white": 215.0, "floor": 155.0}, "contrast", r"tracker's contrast is 1\.4; set it to 1\.[12]"),
+        ({"white": 215.0, "floor": 150.0}, "contrast", r"tracker's contrast is 1\.4; set it to 1\.[12]"),
         ({"blur": 2.0}, "blur", "focus the lens"),
         ({"grain": 20.0}, "noise", "more light"),
     ],

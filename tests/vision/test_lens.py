@@ -123,6 +123,12 @@ def test_a_fifth_point_reveals_the_distortion() -> None:
     assert root_mean_square(fit.held_out) > 8
 
 
+def test_points_that_are_needed_have_no_held_out_error() -> None:
+    """Without one of the corners, the other two lie on a line with the middle."""
+    fit, _ = fit_through(Lens(-0.05), [*CORNERS, (0.5, 0.5)])
+    assert [math.isnan(error) for error in fit.held_out] == [True, True, True, True, False]
+
+
 @pytest.mark.parametrize("lens", LENSES)
 def test_lens_is_found_from_points_all_over_the_picture(lens: Lens) -> None:
     fit, worst = fit_through(lens, GRID)

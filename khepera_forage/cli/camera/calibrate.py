@@ -105,10 +105,11 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
 
     calibration = fit.calibration
     for i, ((u, v), (x, y), error) in enumerate(zip(picture, floor, fit.residuals, strict=True)):
-        held_out = f", {fit.held_out[i]:.1f} mm when held out" if fit.held_out else ""
+        known = fit.held_out and not math.isnan(fit.held_out[i])
+        held_out = f", {fit.held_out[i]:.1f} mm when held out" if known else ""
         print(f"pixel ({u:.1f}, {v:.1f}) is ({x:.0f}, {y:.0f}) mm: {error:.1f} mm off{held_out}")
     print(f"residual {_summary(fit.residuals)}")
-    if fit.held_out:
+    if not math.isnan(root_mean_square(fit.held_out)):
         print(f"held-out error {_summary(fit.held_out)}: each point by the calibration from all others")
     else:
         print(
@@ -136,7 +137,7 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
 def _summary(errors: Sequence[float]) -> str:
     from khepera_forage.vision.calibration_fit import root_mean_square
 
-    return f"{root_mean_square(errors):.1f} mm (root mean square), {max(errors):.1f} mm at most"
+    return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"
 
 
 def _print_regions(source: "FrameSource", calibration: "Calibration") -> None:

@@ -17,7 +17,7 @@ _CONTINUOUS = 0.5
 """Darkness of a cable at nine of ten places, as a share of its darkness on the ring."""
 _REACH = 9
 """Samples on either side of a cable's middle at which its profile is measured: 22 mm."""
-_CURVE_REPEATS = 2
+_CURVE_REPEATS = 1
 _SOLID = 1e-3
 
 Darkness = NDArray[np.float32]

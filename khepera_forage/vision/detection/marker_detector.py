@@ -106,9 +106,11 @@ class MarkerDetector:
 
     def covers(self, marker: DetectedMarker, contour: Contour) -> bool:
         """Whether the middle of a contour lies within a marker."""
-        along, across = self._steps(marker.moments, 1.0)
-        middle = contour.reshape(-1, 2).mean(axis=0) + 0.5 - (marker.moments.u, marker.moments.v)
-        a, b = map(float, np.linalg.solve(np.array([along, across]).T, middle))
+        (xu, xv), (yu, yv) = self._steps(marker.moments, 1.0)
+        column, row = contour.reshape(-1, 2).mean(axis=0).tolist()
+        u, v = column + 0.5 - marker.moments.u, row + 0.5 - marker.moments.v
+        determinant = xu * yv - xv * yu
+        a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
         return abs(a) <= self._settings.marker_length / 2 and abs(b) <= self._settings.marker_width / 2
 
     def _detected_holes(self, rectified: Frame, level: float) -> Holes | None:

@@ -18,7 +18,7 @@ _SHARE = 0.84
 """Share of a side, around its middle, on which points are taken: blur rounds the corners."""
 _REACH, _STEP = 5.0, 0.5
 """Region pixels within which a side is searched on either side of its expected place, and between two samples."""
-_CUTOFFS = (3.0, 1.5, 0.8, 0.4, 0.25, 0.25)
+_CUTOFFS = (3.0, 1.5, 0.6, 0.3, 0.25)
 """Region pixels beyond which a point has no weight, from one repeat to the next."""
 _CLEAR_CUTOFFS = (1.5, 0.5, 0.25)
 """The same for a border that nothing hides."""
