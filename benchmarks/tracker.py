@@ -2,16 +2,20 @@
 
     python benchmarks/tracker.py --help
 
-Speed on one core; errors of centre and heading over random scenes, in several appearances; and trainings in simulation
-that all cameras observe: rates and lengths of losses, jitter, reversals, swapped labels. A frame with the tracker's
-regions drawn on it is saved, too.
+Speed on one core; curves of what is found as cables, blur, exposure, contrast and noise become worse, up to failure;
+errors of calibrations by number of points and lens; errors of centre and heading over random scenes, in several
+appearances; and trainings in simulation that all cameras observe: rates and lengths of losses, jitter, reversals,
+swapped labels. A frame with the tracker's regions drawn on it is saved, too.
 """
 
 import sys
 from typing import TYPE_CHECKING
 
-from tracker_accuracy import hole_layouts, page, pictures
+from tracker_accuracy import hole_layouts, lenses, page, pictures
 from tracker_accuracy.hole_layouts import LAYOUTS, HoleCount, Layout
+from tracker_accuracy.lenses import Lenses, Trial
+from tracker_accuracy.limits import SWEEPS, Limit, Point
+from tracker_accuracy.limits_page import limits_picture, limits_table
 from tracker_accuracy.observations import Observation, Phantoms
 from tracker_accuracy.scenes import APPEARANCES, Scenes
 from tracker_accuracy.speed import Rate, Speed
@@ -32,8 +36,17 @@ COUNTS = (
     Count("scenes", 1000, 30, "random scenes of each appearance"),
     Count("trainings", 60, 2, "trainings to observe", adds_units=True),
     Count("rounds", 500, 150, "rounds of each"),
+    Count("frames", 20, 1, "frames of each point of a curve, with 20 markers each"),
+    Count("trials", 20, 1, "calibrations of each lens and layout of points"),
 )
-TABLES = {Observation: "observations", Phantoms: "phantoms", HoleCount: "hole_layouts", Rate: "speeds"}
+TABLES = {
+    Observation: "observations",
+    Phantoms: "phantoms",
+    HoleCount: "hole_layouts",
+    Rate: "speeds",
+    Point: "limits",
+    Trial: "calibrations",
+}
 FRAMES, REPEATS, IMAGES = 200, 5, 20
 QUICK_FRAMES, QUICK_REPEATS, QUICK_IMAGES = 40, 2, 1
 """Frames and repeats of the speed; images of each layout of holes."""
@@ -68,12 +81,23 @@ def main() -> int:
         *(Scenes(appearance, seed, given.scenes) for appearance in APPEARANCES),
         *(ObservedTraining(number, seed, given.rounds) for number in range(given.trainings)),
         *(Layout(name, seed, images) for name in LAYOUTS),
+        *(
+            Limit(n, curve, seed, given.frames, given.quick)
+            for n, sweep in SWEEPS.items()
+            for curve in sweep.curves
+        ),
+        *(Lenses(layout, seed, given.trials) for layout in lenses.LAYOUTS),
     ]
     given.fresh = False
     rows = collect(given, units, TABLES)
     found = page.Observed(rows.of(Observation), rows.of(Phantoms), speeds.of(Rate))
     parts: list[Table | Picture] = [
         page.speed_table(found, frames),
+        limits_table(rows.of(Point)),
+        Picture(
+            "limits", "found markers and food up to failure", limits_picture(rows.of(Point), rows.of(Trial))
+        ),
+        lenses.table(rows.of(Trial)),
         page.accuracy_table(found),
         page.model_table(found),
         hole_layouts.table(rows.of(HoleCount)),

@@ -1,30 +1,32 @@
-"""Calibration of the overhead camera: a homography from picture to floor, and parallax of objects with a height.
+"""Calibration of the overhead camera: lens, homography from picture to floor, and parallax of objects with a height.
 
 Picture coordinates are (u, v): u to the right and v down from the upper left corner of the picture, so that the
 middle of the pixel in row r and column c is (c + 0.5, r + 0.5). Region coordinates are those of `scene`: pixels
 of 5 mm on the floor, x to the right and y up.
 """
 
-import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from khepera_forage.vision.homography import (
+    Matrix,
+    Point,
+    check_view,
+    checked_numbers,
+    checked_points,
+    homography,
+    transformed,
+)
+from khepera_forage.vision.lens import Lens
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
-Point = tuple[float, float]
-_Matrix = tuple[float, ...]
-"""The nine numbers of a homography, row by row."""
-
-_FLAT = 0.01
-"""Three points are taken for collinear when the triangle's height is less than this share of its longest side."""
+_KEYS = ("picture", "floor", "camera", "lens")
 
 
 class Jacobian(NamedTuple):
@@ -52,15 +54,16 @@ class Jacobian(NamedTuple):
 class Calibration:
     """Maps points of the picture to points on the floor, and back.
 
-    Four points of the picture and the same four points on the floor determine a homography. It does not model lens
-    distortion: correct the frames of a wide lens first. The top of an object with a height appears further from the
-    point below the camera than it is. With the camera's position and height known, this parallax is corrected:
+    Four points of the picture and the same four points on the floor determine a homography, after the lens is
+    corrected; `calibration_fit` computes both from more points. The top of an object with a height appears further from
+    the point below the camera than it is. With the camera's position and height known, this parallax is corrected:
     p_floor = c + (p - c) * (1 - height / camera height).
 
     Args:
         picture: Four points (u, v) in pixels.
         floor: The same four points on the floor (x, y) in mm.
         camera: Position x, y and height of the camera above the floor, in mm; None corrects no parallax.
+        lens: Distortion of the lens; None corrects none.
 
     Raises:
         ValueError: Not four points, a value that is not finite, points that coincide, three points on a line, floor
@@ -70,26 +73,19 @@ class Calibration:
     picture: tuple[Point, ...]
     floor: tuple[Point, ...]
     camera: tuple[float, float, float] | None = None
-    _to_floor: _Matrix = field(init=False, repr=False, compare=False)
-    _to_picture: _Matrix = field(init=False, repr=False, compare=False)
+    lens: Lens | None = None
+    _to_floor: Matrix = field(init=False, repr=False, compare=False)
+    _to_picture: Matrix = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        picture, floor = _points("picture", self.picture, "(u, v)"), _points("floor", self.floor, "(x, y)")
-        camera = None if self.camera is None else _numbers("camera", self.camera, 3, "(x, y, height)")
+        picture = checked_points("picture", self.picture, "(u, v)")
+        floor = checked_points("floor", self.floor, "(x, y)")
+        camera = None if self.camera is None else checked_numbers("camera", self.camera, 3, "(x, y, height)")
         if camera is not None and camera[2] <= 0:
             raise ValueError(f"calibration camera is {camera}; allowed: a height above 0 mm")
-        to_floor = _homography(picture, [(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in floor])
-        # The picture's v grows downwards: in a picture that is not mirrored, a left turn on the floor is a right turn.
-        reversed_turns = [
-            _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
-            for three in combinations(range(4), 3)
-        ]
-        if not all(reversed_turns):
-            how = "crossed" if any(reversed_turns) else "mirrored"
-            raise ValueError(
-                f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
-                "allowed: both in the same order"
-            )
+        check_view(picture, floor)
+        straight = picture if self.lens is None else [self.lens.straightened(*point) for point in picture]
+        to_floor = homography(straight, [(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in floor])
         for name, value in (("picture", picture), ("floor", floor), ("camera", camera)):
             object.__setattr__(self, name, value)
         object.__setattr__(self, "_to_floor", tuple(to_floor.ravel().tolist()))
@@ -113,7 +109,9 @@ class Calibration:
         Raises:
             ValueError: A height not below the camera.
         """
-        x, y = _transformed(self._to_floor, u, v)
+        if self.lens is not None:
+            u, v = self.lens.straightened(u, v)
+        x, y = transformed(self._to_floor, u, v)
         if self.camera is None:
             return x, y
         centre_x, centre_y, shrink = self._parallax(height)
@@ -124,23 +122,31 @@ class Calibration:
         if self.camera is not None:
             centre_x, centre_y, shrink = self._parallax(height)
             x, y = centre_x + (x - centre_x) / shrink, centre_y + (y - centre_y) / shrink
-        return _transformed(self._to_picture, x, y)
+        u, v = transformed(self._to_picture, x, y)
+        return (u, v) if self.lens is None else self.lens.distorted(u, v)
 
     def jacobian(self, u: float, v: float, height: float = 0.0) -> Jacobian:
         """The Jacobian of `to_region` at a point of the picture."""
         a, b, _, d, e, _, g, h, i = self._to_floor
-        x, y = _transformed(self._to_floor, u, v)
+        uu, uv, vu, vv = 1.0, 0.0, 0.0, 1.0
+        if self.lens is not None:
+            uu, uv, vu, vv = self.lens.jacobian(u, v)
+            u, v = self.lens.straightened(u, v)
+        x, y = transformed(self._to_floor, u, v)
         scale = (1.0 if self.camera is None else self._parallax(height)[2]) / (g * u + h * v + i)
-        return Jacobian((a - x * g) * scale, (b - x * h) * scale, (d - y * g) * scale, (e - y * h) * scale)
+        a, b, d, e = (a - x * g) * scale, (b - x * h) * scale, (d - y * g) * scale, (e - y * h) * scale
+        return Jacobian(a * uu + b * vu, a * uv + b * vv, d * uu + e * vu, d * uv + e * vv)
 
     def as_table(self) -> dict[str, list[list[float]] | list[float]]:
-        """The points as a table for a TOML file."""
+        """The points, and the lens if it distorts, as a table for a TOML file."""
         table: dict[str, list[list[float]] | list[float]] = {
             "picture": [list(point) for point in self.picture],
             "floor": [list(point) for point in self.floor],
         }
         if self.camera is not None:
             table["camera"] = list(self.camera)
+        if self.lens is not None:
+            table["lens"] = [self.lens.k1, self.lens.k2]
         return table
 
     @classmethod
@@ -150,19 +156,23 @@ class Calibration:
         Raises:
             ValueError: A key that is missing or unknown, or points that `Calibration` refuses.
         """
-        unknown = sorted(table.keys() - {"picture", "floor", "camera"})
+        unknown = sorted(table.keys() - set(_KEYS))
         if unknown:
-            raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: picture, floor, camera")
+            raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
         for key in ("picture", "floor"):
             if key not in table:
                 raise ValueError(
                     f"calibration has no {key!r}; allowed: four points each for picture and floor"
                 )
-        return cls(table["picture"], table["floor"], table.get("camera"))  # type: ignore[arg-type] # checked there
+        numbers = table.get("lens")
+        lens = None if numbers is None else Lens(*checked_numbers("lens", numbers, 2, "(k1, k2)"))
+        return cls(table["picture"], table["floor"], table.get("camera"), lens)  # type: ignore[arg-type] # checked there
 
     def save(self, path: str | Path) -> None:
-        """Write the points to a TOML file."""
+        """Write the points, and the lens if it distorts, to a TOML file."""
         lines = ["# picture: four points in pixels from the upper left corner; floor: the same points in mm."]
+        if self.lens is not None:
+            lines.append("# lens: k1 and k2 of OpenCV's radial distortion for a focal length of 400 pixels.")
         lines += [f"{key} = {value}" for key, value in self.as_table().items()]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -188,50 +198,3 @@ class Calibration:
                 f"height is {height!r} mm; allowed: below the camera, which is {camera_height} mm high"
             )
         return x / MM_PER_PIXEL, y / MM_PER_PIXEL, 1.0 - height / camera_height
-
-
-def _numbers(name: str, value: object, count: int, form: str) -> tuple[float, ...]:
-    if (
-        not isinstance(value, Sequence | np.ndarray)
-        or len(value) != count
-        or not all(isinstance(n, int | float) and math.isfinite(n) for n in value)
-    ):
-        raise ValueError(f"calibration {name} is {value!r}; allowed: {count} finite numbers {form}")
-    return tuple(float(n) for n in value)
-
-
-def _points(name: str, value: object, form: str) -> tuple[tuple[float, ...], ...]:
-    if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
-        raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
-    points = tuple(_numbers(f"{name} point", point, 2, form) for point in value)
-    for one, other in combinations(points, 2):
-        if one == other:
-            raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
-    for three in combinations(points, 3):
-        longest = max(math.dist(p, q) for p, q in combinations(three, 2))
-        if abs(_cross(*three)) < _FLAT * longest * longest:
-            raise ValueError(
-                f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
-                "allowed: no three points on one line"
-            )
-    return points
-
-
-def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:
-    """Twice the signed area of a triangle, positive when its corners turn from x towards y."""
-    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-
-def _homography(picture: ArrayLike, floor: ArrayLike) -> NDArray[np.float64]:
-    """The 3 x 3 matrix that maps four points to four others."""
-    rows, targets = [], []
-    for (u, v), (x, y) in zip(np.asarray(picture).tolist(), np.asarray(floor).tolist(), strict=True):
-        rows += [[u, v, 1, 0, 0, 0, -x * u, -x * v], [0, 0, 0, u, v, 1, -y * u, -y * v]]
-        targets += [x, y]
-    return np.append(np.linalg.solve(rows, targets), 1.0).reshape(3, 3)
-
-
-def _transformed(matrix: _Matrix, p: float, q: float) -> Point:
-    a, b, c, d, e, f, g, h, i = matrix
-    w = g * p + h * q + i
-    return (a * p + b * q + c) / w, (d * p + e * q + f) / w

@@ -1,17 +1,27 @@
 """The real overhead camera: frames from a source, regions from the tracker."""
 
+import logging
+
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import FrameSource
+
+_LOG = logging.getLogger(__name__)
+_CHECK_INTERVAL = 300
+"""Frames from one check of the picture's quality to the next: half a minute of rounds."""
 
 
 class TrackedCamera:
     """A `Camera` that reports the regions which a `Tracker` finds in the frames of a `FrameSource`.
 
-    The scene is empty before the first `reset` or `expose`. A context manager: leaving it closes the source.
+    The scene is empty before the first `reset` or `expose`. The first frame after a reset, and one frame every half
+    minute, is checked by `measure_quality`; what is beyond its limit is logged as a warning, once.
+
+    A context manager: leaving it closes the source.
 
     Args:
         source: Frame source; it is closed with the camera.
@@ -23,6 +33,8 @@ class TrackedCamera:
         self._tracker = tracker
         self._frame: NDArray[np.uint8] | None = None
         self._age = 0.0
+        self._until_check = 0
+        self._warned: set[str] = set()
 
     def reset(self) -> None:
         """Forget all tracks, and take the first frame.
@@ -31,6 +43,7 @@ class TrackedCamera:
             CameraLost: The source has no more frames.
         """
         self._tracker.reset()
+        self._until_check = 0
         self.expose()
 
     def expose(self) -> None:
@@ -41,6 +54,10 @@ class TrackedCamera:
         """
         self._frame, self._age = self._source.newest()
         self._tracker.update(self._frame)
+        self._until_check -= 1
+        if self._until_check < 0:
+            self._until_check = _CHECK_INTERVAL
+            self._check_quality(self._frame)
 
     def look(self) -> Scene:
         """The scene of the last frame; empty before the first."""
@@ -76,3 +93,10 @@ class TrackedCamera:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+    def _check_quality(self, frame: NDArray[np.uint8]) -> None:
+        found = measure_quality(frame).warnings(self._tracker.settings)
+        for name, text in found.items():
+            if name not in self._warned:
+                _LOG.warning("camera picture %s", text)
+        self._warned = set(found)

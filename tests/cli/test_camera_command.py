@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from khepera_forage.cli.camera import calibrate
 from khepera_forage.cli.camera.window import PictureWindow
 from khepera_forage.cli.main import main
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.lens import Lens
 
 CORNERS = ["0,0=0,2400", "640,0=3200,2400", "640,480=3200,0", "0,480=0,0"]
 
@@ -51,7 +51,8 @@ def preview(*arguments: str) -> int:
 
 def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture[str]) -> None:
     assert preview("--frames", "2", "--seed", "3") == 0
-    printed = capsys.readouterr().out.splitlines()[-1]  # a slow machine prints earlier frames, too
+    # A slow machine prints earlier frames, too; the last line has the picture's quality.
+    printed = capsys.readouterr().out.splitlines()[-2]
     camera = RenderedTraining(3)
     camera.newest()
     camera.newest()
@@ -85,6 +86,27 @@ def test_preview_saves_pictures_and_films_that_it_can_read(
     assert "marker (" in capsys.readouterr().out
 
 
+def test_preview_shows_the_margins_of_the_picture(capsys: pytest.CaptureFixture[str]) -> None:
+    assert preview("--frames", "1") == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"picture: contrast 2\.\d\d \(at least 1\.54\), blur 0\.\d px \(at most", printed)
+    assert "warning" not in printed
+
+
+def test_preview_names_the_setting_to_change(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert preview("--frames", "2", "--out", "sharp.png") == 0
+    capsys.readouterr()
+    sharp = cv2.imread("sharp.png")
+    assert sharp is not None
+    blurred = cv2.GaussianBlur(sharp, (0, 0), 2.5)
+    film = cv2.VideoWriter("blurred.avi", cv2.VideoWriter.fourcc(*"MJPG"), 25, (640, 480))
+    for _ in range(50):
+        film.write(blurred)
+    film.release()
+    assert main(["camera", "preview", "--source", "blurred.avi", "--frames", "1"]) == 0
+    assert "warning: out of focus" in capsys.readouterr().out
+
+
 def test_preview_uses_the_calibration(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     half = ((0.0, 1200.0), (1600.0, 1200.0), (1600.0, 0.0), (0.0, 0.0))
     # A calibration with half the millimetres per pixel: all regions are too small for a marker.
@@ -100,7 +122,8 @@ def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str
     assert main(["camera", "calibrate", "--points", *CORNERS]) == 0
     printed = capsys.readouterr().out
     assert "residual 0.0 mm" in printed
-    assert "four points always fit" in printed
+    assert "held-out error unknown, because four points always fit" in printed
+    assert "lens not calibrated: that takes at least 8 points" in printed
     assert "5.00 mm wide" in printed
     calibration = Calibration.load("calibration.toml")
     assert calibration.to_region(100.5, 79.5) == pytest.approx((100.5, 400.5))
@@ -132,14 +155,38 @@ def test_calibration_from_more_points_reports_their_residual(capsys: pytest.Capt
         assert 5 * math.dist(found.to_region(u, v), true.to_region(u, v)) < 3
 
 
-def test_residuals_show_a_wrong_point() -> None:
-    floor = [(0.0, 2400.0), (3200.0, 2400.0), (3200.0, 0.0), (0.0, 0.0), (1600.0, 1300.0)]
-    picture = [(0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0), (320.0, 240.0)]
-    fit = calibrate.fitted(picture, floor, None)
-    assert max(calibrate.residuals(fit, picture, floor)) > 30
-    floor[4] = (1600.0, 1200.0)
-    fit = calibrate.fitted(picture, floor, None)
-    assert max(calibrate.residuals(fit, picture, floor)) < 0.01
+def test_calibration_of_a_lens_reports_the_error_of_held_out_points(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    plain = Calibration.identity()
+    true = Calibration(plain.picture, plain.floor, lens=Lens(-0.0125))
+    points = []
+    for u in (30, 220, 420, 610):
+        for v in (20, 240, 460):
+            x, y = true.to_region(u, v)
+            points.append(f"{u},{v}={5 * x},{5 * y}")
+    assert main(["camera", "calibrate", "--points", *points[:3], *points[9:]]) == 0
+    printed = capsys.readouterr().out
+    assert float(re.findall(r"held-out error (\d+\.\d) mm", printed)[0]) > 8
+    assert "lens not calibrated" in printed
+    assert main(["camera", "calibrate", "--points", *points]) == 0
+    printed = capsys.readouterr().out
+    assert "lens: k1 -0.0125" in printed
+    assert float(re.findall(r"held-out error (\d+\.\d) mm", printed)[0]) < 0.2
+    assert Calibration.load("calibration.toml").lens is not None
+
+
+def test_points_in_a_part_of_the_picture_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
+    points = [f"{u},{v}={5 * u},{2400 - 5 * v}" for u, v in ((200, 200), (300, 200), (300, 300), (200, 300))]
+    assert main(["camera", "calibrate", "--points", *points]) == 0
+    assert "the points enclose 3 % of the picture" in capsys.readouterr().out
+
+
+def test_residuals_show_a_wrong_point(capsys: pytest.CaptureFixture[str]) -> None:
+    for middle, largest in (("320,240=1600,1300", (30, 200)), ("320,240=1600,1200", (0, 0.01))):
+        assert main(["camera", "calibrate", "--points", *CORNERS, middle]) == 0
+        printed = capsys.readouterr().out
+        assert largest[0] <= max(map(float, re.findall(r": (\d+\.\d) mm off", printed))) <= largest[1]
 
 
 def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) -> None:

@@ -156,7 +156,7 @@ def test_frame_before_reset_is_refused() -> None:
         ({"white": 256.0}, "white is 256.0; allowed: a grey level 0..255"),
         ({"blur": -1.0}, "blur is -1.0; allowed: a finite number >= 0"),
         ({"grain": math.nan}, "grain is nan"),
-        ({"cable_width": 20.0}, "cable_width is 20.0 mm; allowed: up to 17 mm"),
+        ({"cable_width": 50.0}, "cable_width is 50.0 mm; allowed: up to 40 mm"),
         ({"height": 50.0}, "height is 50.0 mm; allowed: above the markers at 70.0 mm"),
     ],
 )

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import caption, draw_scene
+from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.scene import Camera, Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
@@ -60,6 +62,18 @@ def test_reset_forgets_the_tracks() -> None:
     assert max(r.label for r in camera.look().regions) == 4
     camera.reset()
     assert sorted(r.label for r in camera.look().regions) == [0, 1, 2]
+
+
+def test_bad_picture_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
+    source = RenderedSource()
+    source.renderer = SceneRenderer(replace(CameraAppearance.laboratory(), blur=2.3))
+    camera = TrackedCamera(source, Tracker())
+    camera.reset()
+    camera.reset()
+    assert [record.getMessage()[:28] for record in caplog.records] == ["camera picture out of focus:"]
+    source.renderer = SceneRenderer()
+    camera.reset()
+    assert len(caplog.records) == 1
 
 
 def test_close_closes_the_source() -> None:

@@ -19,6 +19,7 @@ from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 if TYPE_CHECKING:
     from khepera_forage.vision.calibration import Calibration
+    from khepera_forage.vision.calibration_fit import CalibrationFit
     from khepera_forage.vision.video import FrameSource
 
 Point = tuple[float, float]
@@ -27,6 +28,8 @@ _PAUSE = 0.02
 """Seconds between two pictures of the window."""
 _CROSS_COLOUR = (255, 60, 60)
 """Red, of the cross at each clicked point."""
+_ENOUGH_COVERAGE = 0.5
+"""Share of the picture within the points from which the held-out error holds for most of the picture."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,13 +40,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--points",
         nargs="+",
         metavar="U,V=X,Y",
-        help="four or more points: pixels from the picture's upper left corner = mm on the floor",
+        help="four or more points: pixels from the picture's upper left corner = mm on the floor; twelve all over the "
+        "picture calibrate the lens, too",
     )
     given.add_argument(
         "--places",
         nargs="+",
         metavar="X,Y",
-        help="four or more places on the floor in mm, which you then click in a window in this order",
+        help="four or more places on the floor in mm, which you then click in a window in this order; twelve all over "
+        "the picture calibrate the lens, too",
     )
     parser.add_argument(
         "--camera",
@@ -65,7 +70,12 @@ def run(arguments: argparse.Namespace) -> int:
         ImportError: OpenCV is not installed.
     """
     require("khepera-forage camera calibrate", "camera")
-    camera = _numbers("--camera", arguments.camera, 3) if arguments.camera else None
+    from khepera_forage.vision.calibration_fit import fit_calibration
+
+    camera = None
+    if arguments.camera:
+        x, y, height = _numbers("--camera", arguments.camera, 3)
+        camera = (x, y, height)
     source = open_source(arguments, paced=False) if arguments.places or arguments.check else None
     try:
         if arguments.places:
@@ -75,8 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
             picture = _clicked_points(source, floor)
         else:
             picture, floor = _points(arguments.points)
-        calibration = fitted(picture, floor, camera)
-        _print_residuals(calibration, picture, floor)
+        fit = fit_calibration(picture, floor, camera)
+        calibration = fit.calibration
+        _print_errors(fit, picture, floor)
         if arguments.check:
             assert source is not None
             _print_regions(source, calibration)
@@ -88,54 +99,45 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def fitted(picture: Sequence[Point], floor: Sequence[Point], camera: Sequence[float] | None) -> "Calibration":
-    """The calibration that fits the points: exactly for four points, by least squares for more.
+def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
+    """How far each point is off, in the fit and when it is held out; and what the errors mean."""
+    from khepera_forage.vision.calibration_fit import LENS_POINTS, root_mean_square
 
-    Args:
-        picture: Pixels (u, v).
-        floor: The same points in mm.
-        camera: Position x, y and height of the camera in mm, or None.
-
-    Raises:
-        ValueError: The points fit no camera.
-        ImportError: OpenCV is not installed.
-    """
-    from khepera_forage.vision.calibration import Calibration
-
-    place = None if camera is None else (camera[0], camera[1], camera[2])
-    if len(picture) == 4:
-        return Calibration(tuple(picture), tuple(floor), place)
-    import cv2
-
-    matrix, _ = cv2.findHomography(np.array(picture, float), np.array(floor, float))
-    if matrix is None:
-        raise ValueError(
-            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
+    calibration = fit.calibration
+    for i, ((u, v), (x, y), error) in enumerate(zip(picture, floor, fit.residuals, strict=True)):
+        known = fit.held_out and not math.isnan(fit.held_out[i])
+        held_out = f", {fit.held_out[i]:.1f} mm when held out" if known else ""
+        print(f"pixel ({u:.1f}, {v:.1f}) is ({x:.0f}, {y:.0f}) mm: {error:.1f} mm off{held_out}")
+    print(f"residual {_summary(fit.residuals)}")
+    if not math.isnan(root_mean_square(fit.held_out)):
+        print(f"held-out error {_summary(fit.held_out)}: each point by the calibration from all others")
+    else:
+        print(
+            "held-out error unknown, because four points always fit: give at least five to measure the error"
         )
-    # A calibration file holds four points: the corners of the picture, placed on the floor by the fit.
-    corners = ((0.0, 0.0), (PICTURE_WIDTH, 0.0), (PICTURE_WIDTH, PICTURE_HEIGHT), (0.0, PICTURE_HEIGHT))
-    places = cv2.perspectiveTransform(np.array([corners]), matrix)[0].tolist()
-    return Calibration(corners, tuple((x, y) for x, y in places), place)
-
-
-def residuals(calibration: "Calibration", picture: Sequence[Point], floor: Sequence[Point]) -> list[float]:
-    """Distance in mm between each point on the floor and the calibration's estimate of it."""
-    found = [calibration.to_region(u, v) for u, v in picture]
-    return [
-        math.hypot(x * MM_PER_PIXEL - place[0], y * MM_PER_PIXEL - place[1])
-        for (x, y), place in zip(found, floor, strict=True)
-    ]
-
-
-def _print_residuals(calibration: "Calibration", picture: Sequence[Point], floor: Sequence[Point]) -> None:
-    errors = residuals(calibration, picture, floor)
-    for (u, v), (x, y), error in zip(picture, floor, errors, strict=True):
-        print(f"pixel ({u:.1f}, {v:.1f}) is ({x:.0f}, {y:.0f}) mm: {error:.1f} mm off")
-    note = "; four points always fit: give more to measure the error" if len(errors) == 4 else ""
-    mean = math.sqrt(sum(error * error for error in errors) / len(errors))
-    print(f"residual {mean:.1f} mm (root mean square), {max(errors):.1f} mm at most{note}")
+    if calibration.lens is not None:
+        without = root_mean_square(fit.held_out_without_lens)
+        print(
+            f"lens: k1 {calibration.lens.k1:.4f}, k2 {calibration.lens.k2:.4f} "
+            f"(held-out error without it {without:.1f} mm)"
+        )
+    elif len(picture) < LENS_POINTS[0]:
+        print(f"lens not calibrated: that takes at least {LENS_POINTS[0]} points, better 12 or more")
+    else:
+        print("lens without measurable distortion")
+    if fit.coverage < _ENOUGH_COVERAGE:
+        print(
+            f"the points enclose {100 * fit.coverage:.0f} % of the picture: outside of them the error is unknown and "
+            "can be much larger; add points near the corners"
+        )
     middle = calibration.jacobian(PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
     print(f"a pixel in the middle is {MM_PER_PIXEL * math.sqrt(middle.area):.2f} mm wide")
+
+
+def _summary(errors: Sequence[float]) -> str:
+    from khepera_forage.vision.calibration_fit import root_mean_square
+
+    return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"
 
 
 def _print_regions(source: "FrameSource", calibration: "Calibration") -> None:

@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Preview:
-    """The frames of a source with the tracker's regions; prints the regions once a second.
+    """The frames of a source with the tracker's regions; prints the regions and the picture's quality once a second.
 
     Attributes:
         rate: Mean number of frames a second; 0 before the end.
@@ -91,6 +91,7 @@ class _Preview:
 
     def __iter__(self) -> Iterator[Picture]:
         """Frames with the regions drawn on them, up to the given number."""
+        from khepera_forage.vision.image_quality import measure_quality
         from khepera_forage.vision.overlay import draw_scene
 
         tracker, last, seen, since_print = self._tracker, None, 0, 0
@@ -107,6 +108,10 @@ class _Preview:
             if now - printed >= 1 or seen == self._frames:
                 rate = since_print / max(now - printed, 1e-9)
                 print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
+                quality = measure_quality(frame)
+                print(f"picture: {quality.described(tracker.settings)}")
+                for text in quality.warnings(tracker.settings).values():
+                    print(f"warning: {text}")
                 printed, since_print = now, 0
         self.rate = seen / max(time.monotonic() - began, 1e-9)
 

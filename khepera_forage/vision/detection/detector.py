@@ -34,6 +34,13 @@ class OrientedDetection(NamedTuple):
     front_known: bool
 
 
+class _Piece(NamedTuple):
+    """A bright shape: its contour, and the number of pixels within it."""
+
+    contour: Contour
+    area: float
+
+
 class Detector:
     """Detects markers and food among the bright shapes of a frame.
 
@@ -50,51 +57,85 @@ class Detector:
         self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
         self._food_area = math.pi * settings.food_radius**2 * scale**2
         self._marker_area = settings.marker_length * settings.marker_width * scale**2
+        self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
 
     def detect(self, segmentation: Segmentation) -> list[OrientedDetection]:
         """All markers and food in a frame."""
-        found: list[OrientedDetection] = []
         pieces = []
         for contour in outer_contours(segmentation.mask):
             # The contour's length bounds the area from above and is cheap: most shapes are specks.
             if len(contour) ** 2 >= _MIN_PIECE_AREA * self._food_area:
-                recognised = list(self._recognise(segmentation, contour))
-                found += recognised
-                if not recognised and _filled_area(contour) >= _MIN_PIECE_AREA * self._food_area:
-                    pieces.append(contour)
-        return found + self._recognise_joined(segmentation, pieces) if len(pieces) > 1 else found
+                area = _filled_area(contour)
+                if area >= _MIN_PIECE_AREA * self._food_area:
+                    pieces.append(_Piece(contour, area))
+        markers: list[DetectedMarker] = []
+        found, pieces = self._markers_among(segmentation, pieces, markers, beside=True)
+        rest = [piece for piece in pieces if piece.area <= self._most]
+        if sum(piece.area for piece in rest) >= self._least:
+            # A cable cuts a marker in pieces, or cuts notches into its border.
+            joined = self._joined(segmentation, rest)
+            found += self._markers_among(segmentation, joined, markers, beside=False)[0]
+        rest = [p for p in rest if not any(self._markers.covers(m, p.contour) for m in markers)]
+        foods, rest = self._foods_among(segmentation, rest)
+        if len(rest) > 1:
+            foods += self._foods_among(segmentation, self._joined(segmentation, rest))[0]
+        return found + foods
 
-    def _recognise_joined(self, segmentation: Segmentation, pieces: list[Contour]) -> list[OrientedDetection]:
-        """Markers and food in the shapes that result when the gaps between pieces are closed."""
+    def _markers_among(
+        self, segmentation: Segmentation, pieces: list[_Piece], markers: list[DetectedMarker], beside: bool
+    ) -> tuple[list[OrientedDetection], list[_Piece]]:
+        """Detections of the markers among some pieces, and of food that touches them; and the other pieces.
+
+        Markers are added to the list, even those whose number of holes is uncertain.
+        """
+        found: list[OrientedDetection] = []
+        rest = []
+        for piece in pieces:
+            patch = (
+                cut_patch(segmentation, piece.contour) if self._least <= piece.area <= self._most else None
+            )
+            marker = None if patch is None else self._markers.detect(patch)
+            if patch is None or marker is None:
+                rest.append(piece)
+                continue
+            markers.append(marker)
+            if marker.holes:
+                found.append(OrientedDetection(self._marker(patch, piece, marker), marker.front_known))
+            if piece.area > self._marker_area + 0.5 * self._food_area and beside:
+                found += self._food_beside(segmentation, patch, marker)
+        return found, rest
+
+    def _foods_among(
+        self, segmentation: Segmentation, pieces: list[_Piece]
+    ) -> tuple[list[OrientedDetection], list[_Piece]]:
+        """Detections of the food among some pieces, and the other pieces."""
+        found: list[OrientedDetection] = []
+        rest = []
+        for piece in pieces:
+            foods = list(self._foods_in(segmentation, piece))
+            found += foods
+            if not foods:
+                rest.append(piece)
+        return found, rest
+
+    def _joined(self, segmentation: Segmentation, pieces: list[_Piece]) -> list[_Piece]:
+        """The shapes that result when the gaps between pieces, and their notches, are closed."""
         import cv2
 
         mask = np.zeros_like(segmentation.mask)
-        cv2.drawContours(mask, pieces, -1, 255, cv2.FILLED)
+        cv2.drawContours(mask, [piece.contour for piece in pieces], -1, 255, cv2.FILLED)
         closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, self._gap_kernel)
-        return [
-            found
-            for contour in outer_contours(closed)  # type: ignore[arg-type] # uint8
-            for found in self._recognise(segmentation, contour)
-        ]
+        return [_Piece(contour, _filled_area(contour)) for contour in outer_contours(closed)]  # type: ignore[arg-type] # uint8
 
-    def _recognise(self, segmentation: Segmentation, contour: Contour) -> Iterator[OrientedDetection]:
-        """The marker, with food beside it, or the food objects that one contour encloses."""
-        area = _filled_area(contour)
-        least, most = (share * self._marker_area for share in _MARKER_AREA)
-        if not _MIN_FOOD_AREA * self._food_area <= area <= most:
+    def _foods_in(self, segmentation: Segmentation, piece: _Piece) -> Iterator[OrientedDetection]:
+        """The food objects that one contour encloses."""
+        if piece.area < _MIN_FOOD_AREA * self._food_area:
             return
-        patch = cut_patch(segmentation, contour)
-        if area >= least:
-            marker = self._markers.detect(patch)
-            if marker is not None:
-                yield OrientedDetection(self._marker(patch, contour, area, marker), marker.front_known)
-                if area > self._marker_area + 0.5 * self._food_area:
-                    yield from self._food_beside(segmentation, patch, marker)
-                return
+        patch = cut_patch(segmentation, piece.contour)
         food = self._foods.detect(patch)
         if food is not None:
-            yield OrientedDetection(self._food(patch, contour, area, food), True)
-        elif area < _MAX_TOUCHING_FOODS * self._food_area:
+            yield OrientedDetection(self._food(patch, piece, food), True)
+        elif piece.area < _MAX_TOUCHING_FOODS * self._food_area:
             for food, mask in self._foods.split(patch):
                 yield OrientedDetection(self._split_food(patch, mask, food), True)
 
@@ -109,19 +150,18 @@ class Detector:
         )
         for contour in outer_contours(rest):  # type: ignore[arg-type] # uint8
             contour += np.array([patch.column, patch.row], np.int32)
-            area = _filled_area(contour)
-            if area >= _MIN_FOOD_AREA * self._food_area:
+            piece = _Piece(contour, _filled_area(contour))
+            if piece.area >= _MIN_FOOD_AREA * self._food_area:
                 part = cut_patch(segmentation, contour)
                 food = self._foods.detect(part)
                 if food is not None:
-                    yield OrientedDetection(self._food(part, contour, area, food), True)
+                    yield OrientedDetection(self._food(part, piece, food), True)
 
-    def _marker(self, patch: ImagePatch, contour: Contour, area: float, marker: DetectedMarker) -> Detection:
+    def _marker(self, patch: ImagePatch, piece: _Piece, marker: DetectedMarker) -> Detection:
         orientation = round(math.degrees(marker.heading)) % 360
         return self._detection(
             patch,
-            contour,
-            area,
+            piece,
             marker.moments,
             self._settings.marker_height,
             marker.holes,
@@ -129,19 +169,18 @@ class Detector:
             marker.holes_area,
         )
 
-    def _food(self, patch: ImagePatch, contour: Contour, area: float, food: ShapeMoments) -> Detection:
-        return self._detection(patch, contour, area, food, self._settings.food_height)
+    def _food(self, patch: ImagePatch, piece: _Piece, food: ShapeMoments) -> Detection:
+        return self._detection(patch, piece, food, self._settings.food_height)
 
     def _split_food(self, patch: ImagePatch, mask: Frame, food: ShapeMoments) -> Detection:
         """One of several touching food objects, given by its mask."""
         contour = max(outer_contours(mask), key=len) + np.array([patch.column, patch.row], np.int32)
-        return self._food(patch, contour, _filled_area(contour), food)
+        return self._food(patch, _Piece(contour, _filled_area(contour)), food)
 
     def _detection(
         self,
         patch: ImagePatch,
-        contour: Contour,
-        area: float,
+        piece: _Piece,
         moments: ShapeMoments,
         height: float,
         holes: int = 0,
@@ -151,7 +190,7 @@ class Detector:
         import cv2
 
         unit = self._calibration.jacobian(moments.u, moments.v, height).area
-        area = area * unit - holes_area
+        contour, area = piece.contour, piece.area * unit - holes_area
         # The contour runs through the middles of the border pixels; the outline around them is longer by pi.
         perimeter = (cv2.arcLength(contour, True) + math.pi) * math.sqrt(unit)
         column, row = min(contour[:, 0].tolist(), key=lambda p: (p[1], p[0]))

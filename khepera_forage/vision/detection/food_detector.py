@@ -14,8 +14,9 @@ from khepera_forage.vision.tracker_settings import TrackerSettings
 
 _MIN_FILL = 0.7
 """Least share of the ellipse with the same moments that food fills; the end of a kinked cable fills less."""
-_AREA = (0.8, 1.5)
-"""Least and greatest area of a whole disc, as shares of food's true area; a half hidden disc has no known centre."""
+_AREA = (0.8, 1.7)
+"""Least and greatest area of a whole disc, as shares of food's true area: a half hidden disc has no known centre, and
+overexposed white grows."""
 _MAX_EROSIONS = 3
 """Greatest number of erosions by one pixel to separate touching discs."""
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)

@@ -1,4 +1,4 @@
-"""Number and position of the holes in a marker, from its rectified image (figures 3.8, 3.9)."""
+"""Number and position of the holes, wherever they are, in a marker that no cable crosses (figures 3.8, 3.9)."""
 
 from typing import NamedTuple
 
@@ -15,9 +15,7 @@ _RIM = 7.5
 _BRIDGE = 5.0
 """Width in mm up to which a bright object across a hole (a light cable) does not split the hole."""
 _MIN_WIDTH = 0.6
-"""Share of a hole's side; anything narrower is no hole but a dark cable."""
-_MIN_WIDTH_AT_BORDER = 0.9
-"""The same for dark shapes that reach the marker's border: a wide cable, or a cable over a hole."""
+"""Share of a hole's side; anything narrower is no hole."""
 _HOLE_AREA = (0.35, 1.8)
 """Least and greatest area of a hole, as shares of its true area."""
 _MAX_LENGTH = 1.5
@@ -42,7 +40,7 @@ class Holes(NamedTuple):
 
 
 class HoleDetector:
-    """Detects the holes in a rectified marker, or rejects the marker if their number is uncertain.
+    """Detects the holes in a rectified marker that no cable crosses.
 
     Args:
         settings: Sizes and contrast.
@@ -61,7 +59,6 @@ class HoleDetector:
         self._hole_area = side * side
         self._bridge_kernel = np.ones((round(_BRIDGE / SAMPLE) + 1,) * 2, np.uint8)
         self._narrow_kernel = np.ones((max(1, round(_MIN_WIDTH * side)),) * 2, np.uint8)
-        self._wide_kernel = np.ones((max(1, round(_MIN_WIDTH_AT_BORDER * side)),) * 2, np.uint8)
 
     def detect(self, rectified: Frame, level: float) -> Holes | None:
         """The holes of a marker.
@@ -71,7 +68,7 @@ class HoleDetector:
             level: Grey level of the marker's white.
 
         Returns:
-            None without holes, or when cables make their number uncertain.
+            None without holes, or if their number is uncertain.
         """
         import cv2
 
@@ -81,9 +78,7 @@ class HoleDetector:
         if not dark.any():
             return None
         closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, self._bridge_kernel)
-        holes = self._without_cables(closed)  # type: ignore[arg-type] # uint8
-        if holes is None:
-            return None
+        holes = cv2.morphologyEx(closed, cv2.MORPH_OPEN, self._narrow_kernel)
         labels, _, stats, centres = cv2.connectedComponentsWithStats(holes)
         if labels == 1:
             return None
@@ -94,25 +89,6 @@ class HoleDetector:
             return None
         offset = float(centres[1:, 0].mean() + 0.5 - self.columns / 2) * SAMPLE
         return Holes(labels - 1, offset, sum(areas) * (SAMPLE / MM_PER_PIXEL) ** 2)
-
-    def _without_cables(self, dark: Frame) -> Frame | None:
-        """Only dark shapes as wide as a hole; None when a cable is so wide that it could be taken for a hole.
-
-        Cables reach the border. Holes do not, unless a cable lies over them.
-        """
-        import cv2
-
-        count, labels, stats, _ = cv2.connectedComponentsWithStats(dark)
-        at_border = [i for i in range(1, count) if not self._is_inside(*stats[i, :4].tolist())]
-        if not at_border:
-            return cv2.morphologyEx(dark, cv2.MORPH_OPEN, self._narrow_kernel)  # type: ignore[return-value] # uint8
-        cable = np.isin(labels, at_border)
-        holes = cv2.morphologyEx(np.where(cable, np.uint8(0), dark), cv2.MORPH_OPEN, self._narrow_kernel)
-        crossed = cv2.morphologyEx(np.where(cable, dark, np.uint8(0)), cv2.MORPH_OPEN, self._wide_kernel)
-        rest = np.where(cable & (cv2.dilate(crossed, self._bridge_kernel) == 0), dark, np.uint8(0))
-        if cv2.morphologyEx(rest, cv2.MORPH_OPEN, self._narrow_kernel).any():
-            return None
-        return cv2.bitwise_or(holes, crossed)  # type: ignore[return-value] # uint8
 
     def _is_hole(self, left: int, top: int, width: int, height: int, area: int) -> bool:
         """Whether a dark component has a hole's size and does not reach the border, as a cable does."""

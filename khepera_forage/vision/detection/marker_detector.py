@@ -6,14 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.hole_detector import SAMPLE, HoleDetector
-from khepera_forage.vision.detection.image_patch import (
-    ImagePatch,
-    ShapeMoments,
-    shape_moments,
-    weighted_moments,
-)
-from khepera_forage.vision.detection.segmentation import Frame
+from khepera_forage.vision.detection.cable_bands import CableBands
+from khepera_forage.vision.detection.hole_detector import SAMPLE, HoleDetector, Holes
+from khepera_forage.vision.detection.hole_pattern import HolePattern
+from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments, shape_moments
+from khepera_forage.vision.detection.rectangle_fit import RectangleFit
+from khepera_forage.vision.detection.segmentation import Contour, Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -21,14 +19,12 @@ from khepera_forage.vision.tracker_settings import TrackerSettings
 _MIN_HOLE_OFFSET = 5.0
 """mm by which the holes must be off the middle to tell front from back."""
 _SQUARE = np.ones((3, 3), np.uint8)
-_BORDER_MARGIN = 6.0
-"""mm on either side of its expected position within which the marker's border is searched."""
-_MAX_REFINEMENTS = 4
+_MAX_REPEATS = 3
 """Greatest number of times the border is searched around the last estimate."""
-_CONVERGED = 0.02
-"""Radians, or shares of the marker's size, below which another refinement changes nothing."""
-_MIN_AREA = 0.8
-"""Share of a marker's area that must be seen in one piece; with one side cut off, its centre is not known."""
+_CONVERGED = 0.5
+"""Region pixels, at the corners, below which another search changes nothing."""
+_MIN_AREA = 0.6
+"""Share of a marker's area that must be seen."""
 _MAX_OUTSIDE = 1.0
 """Pixels by which a corner may lie outside the picture."""
 _MIN_FILL = 0.7
@@ -44,7 +40,7 @@ class DetectedMarker(NamedTuple):
         moments: Centre and axes.
         heading: Radians.
         front_known: Whether the holes tell front from back; if not, `heading` may be off by 180 degrees.
-        holes: Number of holes.
+        holes: Number of holes; 0 if it is uncertain.
         holes_area: In square region pixels.
         mask: 255 within the marker, of the patch's size.
     """
@@ -76,7 +72,12 @@ class MarkerDetector:
         self._major = settings.marker_length / MM_PER_PIXEL / math.sqrt(12)
         self._minor = settings.marker_width / MM_PER_PIXEL / math.sqrt(12)
         self._area = settings.marker_length * settings.marker_width / MM_PER_PIXEL**2
+        self._border = RectangleFit(
+            settings.marker_length / MM_PER_PIXEL, settings.marker_width / MM_PER_PIXEL
+        )
         self._holes = HoleDetector(settings)
+        self._cables = CableBands(self._holes.rows, self._holes.columns)
+        self._pattern = HolePattern(settings, self._holes.rows, self._holes.columns)
 
     def detect(self, patch: ImagePatch) -> DetectedMarker | None:
         """The marker in a patch.
@@ -92,15 +93,31 @@ class MarkerDetector:
         estimate = shape_moments(patch, mask, self._calibration, self._settings.marker_height)
         if estimate is None or not self._has_marker_size(estimate):
             return None
-        moments = self._refined(patch, estimate)
+        moments = self._fitted(patch, estimate)
         if moments is None or (patch.edge and self._is_cut_off(moments)):
             return None
-        holes = self._holes.detect(self._rectified(patch, moments), moments.level)
+        mask = self._marker_mask(patch, moments)
+        holes = self._detected_holes(self._rectified(patch, moments), moments.level)
         if holes is None:
-            return None
+            return DetectedMarker(moments, moments.axis, False, 0, 0.0, mask)
         heading = moments.axis if holes.offset >= 0 else moments.axis + math.pi
         front_known = abs(holes.offset) >= _MIN_HOLE_OFFSET
         return DetectedMarker(moments, heading, front_known, holes.number, holes.area, mask)
+
+    def covers(self, marker: DetectedMarker, contour: Contour) -> bool:
+        """Whether the middle of a contour lies within a marker."""
+        (xu, xv), (yu, yv) = self._steps(marker.moments, 1.0)
+        column, row = contour.reshape(-1, 2).mean(axis=0).tolist()
+        u, v = column + 0.5 - marker.moments.u, row + 0.5 - marker.moments.v
+        determinant = xu * yv - xv * yu
+        a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
+        return bool(abs(a) <= self._settings.marker_length / 2 and abs(b) <= self._settings.marker_width / 2)
+
+    def _detected_holes(self, rectified: Frame, level: float) -> Holes | None:
+        """Holes anywhere in a clean marker; if it is not, the arrangement of `MARKER_HOLES` that fits."""
+        darkness = (1 - rectified.astype(np.float32) / np.float32(level)).clip(0, 1)
+        holes = None if self._cables.crossed(darkness) else self._holes.detect(rectified, level)
+        return holes or self._pattern.detect(self._cables.remove(darkness))
 
     def _has_marker_size(self, moments: ShapeMoments) -> bool:
         tolerance = self._settings.tolerance
@@ -111,29 +128,28 @@ class MarkerDetector:
             and abs(moments.minor / self._minor - 1) <= tolerance
         )
 
-    def _refined(self, patch: ImagePatch, moments: ShapeMoments) -> ShapeMoments | None:
-        """Moments that use only pixels near the border of a marker at the estimated pose, corners included.
-
-        The first estimate may be off by ten degrees when food touches the marker; it then takes a few iterations.
-        """
-        for _ in range(_MAX_REFINEMENTS):
-            inside, around = (
-                self._marker_mask(patch, moments, margin) for margin in (-_BORDER_MARGIN, _BORDER_MARGIN)
-            )
-            better = weighted_moments(patch, inside, around, self._calibration, self._settings.marker_height)
-            if better is None:
+    def _fitted(self, patch: ImagePatch, moments: ShapeMoments) -> ShapeMoments | None:
+        """The moments with centre and axis of the marker whose border lies near the estimate."""
+        for _ in range(_MAX_REPEATS):
+            along, across = self._steps(moments, MM_PER_PIXEL)
+            start = (moments.u - 0.5 - patch.column, moments.v - 0.5 - patch.row)
+            affine = np.array([[along[0], across[0], start[0]], [along[1], across[1], start[1]]])
+            rectangle = self._border.fit(patch.grey, affine, moments.level, patch.floor)
+            if rectangle is None:
                 return None
-            turned = abs(math.remainder(better.axis - moments.axis, math.pi))
-            shifted = math.hypot(better.x - moments.x, better.y - moments.y)
-            moments = better
-            if turned < _CONVERGED and shifted < _CONVERGED * self._major:
+            (a, b), turn = rectangle.shift, rectangle.turn
+            u = moments.u + a * along[0] + b * across[0]
+            v = moments.v + a * along[1] + b * across[1]
+            x, y = self._calibration.to_region(u, v, self._settings.marker_height)
+            moments = moments._replace(u=u, v=v, x=x, y=y, axis=moments.axis + turn)
+            if math.hypot(a, b) + abs(turn) * 2 * self._major < _CONVERGED:
                 break
         return moments
 
-    def _corners(self, moments: ShapeMoments, margin: float) -> list[tuple[float, float]]:
-        """Corners in the picture of a marker at that pose, enlarged on all sides by a margin in mm."""
+    def _corners(self, moments: ShapeMoments) -> list[tuple[float, float]]:
+        """Corners in the picture of a marker at that pose."""
         along, across = self._steps(moments, 1.0)
-        length, width = self._settings.marker_length / 2 + margin, self._settings.marker_width / 2 + margin
+        length, width = self._settings.marker_length / 2, self._settings.marker_width / 2
         return [
             (
                 moments.u + a * length * along[0] + b * width * across[0],
@@ -147,14 +163,14 @@ class MarkerDetector:
         return not all(
             -_MAX_OUTSIDE <= u <= PICTURE_WIDTH + _MAX_OUTSIDE
             and -_MAX_OUTSIDE <= v <= PICTURE_HEIGHT + _MAX_OUTSIDE
-            for u, v in self._corners(moments, 0.0)
+            for u, v in self._corners(moments)
         )
 
-    def _marker_mask(self, patch: ImagePatch, moments: ShapeMoments, margin: float) -> Frame:
-        """255 within a marker at that pose, enlarged on all sides by a margin in mm."""
+    def _marker_mask(self, patch: ImagePatch, moments: ShapeMoments) -> Frame:
+        """255 within a marker at that pose."""
         import cv2
 
-        corners = [(u - 0.5 - patch.column, v - 0.5 - patch.row) for u, v in self._corners(moments, margin)]
+        corners = [(u - 0.5 - patch.column, v - 0.5 - patch.row) for u, v in self._corners(moments)]
         mask = np.zeros_like(patch.filled)
         cv2.fillConvexPoly(mask, np.rint(np.multiply(corners, 16)).astype(np.int32), 255, cv2.LINE_8, 4)
         return mask

@@ -24,6 +24,8 @@ FRAME_SHAPE = (int(PICTURE_HEIGHT), int(PICTURE_WIDTH))
 _REDUCTION = 8
 _MEDIAN_SIZE = 7
 _LEVELS = np.arange(256)
+_BRIGHTEST_FLOOR = 215
+"""Grey level of the floor above which nothing is a region: the noise would be, by the thousand."""
 
 
 class Segmentation(NamedTuple):
@@ -55,6 +57,7 @@ class Segmenter:
         # On a floor so bright that white saturates, the threshold is at most halfway to 255.
         levels = np.minimum(_LEVELS * contrast, (_LEVELS + 255) / 2)
         self._thresholds = np.round(levels).astype(np.uint8)
+        self._thresholds[_BRIGHTEST_FLOOR:] = 255
 
     def segment(self, frame: Frame) -> Segmentation:
         """The bright pixels of a frame.

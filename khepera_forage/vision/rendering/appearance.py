@@ -73,9 +73,9 @@ class CameraAppearance:
                 raise ValueError(
                     f"camera appearance {name} is {getattr(self, name)!r}; allowed: a grey level 0..255"
                 )
-        if self.cable_width > 17:
+        if self.cable_width > 40:
             raise ValueError(
-                f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 17 mm"
+                f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 40 mm"
             )
         if self.height is not None and self.height <= self.marker_height:
             raise ValueError(

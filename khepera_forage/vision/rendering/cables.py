@@ -18,9 +18,6 @@ _FULL_SAG_LENGTH = 400.0
 """mm between anchor and robot from which on a cable sags in full; a nearer cable is steeper and shows less sag."""
 _POINTS = 24
 """Points on the polyline that approximates a cable."""
-_LINE_WIDTHS = {1: 1.35, 2: 3.4}
-"""Effective width in pixels of OpenCV's anti-aliased lines of thickness 1 and 2: coverage summed across the line,
-measured at slopes of 0 to 90 degrees (within 15 % and 4 %)."""
 _FRACTIONAL_BITS = 4
 
 
@@ -53,9 +50,6 @@ class Cables:
         self._anchor = np.array(to_pixels(*anchor))
         self._sway = SlowNoise(rng, count, _PERIOD)
         self._sides = rng.choice((-1.0, 1.0), count)
-        width = appearance.cable_width / MM_PER_PIXEL
-        self._thickness = min((t for t, w in _LINE_WIDTHS.items() if width <= w), default=2)
-        self._coverage = min(1.0, width / _LINE_WIDTHS[self._thickness])
         self._shares = np.linspace(0, 1, _POINTS)[:, None]
 
     def draw(
@@ -72,7 +66,9 @@ class Cables:
         sags = self._sags(seconds)
         self.curves = [self._curve(marker, sag) for marker, sag in zip(markers, sags, strict=True)]
         for marker, curve in zip(markers, self.curves, strict=True):
-            self._draw(picture, curve, box_corners(sheet, marker))
+            appearance = self._appearance
+            width = appearance.cable_width / MM_PER_PIXEL
+            draw_cable(picture, curve, width, appearance.cable, box_corners(sheet, marker))
 
     def _sags(self, seconds: float) -> list[float]:
         """Signed sideways distance in pixels of the middle of each cable from the straight line."""
@@ -90,24 +86,57 @@ class Cables:
         curve: NDArray[np.float64] = (1 - s) ** 2 * start + 2 * s * (1 - s) * control + s**2 * end
         return curve
 
-    def _draw(
-        self, picture: NDArray[np.uint8], curve: NDArray[np.float64], own_marker: NDArray[np.float64]
-    ) -> None:
-        """Draw one cable, except over its own robot's marker (4 corners, column and row)."""
-        height, width = picture.shape
-        points = np.column_stack((curve[:, 0] - 0.5, height - curve[:, 1] - 0.5))
-        reach = self._thickness + 2
-        left, top = np.clip(np.floor(points.min(axis=0)) - reach, 0, (width, height)).astype(int).tolist()
-        right, bottom = np.clip(np.ceil(points.max(axis=0)) + reach, 0, (width, height)).astype(int).tolist()
-        if left >= right or top >= bottom:
-            return
-        coverage = np.zeros((bottom - top, right - left), np.uint8)
-        line = np.round((points - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
-        cv2.polylines(coverage, [line], False, 255, self._thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
-        hidden = np.round((own_marker - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
-        cv2.fillConvexPoly(coverage, hidden, 0, cv2.LINE_8, _FRACTIONAL_BITS)
-        rows, columns = coverage.nonzero()
-        share = coverage[rows, columns] * (self._coverage / 255)
-        rows, columns = rows + top, columns + left
-        below = picture[rows, columns]
-        picture[rows, columns] = np.rint(below + share * (self._appearance.cable - below)).astype(np.uint8)
+
+def draw_cable(
+    picture: NDArray[np.uint8],
+    curve: NDArray[np.float64],
+    width: float,
+    grey: float,
+    above: NDArray[np.float64] | None = None,
+) -> None:
+    """Draw one cable.
+
+    Args:
+        picture: 480 x 640 grey levels, changed in place.
+        curve: Points of the cable: n x 2 pixels, x to the right and y up.
+        width: In pixels.
+        grey: Grey level of the cable.
+        above: Corners (column and row) of the marker above the cable, which hides it; None for no marker.
+    """
+    height, across = picture.shape
+    points = np.column_stack((curve[:, 0] - 0.5, height - curve[:, 1] - 0.5))
+    reach = math.ceil(width) + 2
+    left, top = np.clip(np.floor(points.min(axis=0)) - reach, 0, (across, height)).astype(int).tolist()
+    right, bottom = np.clip(np.ceil(points.max(axis=0)) + reach, 0, (across, height)).astype(int).tolist()
+    if left >= right or top >= bottom:
+        return
+    near = np.zeros((bottom - top, right - left), np.uint8)
+    line = np.round((points - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
+    cv2.polylines(near, [line], False, 255, reach, cv2.LINE_8, _FRACTIONAL_BITS)
+    if above is not None:
+        hidden = np.round((above - (left, top)) * 2**_FRACTIONAL_BITS).astype(np.int32)
+        cv2.fillConvexPoly(near, hidden, 0, cv2.LINE_8, _FRACTIONAL_BITS)
+    rows, columns = near.nonzero()
+    rows, columns = rows + top, columns + left
+    share = _coverage(np.column_stack((columns, rows)), points, width)
+    below = picture[rows, columns]
+    picture[rows, columns] = np.rint(below + share * (grey - below)).astype(np.uint8)
+
+
+def _coverage(pixels: NDArray[np.int64], line: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+    """The share of each pixel that a line of some width covers.
+
+    Args:
+        pixels: Middles of pixels, n x 2.
+        line: Points of the line in the same coordinates, m x 2.
+        width: In pixels.
+    """
+    starts, steps = line[:-1], np.diff(line, axis=0)
+    squares = np.maximum((steps * steps).sum(axis=1), 1e-12)
+    offset_x, offset_y = (pixels[:, i, None] - starts[:, i] for i in (0, 1))
+    along = ((offset_x * steps[:, 0] + offset_y * steps[:, 1]) / squares).clip(0, 1)
+    distances = (offset_x - along * steps[:, 0]) ** 2 + (offset_y - along * steps[:, 1]) ** 2
+    # A pixel as a strip as wide as itself: exact for lines along rows and columns, and within 5 % for all others.
+    edge = (width + 1) / 2 - np.sqrt(distances.min(axis=1))
+    coverage: NDArray[np.float64] = edge.clip(0, min(1.0, width))
+    return coverage

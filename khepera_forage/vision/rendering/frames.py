@@ -125,19 +125,36 @@ class FrameRenderer:
             raise RuntimeError("frame() before any reset(rng); allowed: after one")
         seconds = self._frames * self._period
         self._frames += 1
-        picture = self._floor.copy()
-        markers, foods = self._truth()
-        for x, y in foods:
-            draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
-        marker_poses = []
-        for x, y, heading, _ in markers:
-            draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), self._robot)
-        for x, y, heading, holes in markers:
-            marker_poses.append(self._image_pose(x, y, heading, self._appearance.marker_height))
-            draw_shapes(picture, marker_poses[-1], self._markers[holes])
+        truth = self._truth()
+        picture = self._drawn(truth)
         if self._cables is not None:
-            self._cables.draw(picture, marker_poses, _SHEET, seconds)
+            poses = [
+                self._image_pose(x, y, heading, self._appearance.marker_height)
+                for x, y, heading, _ in truth.markers
+            ]
+            self._cables.draw(picture, poses, _SHEET, seconds)
         return self._light.expose(picture, seconds)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """Floor, food, robots and markers under full, even light: a frame without cables, lens and sensor.
+
+        Raises:
+            RuntimeError: The renderer was never reset.
+        """
+        if self._light is None:
+            raise RuntimeError("picture() before any reset(rng); allowed: after one")
+        return self._drawn(self._truth())
+
+    def _drawn(self, truth: Truth) -> NDArray[np.uint8]:
+        picture = self._floor.copy()
+        for x, y in truth.foods:
+            draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
+        for x, y, heading, _ in truth.markers:
+            draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), self._robot)
+        for x, y, heading, holes in truth.markers:
+            pose = self._image_pose(x, y, heading, self._appearance.marker_height)
+            draw_shapes(picture, pose, self._markers[holes])
+        return picture
 
     @property
     def cables(self) -> list[NDArray[np.float64]]:

@@ -1,0 +1,213 @@
+"""The calibration that fits measured points, with the lens if there are enough of them, and its error at other points.
+
+A calibration always fits the points that it was computed from, the better the fewer they are, and four points exactly.
+The error elsewhere is therefore measured with each point held out: the calibration is computed from all other points
+and applied to this one.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.homography import Point
+from khepera_forage.vision.lens import MIDDLE, UNIT, Lens
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+
+LENS_POINTS = (8, 14)
+"""Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
+_GAIN = 0.9
+"""Ratio of held-out errors below which another coefficient of the lens is taken."""
+_REPEATS, _STEP = 6, 1e-4
+"""Of the Gauss-Newton method, and for its numerical derivatives."""
+_NEWTON_REPEATS = 8
+_DETERMINED = 0.01
+"""Least ratio of singular values of the equations of a homography that is determined by its points."""
+_LARGEST = 0.5
+"""Greatest coefficient that is tried."""
+
+
+class CalibrationFit(NamedTuple):
+    """A calibration and its errors.
+
+    Attributes:
+        calibration: From all points.
+        residuals: Distance in mm of each point from the calibration's estimate of it.
+        held_out: The same by a calibration from all other points, with the same kind of lens; nan if these determine no
+            calibration, and empty for four points.
+        held_out_without_lens: The same without a lens.
+        coverage: Share of the picture that lies within the points' convex hull.
+    """
+
+    calibration: Calibration
+    residuals: tuple[float, ...]
+    held_out: tuple[float, ...]
+    held_out_without_lens: tuple[float, ...]
+    coverage: float
+
+
+def fit_calibration(
+    picture: Sequence[Point], floor: Sequence[Point], camera: tuple[float, float, float] | None = None
+) -> CalibrationFit:
+    """Fit a calibration: exactly to four points, by least squares on the floor to more.
+
+    The lens is fitted to at least `LENS_POINTS` points, and used if it lowers the held-out error.
+
+    Args:
+        picture: Four or more points (u, v) in pixels.
+        floor: The same points in mm.
+        camera: Position x, y and height of the camera in mm; None corrects no parallax.
+
+    Raises:
+        ValueError: The points fit no camera.
+        ImportError: OpenCV is not installed.
+    """
+    import cv2
+
+    points, places = np.array(picture, np.float64), np.array(floor, np.float64)
+    hull = cv2.convexHull(points.astype(np.float32))
+    coverage = cv2.contourArea(hull) / (PICTURE_WIDTH * PICTURE_HEIGHT)
+    if len(points) == 4:
+        calibration = Calibration(tuple(picture), tuple(floor), camera)
+        return CalibrationFit(calibration, _distances(calibration, picture, floor), (), (), coverage)
+    plain = _held_out(points, places, 0)
+    best, coefficients = plain, 0
+    for count, least in enumerate(LENS_POINTS, start=1):
+        if len(points) >= least:
+            errors = _held_out(points, places, count)
+            if root_mean_square(errors) < _GAIN * root_mean_square(best):
+                best, coefficients = errors, count
+    k, matrix = _fitted(points, places, coefficients)
+    calibration = _calibration(k, matrix, camera)
+    return CalibrationFit(calibration, _distances(calibration, picture, floor), best, plain, coverage)
+
+
+def root_mean_square(errors: Sequence[float]) -> float:
+    """Root of the mean square of the errors that are known; nan without any."""
+    known = [error for error in errors if not math.isnan(error)]
+    return math.sqrt(sum(error * error for error in known) / len(known)) if known else math.nan
+
+
+def _distances(
+    calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]
+) -> tuple[float, ...]:
+    """Distance in mm of each place from where the calibration maps its point of the picture."""
+    found = [calibration.to_region(u, v) for u, v in picture]
+    return tuple(
+        math.hypot(x * MM_PER_PIXEL - place[0], y * MM_PER_PIXEL - place[1])
+        for (x, y), place in zip(found, floor, strict=True)
+    )
+
+
+def _held_out(
+    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int
+) -> tuple[float, ...]:
+    """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
+    errors = []
+    for i in range(len(points)):
+        others = np.delete(points, i, axis=0)
+        error = math.nan
+        if _determine_homography(others):
+            k, matrix = _fitted(others, np.delete(places, i, axis=0), coefficients)
+            error = float(np.hypot(*(_mapped(points[i : i + 1], k, matrix) - places[i])[0]))
+        errors.append(error)
+    return tuple(errors)
+
+
+def _determine_homography(points: NDArray[np.float64]) -> bool:
+    """Whether points determine a homography: four of them must be in general position, no three on a line."""
+    scaled = (points - MIDDLE) / UNIT
+    ones, none = np.ones(len(points)), np.zeros((len(points), 3))
+    rays = np.column_stack((scaled, ones))
+    # The equations of a homography that maps the points to themselves, as an example of any.
+    equations = [
+        np.hstack((rays, none, -scaled[:, :1] * rays)),
+        np.hstack((none, rays, -scaled[:, 1:] * rays)),
+    ]
+    sizes = np.linalg.svd(np.concatenate(equations), compute_uv=False)
+    return bool(sizes[7] > _DETERMINED * sizes[0])
+
+
+def _fitted(
+    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lens's k1 and k2, and the homography to the floor after it is corrected.
+
+    The homography is fitted anew for each lens that is tried, so that only the lens is searched.
+    """
+
+    def misfit(k: NDArray[np.float64]) -> NDArray[np.float64]:
+        difference: NDArray[np.float64] = _mapped(points, k, _matrix(points, places, k)) - places
+        return difference.ravel()
+
+    k = np.zeros(2)
+    if coefficients:
+        k = _least_squares(misfit, coefficients)
+    return k, _matrix(points, places, k)
+
+
+def _least_squares(
+    misfit: Callable[[NDArray[np.float64]], NDArray[np.float64]], coefficients: int
+) -> NDArray[np.float64]:
+    """The k1 and k2 of which the first few minimise the sum of squares, by the Gauss-Newton method."""
+    k = np.zeros(2)
+    for _ in range(_REPEATS):
+        now = misfit(k)
+        steps = np.eye(2)[:coefficients] * _STEP
+        slopes = np.stack([(misfit(k + step) - now) / _STEP for step in steps], axis=1)
+        change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
+        k[:coefficients] = (k[:coefficients] + change).clip(-_LARGEST, _LARGEST)
+    return k
+
+
+def _matrix(
+    points: NDArray[np.float64], places: NDArray[np.float64], k: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The homography that maps the points, seen through a lens, to their places by least squares."""
+    import cv2
+
+    matrix, _ = cv2.findHomography(_straightened(points, k), places)
+    if matrix is None:
+        raise ValueError(
+            f"calibration points {points.tolist()} fit no camera; allowed: points all over the picture"
+        )
+    return matrix  # type: ignore[return-value] # float64
+
+
+def _mapped(
+    points: NDArray[np.float64], k: NDArray[np.float64], matrix: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    import cv2
+
+    return cv2.perspectiveTransform(_straightened(points, k)[:, None], matrix)[:, 0]  # type: ignore[return-value]
+
+
+def _straightened(points: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The points without the lens's distortion: `Lens.straightened` for many points, and for any k."""
+    if not k.any():
+        return points
+    offsets = (points - MIDDLE) / UNIT
+    shown = np.hypot(offsets[:, 0], offsets[:, 1])
+    r = shown
+    for _ in range(_NEWTON_REPEATS):
+        slope = 1 + 3 * k[0] * r**2 + 5 * k[1] * r**4
+        r = r - (r * (1 + k[0] * r**2 + k[1] * r**4) - shown) / np.maximum(slope, 0.05)
+    ratios = np.divide(r, shown, out=np.ones_like(r), where=shown > 0)
+    straight: NDArray[np.float64] = MIDDLE + offsets * ratios[:, None] * UNIT
+    return straight
+
+
+def _calibration(
+    k: NDArray[np.float64], matrix: NDArray[np.float64], camera: tuple[float, float, float] | None
+) -> Calibration:
+    """A calibration holds four points: the corners of the picture, placed on the floor by the fit."""
+    corners = np.array(
+        ((0.0, 0.0), (PICTURE_WIDTH, 0.0), (PICTURE_WIDTH, PICTURE_HEIGHT), (0.0, PICTURE_HEIGHT))
+    )
+    lens = Lens(*k.tolist()) if k.any() else None
+    floor = _mapped(corners, k, matrix).tolist()
+    return Calibration(tuple(map(tuple, corners.tolist())), tuple(map(tuple, floor)), camera, lens)

@@ -1,0 +1,177 @@
+"""Pose of a marker from its four sides: points on the sides, and the rectangle that most of them lie on.
+
+A cable hides a part of a marker, or cuts its border. The centre of mass of the rest is then shifted and turned, but
+the visible parts of the sides are where they were. Points that fit no rectangle are left out, so that cables, food and
+fingers at the border do not move the result.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.detection.segmentation import Frame
+
+_POINTS = 13
+"""Points on each side: as many on a short one as on a long one, so that three sides always outvote one."""
+_SHARE = 0.84
+"""Share of a side, around its middle, on which points are taken: blur rounds the corners."""
+_REACH, _STEP = 5.0, 0.5
+"""Region pixels within which a side is searched on either side of its expected place, and between two samples."""
+_CUTOFFS = (3.0, 1.5, 0.6, 0.3, 0.25)
+"""Region pixels beyond which a point has no weight, from one repeat to the next."""
+_CLEAR_CUTOFFS = (1.5, 0.5, 0.25)
+"""The same for a border that nothing hides."""
+_CLEAR_SHARE = 0.9
+"""Share of all points that must lie on the rectangle for that."""
+_SPREAD_CUTOFF = 4.0
+"""Least cutoff in median distances of the points from the rectangle: markers of another size have no exact fit."""
+_DARK, _DARK_BONUS = 0.85, 2.0
+"""Share of the floor's brightness below which a sample counts as dark; and the number of points that a region pixel of
+darkness beyond a side is worth when it is decided which side is hidden."""
+_LEAST_SHARE = 0.35
+"""Share of all points that must lie on the rectangle."""
+_LEAST_ON_SIDE = 3
+"""Points from which a side counts as seen; three sides must be."""
+
+
+class Rectangle(NamedTuple):
+    """A rectangle in the picture.
+
+    Attributes:
+        shift: Of the centre along and across the expected long axis, region pixels.
+        turn: Of the long axis, radians.
+    """
+
+    shift: tuple[float, float]
+    turn: float
+
+
+class RectangleFit:
+    """Fits rectangles of one size.
+
+    Args:
+        length: Long side in region pixels.
+        width: Short side in region pixels.
+    """
+
+    def __init__(self, length: float, width: float) -> None:
+        a, b = length / 2, width / 2
+        shares = np.linspace(-_SHARE, _SHARE, _POINTS)
+        ones, none = np.ones(_POINTS), np.zeros(_POINTS)
+        # Front, back, left and right side.
+        places = np.concatenate(
+            [np.column_stack((sign * a * ones, b * shares)) for sign in (1, -1)]
+            + [np.column_stack((a * shares, sign * b * ones)) for sign in (1, -1)]
+        )
+        normals = np.concatenate(
+            [np.column_stack((sign * ones, none)) for sign in (1, -1)]
+            + [np.column_stack((none, sign * ones)) for sign in (1, -1)]
+        )
+        sides = np.repeat(np.arange(4), _POINTS)
+        self._offsets = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+        samples = places[:, None, :] + normals[:, None, :] * self._offsets[:, None]
+        self._samples = samples.reshape(-1, 2)
+        # Outward shift of each point with the centre, the turn, and the size: blur, exposure and paper move all sides
+        # about equally.
+        levers = normals[:, 1] * places[:, 0] - normals[:, 0] * places[:, 1]
+        terms = np.column_stack((normals, levers, np.ones(len(places))))
+        # Two candidates for each point.
+        self._terms = np.concatenate((terms, terms))
+        self._sides = np.concatenate((sides, sides))
+        self._points = len(places)
+        # First all sides where their white ends first; then each side where its white ends last.
+        self._trusted = np.stack(
+            [np.concatenate((sides != hidden, sides == hidden)) for hidden in (-1, 0, 1, 2, 3)]
+        )
+        # Keeps the solution finite when too few points are visible.
+        self._prior = 1e-3 * np.diag((1.0, 1.0, a * a, 1.0))
+
+    def fit(self, grey: Frame, affine: NDArray[np.float64], white: float, floor: float) -> Rectangle | None:
+        """The rectangle near an expected pose.
+
+        Args:
+            grey: Grey levels.
+            affine: 2 x 3: from places in the expected rectangle's own frame (region pixels) to columns and rows.
+            white: Grey level of the marker.
+            floor: Grey level of the floor around it.
+
+        Returns:
+            None if too little of the border is visible.
+        """
+        samples = self._sampled(grey, affine)
+        edges = self._edges(samples, (white + floor) / 2)
+        visible = np.isfinite(edges)
+        if visible[: self._points].sum() < _LEAST_SHARE * self._points:
+            return None
+        edges = np.where(visible, edges, 0.0)
+        # A border without a cable needs only its first candidates, and only one choice of trusted points.
+        points = self._points
+        solutions, weights = self._solutions(edges[:points], visible[None, :points], _CLEAR_CUTOFFS, 0.0)
+        if np.count_nonzero(weights) >= _CLEAR_SHARE * points:
+            return _rectangle(solutions[0])
+        # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
+        dark = (samples < _DARK * floor).sum(axis=1).reshape(4, -1).mean(axis=1) * _STEP
+        bonus = _DARK_BONUS * np.concatenate(([0.0], dark - dark.min()))
+        trusted = self._trusted & visible
+        for spread_cutoff in (0.0, _SPREAD_CUTOFF):
+            solutions, weights = self._solutions(edges, trusted, _CUTOFFS, spread_cutoff)
+            best = int((weights.sum(axis=1) + bonus).argmax())
+            fitting = weights[best] > 0
+            counts = np.bincount(self._sides[fitting], minlength=4)
+            if fitting.sum() >= _LEAST_SHARE * points and (counts >= _LEAST_ON_SIDE).sum() >= 3:
+                return _rectangle(solutions[best])
+        return None
+
+    def _solutions(
+        self,
+        edges: NDArray[np.float64],
+        trusted: NDArray[np.bool_],
+        cutoffs: tuple[float, ...],
+        spread_cutoff: float,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Shift, turn and growth of the rectangle for each choice of trusted points, and the weight of each point."""
+        terms = self._terms[: len(edges)]
+        visible = trusted.any(axis=0)
+        weights = trusted.astype(np.float64)
+        for cutoff in cutoffs:
+            weighted = weights[:, None, :] * terms.T
+            solutions = np.linalg.solve(weighted @ terms + self._prior, (weighted @ edges)[..., None])[..., 0]
+            distances = np.abs(edges - solutions @ terms.T)
+            limits = np.full((len(trusted), 1), cutoff)
+            if spread_cutoff > 0:
+                spreads = np.median(distances[:, visible], axis=1)
+                limits = np.maximum(limits, spread_cutoff * spreads[:, None])
+            ratios = np.minimum(1.0, distances / limits)
+            weights = np.where(visible, (1 - ratios * ratios) ** 2, 0.0)
+        return solutions, weights  # type: ignore[return-value] # float64
+
+    def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Grey levels across the border at each point, from inside to outside."""
+        import cv2
+
+        places = (self._samples @ affine[:, :2].T + affine[:, 2]).astype(np.float32)
+        columns, rows = places.T.reshape(2, self._points, -1)
+        samples = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return samples.astype(np.float64)
+
+    def _edges(self, samples: NDArray[np.float64], middle: float) -> NDArray[np.float64]:
+        """Outward distances of the border from its expected place, region pixels: two candidates for each point.
+
+        First the places where white ends first. Then those where it ends last, for a cable may lie within the border.
+        They are nan if white does not end, and if it ends only once.
+        """
+        ends = (samples[:, :-1] >= middle) & (samples[:, 1:] < middle)
+        points = np.arange(self._points)
+        first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
+        candidates = []
+        for i, found in ((first, ends.any(axis=1)), (last, last > first)):
+            inner, outer = samples[points, i], samples[points, i + 1]
+            shares = (inner - middle) / np.maximum(inner - outer, 1e-9)
+            candidates.append(np.where(found, self._offsets[i] + _STEP * shares, np.nan))
+        return np.concatenate(candidates)
+
+
+def _rectangle(solution: NDArray[np.float64]) -> Rectangle:
+    a, b, turn = solution[:3].tolist()
+    return Rectangle((a, b), turn)

@@ -1,0 +1,151 @@
+"""Quality of the camera's picture: contrast, exposure, sharpness and noise, against what the tracker needs.
+
+The tracker fails without a warning when one of them is beyond its limit: nothing is then bright enough, or of the right
+size, to be a region. These figures are therefore measured without the tracker, from all bright shapes.
+"""
+
+import math
+from collections.abc import Iterator
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
+from khepera_forage.vision.detection.segmentation import Frame, Segmenter
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+BLUR_LIMIT = 1.5
+"""Pixels, standard deviation. docs/tracker/tracker.md shows the losses above it."""
+NOISE_LIMIT = 12.0
+"""Grey levels, standard deviation. The same page shows the losses above it."""
+FLOOR_LIMITS = (20.0, 160.0)
+"""Grey levels of the floor. Below, noise and black cannot be told from it; above, white saturates and grows."""
+_CONTRAST_RESERVE = 1.1
+"""Least ratio of the measured contrast to the tracker's: light varies from place to place and minute to minute."""
+_FAINT = 1.15
+"""Contrast from which a shape is measured, less than the tracker's."""
+_SIZES = (
+    0.4 * math.pi * FOOD_RADIUS**2 / MM_PER_PIXEL**2,
+    3 * MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2,
+)
+"""Least and greatest number of pixels of a shape that is measured: food to two markers that touch."""
+_WHITE_QUANTILE, _EDGE_QUANTILE = 90, 95
+_SIMILAR = 0.85
+"""Share of the highest contrast from which a shape counts as white."""
+_NORMAL = NormalDist()
+
+
+class ImageQuality(NamedTuple):
+    """Measured figures of one frame.
+
+    Attributes:
+        floor: Median grey level of the floor.
+        saturated: Share of pixels at 255.
+        noise: Standard deviation of the noise of single pixels, grey levels.
+        contrast: Brightness of white shapes as a multiple of the floor's around them; None without white shapes.
+        blur: Standard deviation in pixels of the blur of their borders; None without white shapes.
+    """
+
+    floor: float
+    saturated: float
+    noise: float
+    contrast: float | None
+    blur: float | None
+
+    def described(self, settings: TrackerSettings) -> str:
+        """All figures with their limits, in one line."""
+        contrast = "unknown" if self.contrast is None else f"{self.contrast:.2f}"
+        blur = "unknown" if self.blur is None else f"{self.blur:.1f} px"
+        low, high = FLOOR_LIMITS
+        return (
+            f"contrast {contrast} (at least {settings.contrast * _CONTRAST_RESERVE:.2f}), "
+            f"blur {blur} (at most {BLUR_LIMIT:g}), floor {self.floor:.0f} ({low:g} to {high:g}), "
+            f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), saturated {100 * self.saturated:.1f} %"
+        )
+
+    def warnings(self, settings: TrackerSettings) -> dict[str, str]:
+        """What is beyond its limit, and what to change, by the name of the figure."""
+        return dict(self._warnings(settings))
+
+    def _warnings(self, settings: TrackerSettings) -> Iterator[tuple[str, str]]:
+        low, high = FLOOR_LIMITS
+        if self.floor > high:
+            text = f"the floor's grey level is {self.floor:.0f} of 255, allowed: up to {high:g}"
+            yield "exposure", f"overexposed: {text}; reduce the camera's exposure or gain"
+        elif self.floor < low:
+            text = f"the floor's grey level is {self.floor:.0f} of 255, allowed: from {low:g}"
+            yield "exposure", f"underexposed: {text}; increase the camera's exposure or gain"
+        elif self.contrast is not None and self.contrast < settings.contrast * _CONTRAST_RESERVE:
+            yield (
+                "contrast",
+                f"low contrast: white is {self.contrast:.2f} times as bright as the floor, and the tracker's contrast "
+                f"is {settings.contrast:g}; set it to {(1 + self.contrast) / 2:.2f}, or use a darker floor",
+            )
+        if self.blur is not None and self.blur > BLUR_LIMIT:
+            text = f"the blur is {self.blur:.1f} pixels, allowed: up to {BLUR_LIMIT:g}"
+            yield "blur", f"out of focus: {text}; focus the lens"
+        if self.noise > NOISE_LIMIT:
+            text = f"the noise is {self.noise:.0f} grey levels, allowed: up to {NOISE_LIMIT:g}"
+            yield "noise", f"noisy: {text}; use more light, and less gain"
+
+
+def measure_quality(frame: Frame) -> ImageQuality:
+    """The quality of one frame; takes about as long as tracking it.
+
+    Args:
+        frame: 480 x 640 grey levels.
+
+    Raises:
+        ImportError: OpenCV is not installed.
+        ValueError: A frame of another shape or type.
+    """
+    import cv2
+
+    segmentation = Segmenter(_FAINT).segment(frame)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(segmentation.mask)
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    shapes: list[tuple[float, float]] = []
+    for i in (np.flatnonzero((areas >= _SIZES[0]) & (areas <= _SIZES[1])) + 1).tolist():
+        left, top, width, height, _ = stats[i].tolist()
+        # With a margin for the border's whole profile.
+        rows = slice(max(0, top - 4), top + height + 4)
+        columns = slice(max(0, left - 4), left + width + 4)
+        floor = segmentation.floor_at(left + width // 2, top + height // 2)
+        shapes.append(_shape(frame[rows, columns], labels[rows, columns] == i, max(floor, 1)))
+    highest = max((contrast for contrast, _ in shapes), default=0.0)
+    white = [shape for shape in shapes if shape[0] >= _SIMILAR * highest]
+    return ImageQuality(
+        float(np.median(segmentation.floor)),
+        float(np.count_nonzero(frame == 255) / frame.size),
+        _noise(frame),
+        float(np.median([contrast for contrast, _ in white])) if white else None,
+        float(np.median([blur for _, blur in white])) if white else None,
+    )
+
+
+def _shape(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tuple[float, float]:
+    """Contrast of one bright shape, and the blur of its border."""
+    import cv2
+
+    white = float(np.percentile(grey[inside], _WHITE_QUANTILE))
+    levels = grey.astype(np.float32)
+    steepness = (
+        np.hypot(cv2.Sobel(levels, cv2.CV_32F, 1, 0, ksize=1), cv2.Sobel(levels, cv2.CV_32F, 0, 1, ksize=1))
+        / 2
+    )
+    window = np.ones((9, 9), np.uint8)
+    heights = cv2.dilate(levels, window) - cv2.erode(levels, window)
+    border = heights > 0.6 * heights.max()
+    # The difference between the neighbours of a pixel in the middle of a blurred step is 2 F(1 / blur) - 1 of the step.
+    share = float(np.percentile(steepness[border] / heights[border], _EDGE_QUANTILE))
+    return white / floor, 1 / _NORMAL.inv_cdf(min(0.5 + share, 0.9999))
+
+
+def _noise(frame: Frame) -> float:
+    """Standard deviation of the noise of single pixels, from second differences: light and texture have small ones."""
+    levels = frame[::4].astype(np.float32)
+    differences = levels[:, 2:] - 2 * levels[:, 1:-1] + levels[:, :-2]
+    return float(np.median(np.abs(differences)) / (0.6745 * math.sqrt(6)))

@@ -1,0 +1,88 @@
+"""Radial distortion of the camera's lens, in OpenCV's model."""
+
+import math
+from dataclasses import dataclass
+
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+
+Point = tuple[float, float]
+
+UNIT = math.hypot(PICTURE_WIDTH, PICTURE_HEIGHT) / 2
+"""Pixels from the middle of the picture to a corner, 400: the unit of distances in the model."""
+MIDDLE = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
+_REPEATS = 20
+_CONVERGED = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A lens that shows a point at the distance r from the middle of the picture at r (1 + k1 r^2 + k2 r^4).
+
+    The unit of r is `UNIT`: a k1 of -0.03 moves the corners by 3 % towards the middle. This is OpenCV's model with a
+    focal length of 400 pixels; multiply OpenCV's k1 for a focal length of f pixels by (400/f)^2, and its k2 by
+    (400/f)^4.
+
+    Args:
+        k1: Negative for a barrel, positive for a pincushion.
+        k2: The same, further from the middle.
+
+    Raises:
+        ValueError: A value that is not finite, or so far from 0 that several points would appear at the same place.
+    """
+
+    k1: float
+    k2: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
+            raise ValueError(f"calibration lens is {(self.k1, self.k2)}; allowed: two finite numbers")
+        r = 0.0
+        while self._shown(r) < 1.0:
+            r += 0.01
+            if self._slope(r) <= 0.05 or r > 3:
+                raise ValueError(
+                    f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
+                    "(k1 above -0.14 if k2 is 0)"
+                )
+
+    def straightened(self, u: float, v: float) -> Point:
+        """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
+        du, dv = u - MIDDLE[0], v - MIDDLE[1]
+        shown = math.hypot(du, dv) / UNIT
+        r = self._true(shown)
+        ratio = r / shown if shown > 0 else 1.0
+        return MIDDLE[0] + du * ratio, MIDDLE[1] + dv * ratio
+
+    def distorted(self, u: float, v: float) -> Point:
+        """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
+        du, dv = u - MIDDLE[0], v - MIDDLE[1]
+        r_squared = (du * du + dv * dv) / UNIT**2
+        ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
+        return MIDDLE[0] + du * ratio, MIDDLE[1] + dv * ratio
+
+    def jacobian(self, u: float, v: float) -> tuple[float, float, float, float]:
+        """Jacobian of `straightened` at (u, v): change of u with u, of u with v, of v with u, of v with v."""
+        u, v = self.straightened(u, v)
+        du, dv = (u - MIDDLE[0]) / UNIT, (v - MIDDLE[1]) / UNIT
+        r_squared = du * du + dv * dv
+        ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
+        growth = 2 * self.k1 + 4 * self.k2 * r_squared
+        uu, uv, vv = ratio + growth * du * du, growth * du * dv, ratio + growth * dv * dv
+        determinant = uu * vv - uv * uv
+        return vv / determinant, -uv / determinant, -uv / determinant, uu / determinant
+
+    def _shown(self, r: float) -> float:
+        return r * (1 + r * r * (self.k1 + r * r * self.k2))
+
+    def _slope(self, r: float) -> float:
+        return 1 + r * r * (3 * self.k1 + 5 * self.k2 * r * r)
+
+    def _true(self, shown: float) -> float:
+        """The distance that appears as another one, by Newton's method."""
+        r = shown
+        for _ in range(_REPEATS):
+            step = (self._shown(r) - shown) / max(self._slope(r), 0.05)
+            r -= step
+            if abs(step) < _CONVERGED:
+                break
+        return r

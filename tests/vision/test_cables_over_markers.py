@@ -1,0 +1,105 @@
+"""Markers under cables of other robots: found, with the right number of holes, exact, and without phantom food."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.cables import draw_cable
+from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.rendering.light import Light
+from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.tracker import Tracker
+from tests.vision.scene_renderer import Marker, random_marker
+
+LABORATORY = CameraAppearance.laboratory()
+BLACK, GREY, LIGHT_GREY = 30.0, 60.0, 130.0
+
+
+def cable_across(marker: Marker, rng: np.random.Generator) -> NDArray[np.float64]:
+    """A slightly curved line anywhere across a marker, at any angle: points in pixels."""
+    turn = float(rng.uniform(0, math.pi))
+    reach = 12 * abs(math.sin(turn)) + 8 * abs(math.cos(turn))
+    along = np.array((math.cos(marker[2] + turn), math.sin(marker[2] + turn)))
+    normal = np.array((-along[1], along[0]))
+    shares = np.linspace(-1, 1, 13)[:, None]
+    offset, bend = rng.uniform(-reach, reach), rng.uniform(-1.5, 1.5)
+    middle = np.array(marker[:2]) / 5
+    points: NDArray[np.float64] = middle + 40 * shares * along + (offset + bend * (1 - shares**2)) * normal
+    return points
+
+
+class CrossedFrames:
+    """Frames with one marker under a cable, and food beside the marker where the gripper holds it."""
+
+    def __init__(self, width: float, grey: float) -> None:
+        self.width, self.grey = width, grey
+        self.rng = np.random.default_rng(5)
+        self.truth = Truth((), ())
+        self.renderer = FrameRenderer(lambda: self.truth, LABORATORY)
+        self.renderer.reset(self.rng)
+        self.light = Light(LABORATORY, self.rng)
+
+    def next(self, number: int) -> tuple[Marker, list[Detection]]:
+        marker = random_marker(self.rng, 1 + number % 2)
+        x, y, heading, _ = marker
+        held = (x + 88 * math.cos(heading), y + 88 * math.sin(heading))
+        self.truth = Truth((marker,), (held,) if number % 3 == 0 else ())
+        picture = self.renderer.picture()
+        curve = cable_across(marker, self.rng)
+        if self.width > 0:
+            draw_cable(picture, curve, self.width / 5, self.grey)
+        return marker, Tracker().detect(self.light.expose(picture, float(number)))
+
+
+def errors(width: float, grey: float, count: int) -> tuple[list[float], list[float]]:
+    """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found."""
+    frames = CrossedFrames(width, grey)
+    distances, angles = [], []
+    for number in range(count):
+        (x, y, heading, holes), found = frames.next(number)
+        for d in found:
+            if d.holes:
+                assert d.holes == holes
+                distances.append(math.hypot(d.x - x / 5, d.y - y / 5))
+                angles.append(abs(math.remainder(d.orientation - math.degrees(heading), 360)))
+            else:
+                (held,) = frames.truth.foods
+                assert math.hypot(d.x - held[0] / 5, d.y - held[1] / 5) < 2
+    return distances, angles
+
+
+@pytest.fixture(scope="module")
+def clear() -> tuple[list[float], list[float]]:
+    return errors(0.0, GREY, 200)
+
+
+@pytest.mark.parametrize(
+    ("width", "grey"),
+    [
+        (4.0, GREY),
+        (5.0, LIGHT_GREY),
+        (6.0, BLACK),
+        (6.0, GREY),
+        (8.0, GREY),
+        (10.0, BLACK),
+        (12.0, LIGHT_GREY),
+    ],
+)
+def test_marker_under_a_cable_is_found_as_exactly_as_without(
+    width: float, grey: float, clear: tuple[list[float], list[float]]
+) -> None:
+    distances, angles = errors(width, grey, 200)
+    assert len(distances) >= 0.98 * 200
+    for quantile in (0.5, 0.9):
+        assert np.quantile(distances, quantile) <= 2 * np.quantile(clear[0], quantile)
+        assert np.quantile(angles, quantile) <= 2 * np.quantile(clear[1], quantile)
+    assert max(angles) < 15, "no heading is reversed"
+
+
+def test_marker_under_a_very_wide_cable_is_lost_or_right() -> None:
+    """17 mm is nearly as wide as a hole."""
+    assert len(errors(17.0, GREY, 100)[0]) > 80

@@ -1,0 +1,69 @@
+"""The picture's quality, measured and compared with its limits."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.vision.image_quality import measure_quality
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.tracker_settings import TrackerSettings
+from tests.vision.scene_renderer import SceneRenderer
+
+LABORATORY = CameraAppearance.laboratory()
+SETTINGS = TrackerSettings()
+MARKERS = ((900.0, 700.0, 0.4, 1), (2200.0, 1500.0, 2.0, 2))
+FOODS = ((500.0, 1800.0), (1500.0, 1100.0))
+
+
+def picture(exposure: float = 1.0, **changes: float) -> NDArray[np.uint8]:
+    frame = SceneRenderer(replace(LABORATORY, **changes)).frame(MARKERS, FOODS)
+    return (frame * exposure).clip(0, 255).astype(np.uint8)
+
+
+def test_laboratory_has_no_warning() -> None:
+    assert measure_quality(picture()).warnings(SETTINGS) == {}
+
+
+@pytest.mark.parametrize("blur", [0.7, 1.0, 1.4, 1.8, 2.2])
+def test_blur_is_measured(blur: float) -> None:
+    assert measure_quality(picture(blur=blur)).blur == pytest.approx(blur, rel=0.2)
+
+
+@pytest.mark.parametrize("floor", [60.0, 105.0, 155.0])
+def test_contrast_is_measured(floor: float) -> None:
+    found = measure_quality(picture(white=215.0, floor=floor, wall=floor))
+    assert found.contrast == pytest.approx(215 / floor, rel=0.07)
+    assert found.floor == pytest.approx(floor, rel=0.1)
+
+
+@pytest.mark.parametrize("noise", [2.5, 8.0, 15.0])
+def test_noise_is_measured(noise: float) -> None:
+    assert measure_quality(picture(grain=noise)).noise == pytest.approx(noise, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("changes", "name", "advice"),
+    [
+        ({"exposure": 1.9}, "exposure", "overexposed.*reduce the camera's exposure"),
+        ({"exposure": 0.15}, "exposure", "underexposed.*increase the camera's exposure"),
+        ({"white": 215.0, "floor": 150.0}, "contrast", r"tracker's contrast is 1\.4; set it to 1\.[12]"),
+        ({"blur": 2.0}, "blur", "focus the lens"),
+        ({"grain": 20.0}, "noise", "more light"),
+    ],
+)
+def test_warning_names_the_setting_to_change(changes: dict[str, float], name: str, advice: str) -> None:
+    warnings = measure_quality(picture(**changes)).warnings(SETTINGS)
+    assert list(warnings) == [name]
+    assert re.search(advice, warnings[name])
+
+
+@pytest.mark.parametrize("grey", [100, 255])
+def test_empty_picture_has_unknown_contrast(grey: int) -> None:
+    found = measure_quality(np.full((480, 640), grey, np.uint8))
+    assert found.contrast is None
+    assert found.blur is None
+    assert "contrast unknown" in found.described(SETTINGS)
+    assert found.saturated == (grey == 255)
