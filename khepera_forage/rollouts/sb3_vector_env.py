@@ -79,7 +79,8 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self._next_seed = None
         self._reset_options()
         self._returns[:], self._lengths[:] = 0.0, 0
-        return self._shown(shown)
+        start: Shown = self._shown(shown)
+        return start
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Note the actions of all environments."""

@@ -23,7 +23,7 @@ def test_vector_wrappers_are_applied_from_the_innermost() -> None:
     hold = partial(HoldVectorAction, rounds=3)
     env = made(autoreset_mode="SameStep", vector_wrappers=[hold, RecordEpisodeStatistics])
     assert isinstance(env, RecordEpisodeStatistics)
-    assert env.unwrapped.backend == "compiled"
+    assert env.unwrapped.backend == "compiled"  # type: ignore[attr-defined]
     plain = HoldVectorAction(made(autoreset_mode="SameStep"), rounds=3)
     actions = np.zeros(WORLDS, np.int64)
     env.reset(seed=3)
