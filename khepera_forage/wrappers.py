@@ -29,10 +29,12 @@ class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         rounds: That an action holds, at least 1.
 
     Raises:
-        ValueError: `rounds` is no such number.
+        ValueError: `rounds` is no such number, or `env` is a vector environment.
     """
 
     def __init__(self, env: gym.Env[Any, Any], rounds: int = ROUNDS) -> None:
+        if isinstance(env, VectorEnv):
+            raise ValueError(f"env is {env!r}; allowed: a single environment (HoldVectorAction is for many)")
         RecordConstructorArgs.__init__(self, rounds=rounds)
         super().__init__(env)
         self.rounds = whole_number("rounds", rounds, 1)
@@ -53,6 +55,11 @@ class HoldVectorAction(VectorWrapper):
 
     An episode that begins within the rounds of an action begins again after the last of them, so that every episode has
     its full length. The info also has `held_rounds`: how many rounds of the action each environment has carried out.
+
+    ```python
+    env = gym.make_vec("khepera_forage/Corridor-v1", num_envs=64, autoreset_mode="SameStep")
+    env = HoldVectorAction(env, rounds=5)
+    ```
 
     Args:
         env: Has `AutoresetMode.SAME_STEP` and knows the option `reset_mask`, as Gymnasium's own vector environments and

@@ -1,5 +1,6 @@
 """The backends: what simulates the bodies. Entry points of `gym.make` and `gym.make_vec`."""
 
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -16,6 +17,9 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 PYMUNK, COMPILED = "pymunk", "compiled"
 BACKENDS = (PYMUNK, COMPILED)
 """Rigid bodies of pymunk; or kernels that numba compiles, faster and for many worlds at once."""
+
+VectorWrapping = Callable[[VectorEnv[Any, Any, Any]], VectorEnv[Any, Any, Any]]
+"""Wraps a vector environment, such as `khepera_forage.wrappers.HoldVectorAction`."""
 
 
 class EntryPoint:
@@ -67,7 +71,12 @@ class VectorEntryPoint:
         self._decisions = decisions
 
     def __call__(
-        self, num_envs: int = 1, backend: str = COMPILED, decisions: Any = None, **kwargs: Any
+        self,
+        num_envs: int = 1,
+        backend: str = COMPILED,
+        decisions: Any = None,
+        vector_wrappers: Sequence[VectorWrapping] = (),
+        **kwargs: Any,
     ) -> VectorEnv[Any, Any, Any]:
         """Make the vector environment.
 
@@ -75,16 +84,25 @@ class VectorEntryPoint:
             num_envs: How many worlds.
             backend: Must be "compiled".
             decisions: `Decisions`, or those of a stored spec; by default those of the environment's version.
+            vector_wrappers: Wrappers of vector environments, the innermost first. `gym.make_vec` has an argument
+                `wrappers` too, but those are for single environments, and Gymnasium refuses them here.
             kwargs: Other arguments of its class.
 
         Raises:
-            ValueError: Another backend.
+            ValueError: Another backend, or a wrapper that makes no vector environment.
             ImportError: numba is not installed.
         """
         check_compiled(backend)
         kwargs["decisions"] = spec_decisions(decisions, self._decisions)
         made = getattr(import_module("khepera_forage.envs.compiled.vector_envs"), self._compiled)
         env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
+        for wrapper in vector_wrappers:
+            env = wrapper(env)
+            if not isinstance(env, VectorEnv):
+                raise ValueError(
+                    f"vector_wrappers has {wrapper!r}, which returns {env!r}; allowed: functions that return a "
+                    "gymnasium.vector.VectorEnv"
+                )
         return env
 
 

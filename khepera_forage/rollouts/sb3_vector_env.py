@@ -18,11 +18,18 @@ require("VecEnvAdapter", "baselines")
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402 (after the check)
 
 Features = Callable[[Any], NDArray[np.float32]]
+Shown = NDArray[np.float32] | dict[str, NDArray[Any]]
+"""Features of all environments, one row each; or their observations as they are."""
 Indices = int | Iterable[int] | None
 
 
 class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped where stable-baselines3 is not installed
-    """A `VecEnv` whose observations are features of the observations of a Gymnasium vector environment.
+    """A `VecEnv` made of a Gymnasium vector environment.
+
+    ```python
+    envs = gym.make_vec("khepera_forage/Corridor-v1", num_envs=64, autoreset_mode="SameStep")
+    PPO("MlpPolicy", VecEnvAdapter(envs, behaviour_features, hold=5)).learn(200_000)
+    ```
 
     The info of an ended episode holds the environment's final info and, as stable-baselines3 has it,
     `terminal_observation`, `TimeLimit.truncated`, `is_success` (whether the episode terminated) and `episode` with its
@@ -31,14 +38,17 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
 
     Args:
         env: Its environments begin a new episode in the step that ends one (`AutoresetMode.SAME_STEP`).
-        features: From the observations of all environments to one row of numbers each.
+        features: From the observations of all environments to one row of numbers each, as `policies.features` has
+            them. By default observations stay as they are: dicts, for a `MultiInputPolicy`.
         hold: Rounds that an action holds, as in `HoldVectorAction`.
 
     Raises:
         ValueError: Another `AutoresetMode`, or `hold` out of range.
     """
 
-    def __init__(self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features, hold: int = 1) -> None:
+    def __init__(
+        self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features | None = None, hold: int = 1
+    ) -> None:
         check_same_step(env)
         self._env = env if whole_number("hold", hold, 1) == 1 else HoldVectorAction(env, hold)
         self._features = features
@@ -46,8 +56,10 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self._actions: NDArray[Any] | None = None
         self._returns, self._lengths = np.zeros(env.num_envs), np.zeros(env.num_envs, np.int64)
         self._made = perf_counter()
-        shape = features(create_empty_array(env.single_observation_space)).shape
-        space = spaces.Box(-np.inf, np.inf, shape[1:], np.float32)
+        space: gym.Space[Any] = env.single_observation_space
+        if features is not None:
+            shape = features(create_empty_array(space)).shape
+            space = spaces.Box(-np.inf, np.inf, shape[1:], np.float32)
         super().__init__(env.num_envs, space, env.single_action_space)
 
     def seed(self, seed: int | None = None) -> list[int | None]:
@@ -55,7 +67,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self._next_seed = seed
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
-    def reset(self) -> NDArray[np.float32]:
+    def reset(self) -> Shown:
         """Begin an episode in every environment, with the options of `set_options`."""
         shared = self._options[0] if all(options == self._options[0] for options in self._options) else {}
         shown, _ = self._env.reset(seed=self._next_seed, options=dict(shared))
@@ -67,7 +79,8 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self._next_seed = None
         self._reset_options()
         self._returns[:], self._lengths[:] = 0.0, 0
-        return self._features(shown)
+        start: Shown = self._shown(shown)
+        return start
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Note the actions of all environments."""
@@ -75,7 +88,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
 
     def step_wait(
         self,
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+    ) -> tuple[Shown, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Carry out the actions; returns observations, rewards, ends and infos."""
         shown, rewards, terminated, truncated, info = self._env.step(self._actions)
         ended = terminated | truncated
@@ -87,7 +100,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
             seconds = perf_counter() - self._made
             infos[i]["episode"] = {"r": float(self._returns[i]), "l": int(self._lengths[i]), "t": seconds}
         self._returns[ended], self._lengths[ended] = 0.0, 0
-        return self._features(shown), rewards.astype(np.float32), ended, infos
+        return self._shown(shown), rewards.astype(np.float32), ended, infos
 
     def close(self) -> None:
         """Close every environment."""
@@ -121,15 +134,18 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         """No environment is wrapped in anything of stable-baselines3."""
         return [False for _ in self._get_indices(indices)]
 
+    def _shown(self, observations: Any) -> Any:
+        return observations if self._features is None else self._features(observations)
+
     def _final_info(self, info: dict[str, Any], i: int, terminated: bool, truncated: bool) -> dict[str, Any]:
         """What is known of an episode that has just ended in environment i, but for `episode`."""
-        final = info.get("final_info", {})
+        final, final_obs = info.get("final_info", {}), info["final_obs"][i]
         known = {
             name: values[i] for name, values in final.items() if f"_{name}" in final and final[f"_{name}"][i]
         }
         return {
             **known,
-            "terminal_observation": self._features(info["final_obs"][i])[0],
+            "terminal_observation": final_obs if self._features is None else self._features(final_obs)[0],
             "TimeLimit.truncated": truncated and not terminated,
             "is_success": terminated,
         }

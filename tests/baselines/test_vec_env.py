@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
+from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecCheckNan, VecMonitor, VecNormalize
 
+from khepera_forage.policies import ModelPolicy
 from khepera_forage.policies.features import behaviour_features, wheels_features
+from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, recall_envs
 from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
 
@@ -94,6 +97,42 @@ def test_held_action_equals_a_repeated_action(mode: str) -> None:
     # Episodes that ended early begin again at the end of the decision: the next episode has its full length.
     lengths = [bool(env.step(drawn(False, rng))[2].any()) for _ in range(14)]
     assert lengths == [False] * 13 + [True]
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_adapter_without_features_shows_observations_as_they_are(mode: str) -> None:
+    env, other = VecEnvAdapter(vector_env(mode)), vector_env(mode)
+    assert env.observation_space == other.single_observation_space
+    env.seed(3)
+    shown: Any = env.reset()
+    same, _ = other.reset(seed=3)
+    for _ in range(LIMIT):
+        assert {name: values.tolist() for name, values in shown.items()} == {
+            name: values.tolist() for name, values in same.items()
+        }
+        shown, _, ended, infos = env.step(np.zeros(WORLDS, int))
+        same, *_, info = other.step(np.zeros(WORLDS, int))
+    assert ended.all()
+    for i in range(WORLDS):
+        last = infos[i]["terminal_observation"]
+        assert {name: np.ravel(value).tolist() for name, value in last.items()} == {
+            name: np.ravel(value).tolist() for name, value in info["final_obs"][i].items()
+        }
+
+
+@pytest.mark.parametrize("features", [None, behaviour_features])
+def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -> None:
+    envs = gym.make_vec(
+        "khepera_forage:khepera_forage/Corridor-v1", num_envs=8, limit=LIMIT, autoreset_mode="SameStep"
+    )
+    policy = "MultiInputPolicy" if features is None else "MlpPolicy"
+    settings: dict[str, Any] = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "seed": 0, "device": "cpu"}
+    model = PPO(policy, VecEnvAdapter(envs, features, hold=5), **settings).learn(512)
+    assert model.num_timesteps == 512
+    assert model.ep_info_buffer is not None
+    assert {episode["l"] for episode in model.ep_info_buffer} == {LIMIT}
+    row = recall(recall_env("corridor", limit=20), ModelPolicy(model, features, hold=5), seed=1)
+    assert 1 <= row.steps <= 20
 
 
 def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:

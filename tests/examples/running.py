@@ -1,0 +1,43 @@
+"""Runs a file of `examples/` as users do: in a process of its own, and warnings as errors."""
+
+import os
+import subprocess
+import sys
+from importlib import util
+from pathlib import Path
+from typing import Any
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def run_example(name: str, folder: Path, *arguments: str) -> str:
+    """What an example prints in a folder; it must succeed without any error output."""
+    command = [sys.executable, "-W", "error", str(EXAMPLES / f"{name}.py"), *arguments]
+    # Matplotlib and others must not start a thread for each core: other tests run beside.
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    finished = subprocess.run(
+        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=300
+    )
+    assert finished.returncode == 0, finished.stderr
+    assert finished.stderr == ""
+    return finished.stdout
+
+
+def refused(name: str, folder: Path, *arguments: str, status: int = 2) -> str:
+    """The one line with which an example ends that cannot begin."""
+    command = [sys.executable, str(EXAMPLES / f"{name}.py"), *arguments]
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=100)
+    assert finished.returncode == status
+    assert finished.stderr.count("\n") == 1
+    return finished.stderr
+
+
+def module_of(name: str) -> Any:
+    """An example as a module."""
+    spec = util.spec_from_file_location(f"example_{name}", EXAMPLES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module

@@ -1,0 +1,85 @@
+"""`examples/virtual_laboratory.py`: experience and recalls from real drivers, and robots that stop."""
+
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from khepera_forage.experience import Experience
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow
+from tests.examples.running import module_of, refused, run_example
+from tests.lab.laboratories import is_stopped
+
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+
+def test_training_and_recalls_leave_experience_and_rows(tmp_path: Path) -> None:
+    printed = run_example("virtual_laboratory", tmp_path, "--episodes", "1", "--recalls", "2", "--out", "out")
+    experience = Experience.load(tmp_path / "out" / "g1.csv")
+    rows = read_rows(tmp_path / "out" / "recalls.csv", RecallRow)
+    assert [row.experience_size for row in rows] == [len(experience)] * 2
+    assert all(row.score > 0 for row in rows), "chance has a negative score"
+    assert f"g1.csv: {len(experience)} experience vectors" in printed
+    message = refused("virtual_laboratory", tmp_path, "--out", "out")
+    assert "out has experience files; allowed: another --out" in message
+
+
+def test_mistake_in_the_file_is_reported_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "lab.toml").write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nbaud = 1\n')
+    message = refused("virtual_laboratory", tmp_path, "--lab", "lab.toml", "--out", "out", status=1)
+    assert "lab.toml: robots[0].baud is 1; allowed: 9600" in message
+
+
+@pytest.fixture
+def example(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The example as a module that keeps its laboratories in `opened`."""
+    module = module_of("virtual_laboratory")
+    module.opened = []
+    virtual_laboratory = module.virtual_laboratory
+
+    def opening(*arguments: Any, **options: Any) -> Any:
+        module.opened.append(virtual_laboratory(*arguments, **options))
+        return module.opened[-1]
+
+    monkeypatch.setattr(module, "virtual_laboratory", opening)
+    return module
+
+
+def test_robots_stop_on_an_interrupt(example: Any, tmp_path: Path) -> None:
+    experience = tmp_path / "g1.csv"
+
+    def interrupt() -> None:
+        while not experience.exists() or experience.read_text(encoding="utf-8").count("\n") < 30:
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    hand = threading.Thread(target=interrupt)
+    hand.start()
+    with pytest.raises(KeyboardInterrupt):
+        example.main(["--out", str(tmp_path)])
+    hand.join()
+    assert is_stopped(example.opened[0])
+
+
+def test_robots_stop_after_an_error(example: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An error of the imitator in the tenth round of the first recall."""
+    act = example.NearestNeighbourImitator.neighbours
+    rounds: list[int] = []
+
+    def failing(imitator: Any, observation: Any) -> Any:
+        rounds.append(len(rounds))
+        if len(rounds) == 10:
+            assert not is_stopped(example.opened[1])
+            raise RuntimeError("the learner failed")
+        return act(imitator, observation)
+
+    monkeypatch.setattr(example.NearestNeighbourImitator, "neighbours", failing)
+    with pytest.raises(RuntimeError, match="the learner failed"):
+        example.main(["--out", str(tmp_path), "--episodes", "1", "--recalls", "1"])
+    assert is_stopped(example.opened[1])
