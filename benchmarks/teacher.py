@@ -13,6 +13,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.experiments.figures import OURS, SMALL, THESIS, WIDTH, entry, grid, legend, mark, new_figure
+from khepera_forage.experiments.page import Page, Picture, finish
+from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.measures import percent, pick, quantiles
 
 from khepera_forage.experiments.arguments import Count, parse
 from khepera_forage.experiments.figures import OURS, SMALL, THESIS, WIDTH, grid, legend, mark, new_figure
@@ -228,9 +233,8 @@ def _picture(own: dict[Condition, list[Forage]]) -> "Figure":
     left.set_xlabel("food delivered, poison left alone (%)\nbars: Wilson's 95 % interval", fontsize=9)
     right.set_xlim(left=0)
     right.set_xlabel("steps of a forage (median)\nbars: 5th to 95th percentile", fontsize=9)
-    without = "teacher that searches in place of orienting"
-    for marker, colour, label in (("o", OURS, "teacher"), ("s", THESIS, without)):
-        left.plot([], [], marker, color=colour, ms=7, mec="white", label=label)
+    entry(left, "teacher", OURS, "o")
+    entry(left, "teacher that searches in place of orienting", THESIS, "s")
     grid(left, "x")
     grid(right, "x")
     count = len(next(iter(own.values())))

@@ -73,9 +73,7 @@ def report(found: Analysis) -> Report:
         "episodes."
     )
     figure, axes = panels(4, "Alternatives that the thesis names")
-    figure.set_figheight(
-        1.2 + 0.68 * (len(LEARNERS) + 2)
-    )  # two panels, a line for each learner and both teachers
+    figure.set_figheight(1.2 + 0.68 * (len(LEARNERS) + 2))  # a line for each learner and both teachers
     kinds = [*(f"{n} episode{'s' * (n > 1)}" for n in (first, last)), "no learning"]
     for i, measure in enumerate((SCORE, DELIVERED)):
         for j, arena in enumerate(ARENAS):

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
+from khepera_forage.experiments.measures import Measure, pick
 
 from further_experiments.analysis import (
     ABOUT,
@@ -135,7 +137,7 @@ def _curves(
         places = [place + 0.14 * (i - (len(lines) - 1) / 2) for place in range(len(means))]
         fixed = slice(len(FIXED))
         axes.plot(places[fixed], [e.value for e in means[fixed]], color=COLOURS[i], lw=1)
-        axes.plot([], [], color=COLOURS[i], lw=1, marker=MARKERS[i], ms=7, mec="white", label=name)
+        entry(axes, name, COLOURS[i], MARKERS[i], "-")
         for place, estimate in zip(places, means, strict=True):
             mark(axes, place, estimate.value, estimate, COLOURS[i], marker=MARKERS[i])
     axes.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=SMALL)

@@ -4,6 +4,9 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from khepera_forage.experiments.figures import COLOURS, MARKERS, entry, grid, mark
+from khepera_forage.experiments.measures import Measure, pick
+
 from further_experiments.analysis import Analysis, RowT, amounts_of, conditions_of
 from khepera_forage.experiments.figures import COLOURS, MARKERS, grid, mark
 from khepera_forage.experiments.measures import Measure, pick
@@ -49,7 +52,7 @@ def curves(
             if (cell := pick(rows, condition=condition, amount=count))
         ]
         axes.plot([x for x, _ in points], [e.value for _, e in points], color=colour, lw=1)
-        axes.plot([], [], color=colour, lw=1, marker=marker, ms=7, mec="white", label=condition)
+        entry(axes, condition, colour, marker, "-")
         for x, estimate in points:
             mark(axes, x, estimate.value, estimate, colour, marker=marker)
     axes.set_xticks(range(len(amounts)), [str(count) for count in amounts])

@@ -23,6 +23,24 @@ SMALL = 8.0
 """Points: the smallest text in figures."""
 MARGIN = 0.02
 """Share of the length of an axis with fixed ends that is added at each end, so that marks there are shown whole."""
+__all__ = [
+    "COLOURS",
+    "GREY",
+    "MARKERS",
+    "OURS",
+    "SMALL",
+    "THESIS",
+    "WIDTH",
+    "entry",
+    "grid",
+    "legend",
+    "levels",
+    "mark",
+    "new_figure",
+    "padded",
+    "panels",
+]
+
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours, which colour-blind readers can tell apart."""
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
@@ -104,11 +122,16 @@ def levels(
             height = place + 0.32 * ((len(known) - 1) / 2 - row)
             mark(axes, estimate.value, height, estimate, colours[i], level=True, marker=MARKERS[i])
     for name, colour, marker in zip(names, colours, MARKERS, strict=False):
-        axes.plot([], [], marker, color=colour, ms=7, mec="white", label=name)
+        entry(axes, name, colour, marker)
     axes.set_yticks(range(len(estimates)), list(estimates)[::-1], fontsize=SMALL)
     axes.set_ylim(-0.6, len(estimates) - 0.4)
     axes.set_xlabel(label)
     grid(axes, "x")
+
+
+def entry(axes: "Axes", label: str, colour: str, marker: str, line: str = "") -> None:
+    """An entry of the legend for what `mark` draws, on a thin line if marks are connected."""
+    axes.plot([], [], color=colour, marker=marker, ls=line, lw=1, ms=7, mec="white", label=label)
 
 
 def grid(axes: "Axes", axis: str = "y") -> None:
