@@ -1,4 +1,4 @@
-"""Multi-agent PPO: both robots of the paired corridors learn to forage from their own rewards; nobody teaches.
+"""Multi-agent PPO: both robots of the paired corridors learn to forage from their own rewards.
 
     pip install 'khepera-forage[baselines,fast,plots]'
     python examples/multi_agent.py --seed 1
@@ -50,7 +50,7 @@ class Result(NamedTuple):
 
 
 def paired_corridors() -> Env:
-    """One pair. It may be separated for as long as it likes: without a teacher there is nothing to stay with."""
+    """One pair. A separation does not end its episodes, because here no robot teaches the other."""
     return paired_corridors_v1.parallel_env(max_cycles=LIMIT, patience=LIMIT)
 
 
