@@ -5,7 +5,15 @@
 
 The learner records its own state vector with every behaviour that it hears (section 4.5 of the thesis). Alone, it does
 what it heard with the most similar vectors (4.6). All training takes place in the corridor; the rectangle is new to it.
-Writes `recalls.csv`, one row for each recall, and `food.png`.
+Writes `recalls.csv`, one row for each recall, and `food.png`. Takes a minute of one core.
+
+Food delivered (%), as measured by the command above, with 95 % intervals over replications:
+
+    training episodes    corridor             rectangle
+            1            38.0 [23.0, 55.0]    22.0 [11.5, 35.0]
+            3            71.0 [52.0, 88.0]    44.5 [26.5, 60.0]
+            5            80.0 [67.0, 92.0]    49.0 [29.0, 67.5]
+           10            75.0 [61.0, 88.0]    50.0 [31.0, 68.5]
 """
 
 from argparse import RawDescriptionHelpFormatter

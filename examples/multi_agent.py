@@ -1,4 +1,4 @@
-"""Multi-agent PPO: both robots of the paired corridors learn to forage from their own rewards; nobody teaches.
+"""Multi-agent PPO: both robots of the paired corridors learn to forage from their own rewards.
 
     pip install 'khepera-forage[baselines,fast,plots]'
     python examples/multi_agent.py --seed 1
@@ -7,6 +7,15 @@ Uses PettingZoo's `parallel_env`, in which both agents act at once, and the netw
 file. The agents share their networks and learn independently: each decides by its own state vector and gets its own
 reward. What they do is still coupled: the environment bends the course of `learner_0` to that of `teacher_0` (4.5.2),
 and an episode ends when both have delivered their food and left home.
+
+Measured with seed 1, as above, in 50 episodes before and after 300,000 rounds of training. Behaviours by chance deliver
+much here, but slowly, because every episode begins on the marks of figure 5.1.
+
+               food teacher_0    food learner_0    complete    rounds an episode
+    before           44                20             17              546
+    after            50                48             48              161
+
+Takes two and a half minutes of one core.
 """
 
 from argparse import ArgumentDefaultsHelpFormatter
@@ -41,7 +50,7 @@ class Result(NamedTuple):
 
 
 def paired_corridors() -> Env:
-    """One pair. It may be separated for as long as it likes: without a teacher there is nothing to stay with."""
+    """One pair. A separation does not end its episodes, because here no robot teaches the other."""
     return paired_corridors_v1.parallel_env(max_cycles=LIMIT, patience=LIMIT)
 
 

@@ -5,7 +5,11 @@
 
 Trains in compiled worlds, where a decision holds for five rounds: with a decision in every round, chance delivers
 almost no food, so that there would be nothing to learn from. Then forages in single environments on both backends.
-Writes `ppo.pt` (the network, which `load` reads), `learning_curve.csv` and `learning_curve.png`.
+Writes `ppo.pt` (the networks, which `load` reads), `learning_curve.csv` and `learning_curve.png`.
+
+Measured with seed 1, as above: 500 of 500 food objects delivered on pymunk and 500 of 500 in compiled worlds, with 80
+and 79 steps an episode. The training took 18 s of processor time, the whole command 29 s. The first run on a machine
+also compiles the worlds, for less than a minute.
 """
 
 import csv
