@@ -13,14 +13,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.figures import OURS, SMALL, THESIS, WIDTH, entry, grid, legend, mark, new_figure
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import collect
-from khepera_forage.experiments.measures import percent, pick, quantiles
 
 from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.figures import OURS, SMALL, THESIS, WIDTH, grid, legend, mark, new_figure
+from khepera_forage.experiments.figures import (
+    OURS,
+    SMALL,
+    THESIS,
+    WIDTH,
+    entry,
+    grid,
+    legend,
+    mark,
+    new_figure,
+)
 from khepera_forage.experiments.measures import percent, pick, quantiles
 from khepera_forage.experiments.page import Page, Picture, finish
 from khepera_forage.experiments.processes import collect

@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
-from khepera_forage.experiments.measures import Measure, pick
 
 from further_experiments.analysis import (
     ABOUT,
@@ -23,7 +21,7 @@ from further_experiments.analysis import (
 from further_experiments.episodes import ARENAS, Files, imitator, recall_all, thesis_files
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.rows import RecallEpisode, Row
-from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, grid, mark, panels
+from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
 from khepera_forage.experiments.measures import Measure, pick
 from khepera_forage.policies import Policy
 from khepera_forage.policies.adapters import ClassifierPolicy

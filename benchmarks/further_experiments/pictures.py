@@ -4,11 +4,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import COLOURS, MARKERS, entry, grid, mark
-from khepera_forage.experiments.measures import Measure, pick
-
 from further_experiments.analysis import Analysis, RowT, amounts_of, conditions_of
-from khepera_forage.experiments.figures import COLOURS, MARKERS, grid, mark
+from khepera_forage.experiments.figures import COLOURS, MARKERS, entry, grid, mark
 from khepera_forage.experiments.measures import Measure, pick
 
 if TYPE_CHECKING:

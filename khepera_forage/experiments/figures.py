@@ -23,24 +23,6 @@ SMALL = 8.0
 """Points: the smallest text in figures."""
 MARGIN = 0.02
 """Share of the length of an axis with fixed ends that is added at each end, so that marks there are shown whole."""
-__all__ = [
-    "COLOURS",
-    "GREY",
-    "MARKERS",
-    "OURS",
-    "SMALL",
-    "THESIS",
-    "WIDTH",
-    "entry",
-    "grid",
-    "legend",
-    "levels",
-    "mark",
-    "new_figure",
-    "padded",
-    "panels",
-]
-
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's colours, which colour-blind readers can tell apart."""
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
