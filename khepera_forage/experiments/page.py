@@ -24,12 +24,12 @@ class Picture(NamedTuple):
     Attributes:
         name: Of its file, without `.png`.
         caption: What it shows.
-        image: A figure, or the bytes of a PNG.
+        image: A figure.
     """
 
     name: str
     caption: str
-    image: "Figure | bytes"
+    image: "Figure"
 
 
 class Page(NamedTuple):
@@ -68,10 +68,7 @@ def write(folder: Path, name: str, page: Page, command: str) -> None:
         (folder / f"table_{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
     for part in page.parts:
         if isinstance(part, Picture):
-            if isinstance(part.image, bytes):
-                (folder / f"{part.name}.png").write_bytes(part.image)
-            else:
-                save(part.image, folder / f"{part.name}.png")
+            save(part.image, folder / f"{part.name}.png")
 
 
 def finish(given: Arguments, page: Page, *options: str) -> int:
