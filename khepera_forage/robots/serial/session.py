@@ -116,6 +116,8 @@ class Session:
             if again := self._sensors.doubtful(requests, received, self._speeds):
                 received += self._client.request_all(again)
                 requests += again
+        elif len(set(requests)) < len(requests):  # in this order, equal letters do not follow each other
+            received = [self._client.request(request) for request in requests]
         senses = self._sensors.read(requests, received, self._speeds)
         if self._sensors.counters.restart_noticed:
             self._must_restore = True
