@@ -41,10 +41,12 @@ class Rectangle(NamedTuple):
     Attributes:
         shift: Of the centre along and across the expected long axis, region pixels.
         turn: Of the long axis, radians.
+        clear: Whether little of its border is hidden.
     """
 
     shift: tuple[float, float]
     turn: float
+    clear: bool
 
 
 class RectangleFit:
@@ -110,7 +112,7 @@ class RectangleFit:
         points = self._points
         solutions, weights = self._solutions(edges[:points], visible[None, :points], _CLEAR_CUTOFFS, 0.0)
         if np.count_nonzero(weights) >= _CLEAR_SHARE * points:
-            return _rectangle(solutions[0])
+            return _rectangle(solutions[0], clear=True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
         dark = (samples < _DARK * floor).sum(axis=1).reshape(4, -1).mean(axis=1) * _STEP
         bonus = _DARK_BONUS * np.concatenate(([0.0], dark - dark.min()))
@@ -121,7 +123,7 @@ class RectangleFit:
             fitting = weights[best] > 0
             counts = np.bincount(self._sides[fitting], minlength=4)
             if fitting.sum() >= _LEAST_SHARE * points and (counts >= _LEAST_ON_SIDE).sum() >= 3:
-                return _rectangle(solutions[best])
+                return _rectangle(solutions[best], clear=False)
         return None
 
     def _solutions(
@@ -172,6 +174,6 @@ class RectangleFit:
         return np.concatenate(candidates)
 
 
-def _rectangle(solution: NDArray[np.float64]) -> Rectangle:
+def _rectangle(solution: NDArray[np.float64], clear: bool) -> Rectangle:
     a, b, turn = solution[:3].tolist()
-    return Rectangle((a, b), turn)
+    return Rectangle((a, b), turn, clear)
