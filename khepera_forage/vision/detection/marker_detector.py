@@ -112,7 +112,7 @@ class MarkerDetector:
     def covers(self, marker: DetectedMarker, contour: Contour) -> bool:
         """Whether the middle of a contour lies within a marker."""
         (xu, xv), (yu, yv) = self._steps(marker.moments, 1.0)
-        column, row = contour.reshape(-1, 2).mean(axis=0).tolist()
+        column, row = (float(place) for place in contour.reshape(-1, 2).mean(axis=0))
         u, v = column + 0.5 - marker.moments.u, row + 0.5 - marker.moments.v
         determinant = xu * yv - xv * yu
         a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
