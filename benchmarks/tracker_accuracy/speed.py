@@ -76,7 +76,7 @@ class Speed(NamedTuple):
             for _ in images:
                 training.renderer.frame()
 
-        works = {
+        works: dict[str, Callable[[], None]] = {
             TRACKER: partial(track, images, True),
             CROSSED: partial(track, crossed, False),
             RENDERER: render,

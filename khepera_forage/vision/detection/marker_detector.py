@@ -164,7 +164,7 @@ class MarkerDetector:
         return moments, clear
 
     def _scale(self, estimate: ShapeMoments) -> float:
-        """Size of a marker as a multiple of its true size; 1 unless all of it is seen, and clearly larger or smaller."""
+        """Size of a marker as a multiple of its true size; 1 unless all of it is seen and its size clearly differs."""
         along, across = estimate.major / self._major, estimate.minor / self._minor
         scale = (along + across) / 2 / _SEEN_SIZE
         return scale if abs(along - across) < _SAME_SHAPE and abs(scale - 1) > _OTHER_SIZE else 1.0
