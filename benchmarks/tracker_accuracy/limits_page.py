@@ -86,7 +86,7 @@ def limits_picture(points: Sequence[Point], trials: Sequence[Trial]) -> "Figure"
     for panel in panels:
         grid(panel, "both")
     figure.suptitle("Markers (lines) and food (dotted) found, as the picture becomes worse", fontsize=11)
-    note = "triangles: a warning names the setting to change; dashed: the goal of 98 %"
+    note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
     figure.supxlabel(note, fontsize=8, color=GREY)
     return figure
 
@@ -108,6 +108,7 @@ def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
         errors = [np.median([t.error for t in pick(trials, layout=layout, k1=k1)]) for k1 in DISTORTIONS]
         panel.plot([-k1 for k1 in DISTORTIONS], errors, "o-", ms=3, color=colour, label=layout)
     panel.set_yscale("log")
+    panel.set_ylim(1, 2000)
     panel.set_xlabel("barrel distortion of the lens, -k1")
     panel.set_ylabel("error (mm)")
-    panel.legend(fontsize=6, frameon=False)
+    panel.legend(fontsize=6, frameon=False, loc="upper left", ncols=2)

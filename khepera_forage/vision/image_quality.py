@@ -17,13 +17,13 @@ from khepera_forage.vision.detection.segmentation import Frame, Segmenter
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
-BLUR_LIMIT = 1.5
+BLUR_LIMIT = 1.3
 """Pixels, standard deviation. docs/tracker/tracker.md shows the losses above it."""
 NOISE_LIMIT = 12.0
 """Grey levels, standard deviation. The same page shows the losses above it."""
 FLOOR_LIMITS = (20.0, 160.0)
 """Grey levels of the floor. Below, noise and black cannot be told from it; above, white saturates and grows."""
-_CONTRAST_RESERVE = 1.1
+_CONTRAST_RESERVE = 1.2
 """Least ratio of the measured contrast to the tracker's: light varies from place to place and minute to minute."""
 _FAINT = 1.15
 """Contrast from which a shape is measured, less than the tracker's."""

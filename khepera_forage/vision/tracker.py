@@ -21,12 +21,13 @@ class Tracker:
 
     Detection:
         Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size with at least one hole is a marker. Its centre and axis come from grey-level-weighted moments of the
-        filled shape, and its front is on the side of the holes (`marker_detector`). If a user's own marker has its
-        holes in the middle, the heading is the one nearer to that of the same marker in the frame before; in the first
-        frame it lies between -90 and 90 degrees. A disc of food's size is food (`food_detector`). All other shapes are
-        ignored: walls, cables, and markers or food of which too little is visible. An uncertain region is lost; it is
-        never reported with a number of holes that may be wrong.
+        size with at least one hole is a marker. Its centre and axis come from the visible parts of its four sides
+        (`rectangle_fit`), and its front is on the side of the holes. Cables are removed before the holes are counted
+        (`cable_bands`, `hole_pattern`). If a user's own marker has its holes in the middle, the heading is the one
+        nearer to that of the same marker in the frame before; in the first frame it lies between -90 and 90 degrees. A
+        disc of food's size is food (`food_detector`). All other shapes are ignored: walls, cables, and markers or food
+        of which too little is visible. An uncertain region is lost; it is never reported with a number of holes that
+        may be wrong. `image_quality` tells when blur, exposure or noise make the whole picture uncertain.
 
     Lost food:
         Food is dropped once its last place is visible and empty (`association`). A place is visible when food there

@@ -119,7 +119,7 @@ def test_markers_and_food_are_found_under_moderate_disturbances(
 ) -> None:
     for point in (
         ("width", "dark grey cable", 6.0),
-        ("blur", "no cable", 1.4),
+        ("blur", "no cable", 0.3),
         ("exposure", "no cable", 0.75),
     ):
         row = limits[point]

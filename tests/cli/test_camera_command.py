@@ -89,7 +89,7 @@ def test_preview_saves_pictures_and_films_that_it_can_read(
 def test_preview_shows_the_margins_of_the_picture(capsys: pytest.CaptureFixture[str]) -> None:
     assert preview("--frames", "1") == 0
     printed = capsys.readouterr().out
-    assert re.search(r"picture: contrast 2\.\d\d \(at least 1\.54\), blur 0\.\d px \(at most", printed)
+    assert re.search(r"picture: contrast 2\.\d\d \(at least 1\.68\), blur 0\.\d px \(at most", printed)
     assert "warning" not in printed
 
 

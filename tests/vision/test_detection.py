@@ -85,6 +85,20 @@ def test_food_partly_under_the_frame_of_a_marker_keeps_its_centre(distance: floa
     assert float(np.quantile(errors, 0.95)) < 0.2
 
 
+@pytest.mark.parametrize("height", [600.0, 1000.0])
+def test_marker_nearer_to_the_camera_keeps_its_centre(height: float) -> None:
+    """Markers that appear 15 % and 8 % too large, without a correction of the parallax."""
+    rng, tracker = np.random.default_rng(6), Tracker()
+    renderer = SceneRenderer(replace(LABORATORY, height=height, marker_height=78.0))
+    magnification = height / (height - 78)
+    for _ in range(40):
+        x, y = rng.uniform(600, 2600), rng.uniform(600, 1800)
+        found = tracker.detect(renderer.frame(((x, y, float(rng.uniform(-3, 3)), 1),)))
+        (marker,) = [d for d in found if d.holes]
+        expected = (320 + (x / 5 - 320) * magnification, 240 + (y / 5 - 240) * magnification)
+        assert math.dist((marker.x, marker.y), expected) < 0.2
+
+
 def test_features_match_the_shapes() -> None:
     (marker,) = Tracker().detect(SceneRenderer(CameraAppearance.none()).frame(((1000.0, 1000.0, 0.0, 2),)))
     assert (marker.first_x, marker.first_y) == pytest.approx((188, 208), abs=1)

@@ -18,6 +18,9 @@ _CONTINUOUS = 0.5
 _REACH = 9
 """Samples on either side of a cable's middle at which its profile is measured: 22 mm."""
 _CURVE_REPEATS = 1
+_STIFFNESS = np.diag((1e4, 0.0, 0.0)) + 1e-3 * np.eye(3)
+"""Weight of straightness against the measured middles of a cable: squares of coefficients, from the square of the
+distance along the cable down."""
 _SOLID = 1e-3
 
 Darkness = NDArray[np.float32]
@@ -107,7 +110,7 @@ class CableBands:
         shares = np.linspace(0, 1, 40)
         rows = np.rint(one[0] + shares * (other[0] - one[0])).astype(int)
         columns = np.rint(one[1] + shares * (other[1] - one[1])).astype(int)
-        return float(np.quantile(darkness[rows, columns], 0.1)) / min(one[2], other[2])
+        return float(np.sort(darkness[rows, columns])[len(rows) // 10]) / min(one[2], other[2])
 
     def _band(self, darkness: Darkness, one: tuple[float, float], other: tuple[float, float]) -> Darkness:
         """The darkness of a cable through two crossings: the median of its profiles, along a slightly curved line."""
@@ -148,5 +151,7 @@ class CableBands:
         middles = (profiles[:, inner] * self._across[inner]).sum(axis=1) / np.maximum(masses, 0.1)
         typical = np.median(masses)
         weights = np.exp(-(((masses - typical) / max(0.15 * typical, 0.1)) ** 2)) + 1e-3
-        degree = 2 if len(steps) > 20 else 1
-        return np.concatenate((np.zeros(2 - degree), np.polyfit(steps, middles, degree, w=weights)))
+        powers = np.vander(steps, 3)
+        weighted = powers.T * weights
+        # Short cables, and cables of which little is seen, are straight.
+        return np.linalg.solve(weighted @ powers + _STIFFNESS, weighted @ middles)

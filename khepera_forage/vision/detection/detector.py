@@ -19,7 +19,7 @@ _MIN_FOOD_AREA = 0.4
 _MIN_PIECE_AREA = 0.15
 """Share of food's area below which a bright shape is not taken for a piece of anything."""
 _GAP = 20.0
-"""Width in mm of the gaps that are closed between the pieces of a shape split by a cable (10 mm wide, blurred)."""
+"""Width in mm of the gaps that are closed between the pieces of a shape split by a cable (12 mm wide, blurred)."""
 _MAX_TOUCHING_FOODS = 4.5
 """Area, in food objects, below which a shape may consist of touching food objects."""
 _MARKER_AREA = (0.5, 3.0)
@@ -84,9 +84,14 @@ class Detector:
     def _markers_among(
         self, segmentation: Segmentation, pieces: list[_Piece], markers: list[DetectedMarker], beside: bool
     ) -> tuple[list[OrientedDetection], list[_Piece]]:
-        """Detections of the markers among some pieces, and of food that touches them; and the other pieces.
+        """Detections of the markers among some pieces, and the other pieces.
 
-        Markers are added to the list, even those whose number of holes is uncertain.
+        Args:
+            segmentation: Of the frame.
+            pieces: Bright shapes.
+            markers: All markers are added to this list, even those whose number of holes is uncertain.
+            beside: Whether food whose contour has merged with a marker's is detected, too; joined pieces of food are
+                detected on their own.
         """
         found: list[OrientedDetection] = []
         rest = []
@@ -101,7 +106,7 @@ class Detector:
             markers.append(marker)
             if marker.holes:
                 found.append(OrientedDetection(self._marker(patch, piece, marker), marker.front_known))
-            if piece.area > self._marker_area + 0.5 * self._food_area and beside:
+            if beside and piece.area > self._marker_area + 0.5 * self._food_area:
                 found += self._food_beside(segmentation, patch, marker)
         return found, rest
 

@@ -23,6 +23,11 @@ _MAX_REPEATS = 3
 """Greatest number of times the border is searched around the last estimate."""
 _CONVERGED = 0.5
 """Region pixels, at the corners, below which another search changes nothing."""
+_SEEN_SIZE = 0.97
+"""Size of a marker's white as a share of its true size: its frame and blur take a few percent."""
+_SAME_SHAPE, _OTHER_SIZE = 0.05, 0.06
+"""Difference between the shares of length and width up to which all of a marker is seen; and the relative difference
+in size from which a marker is searched for at its own size."""
 _MIN_AREA = 0.6
 """Share of a marker's area that must be seen."""
 _MAX_OUTSIDE = 1.0
@@ -107,7 +112,7 @@ class MarkerDetector:
     def covers(self, marker: DetectedMarker, contour: Contour) -> bool:
         """Whether the middle of a contour lies within a marker."""
         (xu, xv), (yu, yv) = self._steps(marker.moments, 1.0)
-        column, row = contour.reshape(-1, 2).mean(axis=0).tolist()
+        column, row = (float(place) for place in contour.reshape(-1, 2).mean(axis=0))
         u, v = column + 0.5 - marker.moments.u, row + 0.5 - marker.moments.v
         determinant = xu * yv - xv * yu
         a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
@@ -128,23 +133,41 @@ class MarkerDetector:
             and abs(moments.minor / self._minor - 1) <= tolerance
         )
 
-    def _fitted(self, patch: ImagePatch, moments: ShapeMoments) -> ShapeMoments | None:
+    def _fitted(self, patch: ImagePatch, estimate: ShapeMoments) -> ShapeMoments | None:
         """The moments with centre and axis of the marker whose border lies near the estimate."""
+        fitted, clear = self._fitted_at(patch, estimate, 1.0)
+        scale = 1.0 if clear else self._scale(estimate)
+        if scale != 1:
+            own_size, clear = self._fitted_at(patch, estimate, scale)
+            return own_size if clear else fitted
+        return fitted
+
+    def _fitted_at(
+        self, patch: ImagePatch, moments: ShapeMoments, scale: float
+    ) -> tuple[ShapeMoments | None, bool]:
+        """The same for a marker of another size, as a multiple of its true size; and whether little of it is hidden."""
+        clear = False
         for _ in range(_MAX_REPEATS):
-            along, across = self._steps(moments, MM_PER_PIXEL)
+            along, across = self._steps(moments, MM_PER_PIXEL * scale)
             start = (moments.u - 0.5 - patch.column, moments.v - 0.5 - patch.row)
             affine = np.array([[along[0], across[0], start[0]], [along[1], across[1], start[1]]])
             rectangle = self._border.fit(patch.grey, affine, moments.level, patch.floor)
             if rectangle is None:
-                return None
-            (a, b), turn = rectangle.shift, rectangle.turn
+                return None, False
+            (a, b), turn, clear = rectangle
             u = moments.u + a * along[0] + b * across[0]
             v = moments.v + a * along[1] + b * across[1]
             x, y = self._calibration.to_region(u, v, self._settings.marker_height)
             moments = moments._replace(u=u, v=v, x=x, y=y, axis=moments.axis + turn)
             if math.hypot(a, b) + abs(turn) * 2 * self._major < _CONVERGED:
                 break
-        return moments
+        return moments, clear
+
+    def _scale(self, estimate: ShapeMoments) -> float:
+        """Size of a marker as a multiple of its true size; 1 unless all of it is seen and its size clearly differs."""
+        along, across = estimate.major / self._major, estimate.minor / self._minor
+        scale = (along + across) / 2 / _SEEN_SIZE
+        return scale if abs(along - across) < _SAME_SHAPE and abs(scale - 1) > _OTHER_SIZE else 1.0
 
     def _corners(self, moments: ShapeMoments) -> list[tuple[float, float]]:
         """Corners in the picture of a marker at that pose."""

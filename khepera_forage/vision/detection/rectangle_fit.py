@@ -18,12 +18,12 @@ _SHARE = 0.84
 """Share of a side, around its middle, on which points are taken: blur rounds the corners."""
 _REACH, _STEP = 5.0, 0.5
 """Region pixels within which a side is searched on either side of its expected place, and between two samples."""
-_CUTOFFS = (3.0, 1.5, 0.6, 0.3, 0.25)
+_CUTOFFS = (3.0, 1.5, 0.6, 0.3, 0.2)
 """Region pixels beyond which a point has no weight, from one repeat to the next."""
-_CLEAR_CUTOFFS = (1.5, 0.5, 0.25)
-"""The same for a border that nothing hides."""
-_CLEAR_SHARE = 0.9
-"""Share of all points that must lie on the rectangle for that."""
+_CLEAR_CUTOFFS = (1.5, 0.6, 0.3, 0.2, 0.2)
+"""The same for a border of which little is hidden."""
+_CLEAR_SHARE = 0.78
+"""Share of all points that must lie on the rectangle for that: more than three sides."""
 _SPREAD_CUTOFF = 4.0
 """Least cutoff in median distances of the points from the rectangle: markers of another size have no exact fit."""
 _DARK, _DARK_BONUS = 0.85, 2.0
@@ -41,10 +41,12 @@ class Rectangle(NamedTuple):
     Attributes:
         shift: Of the centre along and across the expected long axis, region pixels.
         turn: Of the long axis, radians.
+        clear: Whether little of its border is hidden.
     """
 
     shift: tuple[float, float]
     turn: float
+    clear: bool
 
 
 class RectangleFit:
@@ -78,6 +80,7 @@ class RectangleFit:
         terms = np.column_stack((normals, levers, np.ones(len(places))))
         # Two candidates for each point.
         self._terms = np.concatenate((terms, terms))
+        self._products = (self._terms[:, :, None] * self._terms[:, None, :]).reshape(-1, 16)
         self._sides = np.concatenate((sides, sides))
         self._points = len(places)
         # First all sides where their white ends first; then each side where its white ends last.
@@ -105,11 +108,11 @@ class RectangleFit:
         if visible[: self._points].sum() < _LEAST_SHARE * self._points:
             return None
         edges = np.where(visible, edges, 0.0)
-        # A border without a cable needs only its first candidates, and only one choice of trusted points.
+        # A border of which little is hidden needs only its first candidates, and only one choice of trusted points.
         points = self._points
         solutions, weights = self._solutions(edges[:points], visible[None, :points], _CLEAR_CUTOFFS, 0.0)
         if np.count_nonzero(weights) >= _CLEAR_SHARE * points:
-            return _rectangle(solutions[0])
+            return _rectangle(solutions[0], clear=True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
         dark = (samples < _DARK * floor).sum(axis=1).reshape(4, -1).mean(axis=1) * _STEP
         bonus = _DARK_BONUS * np.concatenate(([0.0], dark - dark.min()))
@@ -120,7 +123,7 @@ class RectangleFit:
             fitting = weights[best] > 0
             counts = np.bincount(self._sides[fitting], minlength=4)
             if fitting.sum() >= _LEAST_SHARE * points and (counts >= _LEAST_ON_SIDE).sum() >= 3:
-                return _rectangle(solutions[best])
+                return _rectangle(solutions[best], clear=False)
         return None
 
     def _solutions(
@@ -131,19 +134,18 @@ class RectangleFit:
         spread_cutoff: float,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Shift, turn and growth of the rectangle for each choice of trusted points, and the weight of each point."""
-        terms = self._terms[: len(edges)]
+        terms, products = self._terms[: len(edges)], self._products[: len(edges)]
         visible = trusted.any(axis=0)
         weights = trusted.astype(np.float64)
         for cutoff in cutoffs:
-            weighted = weights[:, None, :] * terms.T
-            solutions = np.linalg.solve(weighted @ terms + self._prior, (weighted @ edges)[..., None])[..., 0]
-            distances = np.abs(edges - solutions @ terms.T)
-            limits = np.full((len(trusted), 1), cutoff)
+            matrices = (weights @ products).reshape(-1, 4, 4) + self._prior
+            solutions = np.linalg.solve(matrices, ((weights * edges) @ terms)[..., None])[..., 0]
+            squares = (edges - solutions @ terms.T) ** 2
+            limits = np.full((len(trusted), 1), cutoff * cutoff)
             if spread_cutoff > 0:
-                spreads = np.median(distances[:, visible], axis=1)
-                limits = np.maximum(limits, spread_cutoff * spreads[:, None])
-            ratios = np.minimum(1.0, distances / limits)
-            weights = np.where(visible, (1 - ratios * ratios) ** 2, 0.0)
+                spreads = np.median(squares[:, visible], axis=1)
+                limits = np.maximum(limits, spread_cutoff**2 * spreads[:, None])
+            weights = np.maximum(1 - squares / limits, 0.0) ** 2 * visible
         return solutions, weights  # type: ignore[return-value] # float64
 
     def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -172,6 +174,6 @@ class RectangleFit:
         return np.concatenate(candidates)
 
 
-def _rectangle(solution: NDArray[np.float64]) -> Rectangle:
+def _rectangle(solution: NDArray[np.float64], clear: bool) -> Rectangle:
     a, b, turn = solution[:3].tolist()
-    return Rectangle((a, b), turn)
+    return Rectangle((a, b), turn, clear)
