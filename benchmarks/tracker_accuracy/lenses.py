@@ -1,5 +1,6 @@
 """Calibrations from a few clicked points, through lenses of known distortion: the error all over the picture."""
 
+import math
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -61,7 +62,7 @@ class Trial:
         trial: Number of the camera and of its clicks.
         lens: Whether the calibration has a lens.
         residual: Of the points in mm, root mean square.
-        held_out: Of held-out points in mm, root mean square; nan for four points.
+        held_out: Of held-out points in mm, root mean square; None for four points.
         error: All over the picture in mm, root mean square.
         worst: Greatest error anywhere in the picture in mm.
     """
@@ -71,7 +72,7 @@ class Trial:
     trial: int
     lens: bool
     residual: float
-    held_out: float
+    held_out: float | None
     error: float
     worst: float
 
@@ -119,7 +120,7 @@ class Lenses(NamedTuple):
             trial,
             fit.calibration.lens is not None,
             root_mean_square(fit.residuals),
-            root_mean_square(fit.held_out) if fit.held_out else float("nan"),
+            root_mean_square(fit.held_out) if fit.held_out else None,
             root_mean_square(errors),
             max(errors),
         )
@@ -131,7 +132,7 @@ def table(rows: list[Trial]) -> Table:
     for layout, k1 in product(LAYOUTS, SHOWN):
         own = pick(rows, layout=layout, k1=k1)
         figures = (
-            float(np.median([getattr(row, name) for row in own]))
+            float(np.median([_plain(getattr(row, name)) for row in own]))
             for name in ("residual", "held_out", "error", "worst")
         )
         lines.append((layout, f"{k1:g}", 100 * sum(row.lens for row in own) / len(own), *figures))
@@ -145,6 +146,10 @@ def table(rows: list[Trial]) -> Table:
         Column("greatest error (mm)"),
     )
     return Table("lenses", "Calibration and lens", _NOTE, columns, lines)
+
+
+def _plain(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def _place(calibration: Calibration, u: float, v: float) -> tuple[float, float]:

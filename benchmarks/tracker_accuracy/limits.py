@@ -123,7 +123,7 @@ class Point:
         foods: Food found.
         stray_markers: Detected markers that are none, or have a wrong number of holes.
         stray_foods: Detected food that is none.
-        position: 95 % of the found markers' centres are within this many pixels; nan without any.
+        position: 95 % of the found markers' centres are within this many pixels; None without any.
         heading: The same for headings that are not reversed, in degrees.
         warned: Frames for which a warning is given.
         frames: Number of frames.
@@ -138,8 +138,8 @@ class Point:
     foods: int
     stray_markers: int
     stray_foods: int
-    position: float
-    heading: float
+    position: float | None
+    heading: float | None
     warned: int
     frames: int
 
@@ -202,8 +202,8 @@ class Limit(NamedTuple):
             foods,
             stray_markers,
             stray_foods,
-            float(np.percentile(distances, 95)) if distances else math.nan,
-            float(np.percentile(forward, 95)) if forward else math.nan,
+            float(np.percentile(distances, 95)) if distances else None,
+            float(np.percentile(forward, 95)) if forward else None,
             warned,
             self.images,
         )

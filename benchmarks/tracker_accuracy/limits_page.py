@@ -1,5 +1,6 @@
 """The tables and the picture of the curves up to failure."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -37,8 +38,8 @@ def limits_table(points: Sequence[Point]) -> Table:
             1000 * p.stray_markers / p.things,
             1000 * p.stray_foods / p.things,
             p.reversals,
-            p.position,
-            p.heading,
+            _known(p.position),
+            _known(p.heading),
             100 * p.warned / p.frames,
         )
         for p in points
@@ -95,7 +96,14 @@ def _errors(panel: "Axes", points: Sequence[Point]) -> None:
     """Errors of centres under cables of all widths."""
     for colour, curve in zip(COLOURS, SWEEPS["width"].curves, strict=False):
         own = pick(points, sweep="width", curve=curve)
-        panel.plot([p.value for p in own], [p.position for p in own], "o-", ms=3, color=colour, label=curve)
+        panel.plot(
+            [p.value for p in own],
+            [_known(p.position) for p in own],
+            "o-",
+            ms=3,
+            color=colour,
+            label=curve,
+        )
     panel.set_ylim(0, 0.5)
     panel.set_xlabel(SWEEPS["width"].label)
     panel.set_ylabel("centre: 95 % within (pixels)")
@@ -112,3 +120,7 @@ def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
     panel.set_xlabel("barrel distortion of the lens, -k1")
     panel.set_ylabel("error (mm)")
     panel.legend(fontsize=6, frameon=False, loc="upper left", ncols=2)
+
+
+def _known(value: float | None) -> float:
+    return math.nan if value is None else value
