@@ -93,7 +93,14 @@ def test_counters_are_plausible_after_the_travel_of_a_long_round(monkeypatch: py
 
 @pytest.mark.parametrize(
     ("second", "agrees"),
-    [((1000, 1000), True), ((1120, 880), True), ((1121, 1000), False), ((979, 1000), False)],
+    [
+        ((1000, 1000), True),
+        ((1130, 870), True),
+        ((970, 1030), True),
+        ((1131, 1000), False),
+        ((1050, 1000), False),
+        ((969, 1000), False),
+    ],
 )
 def test_readings_agree_within_the_travel_between_them(second: Values, agrees: bool) -> None:
     assert agree((1000, 1000), second, (10, -10), 0.1) is agrees

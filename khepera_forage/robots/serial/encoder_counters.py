@@ -9,8 +9,6 @@ from khepera_forage.robots.serial.readings import Values
 PLAUSIBLE_DEVIATION = 30
 """Pulses (2.4 mm) by which a wheel's travel may differ from its speed times the time without a second reading. A wrong
 reading that is accepted and a right one then differ by at most twice as much."""
-_EQUAL_WITHIN = 20
-"""Pulses by which two readings of a wheel may differ from its travel in between."""
 _PULSES = SPEED_UNIT / PULSE
 """Pulses of a wheel in one second at one speed unit."""
 
@@ -77,11 +75,9 @@ class EncoderCounters:
 
 
 def agree(first: Values, second: Values, speeds: Values, seconds: float) -> bool:
-    """Whether two readings differ by no more than the wheels can have turned in the seconds between them."""
-    for change, speed in zip(
-        (wrap_counter(b - a) for a, b in zip(first, second, strict=True)), speeds, strict=True
-    ):
-        travel = speed * _PULSES * seconds
-        if not min(0.0, travel) - _EQUAL_WITHIN <= change <= max(0.0, travel) + _EQUAL_WITHIN:
-            return False
-    return True
+    """Whether the wheels have not turned between two readings, or have turned at their speeds for some seconds."""
+    changes = [wrap_counter(b - a) for a, b in zip(first, second, strict=True)]
+    return all(
+        any(abs(change - travel) <= PLAUSIBLE_DEVIATION for travel in (0.0, speed * _PULSES * seconds))
+        for change, speed in zip(changes, speeds, strict=True)
+    )
