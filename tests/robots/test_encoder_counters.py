@@ -89,6 +89,7 @@ def test_counters_are_plausible_after_the_travel_of_a_long_round(monkeypatch: py
     assert counters.plausible((600, -300), (10, -5))
     assert counters.plausible((100, -50), (10, -5)), "of a simulation that does not run in real time"
     assert not counters.plausible((350, -175), (10, -5))
+    assert not counters.plausible((600, -50), (10, -5)), "both wheels turn for the same time"
 
 
 @pytest.mark.parametrize(

@@ -50,13 +50,7 @@ class EncoderCounters:
             return False
         elapsed = max(self._period, time.monotonic() - self._read_at)
         changes = [wrap_counter(value - last) for value, last in zip(raw, self.raw, strict=True)]
-        return all(
-            any(
-                abs(change - speed * _PULSES * seconds) <= PLAUSIBLE_DEVIATION
-                for seconds in (self._period, elapsed)
-            )
-            for change, speed in zip(changes, speeds, strict=True)
-        )
+        return any(_turned(changes, speeds, seconds) for seconds in (self._period, elapsed))
 
     def update(self, raw: Values) -> None:
         """Add a reading."""
@@ -77,7 +71,12 @@ class EncoderCounters:
 def agree(first: Values, second: Values, speeds: Values, seconds: float) -> bool:
     """Whether the wheels have not turned between two readings, or have turned at their speeds for some seconds."""
     changes = [wrap_counter(b - a) for a, b in zip(first, second, strict=True)]
+    return _turned(changes, speeds, 0.0) or _turned(changes, speeds, seconds)
+
+
+def _turned(changes: list[int], speeds: Values, seconds: float) -> bool:
+    """Whether both wheels have turned at their speeds for the same time."""
     return all(
-        any(abs(change - travel) <= PLAUSIBLE_DEVIATION for travel in (0.0, speed * _PULSES * seconds))
+        abs(change - speed * _PULSES * seconds) <= PLAUSIBLE_DEVIATION
         for change, speed in zip(changes, speeds, strict=True)
     )
