@@ -89,11 +89,19 @@ def test_counters_are_plausible_after_the_travel_of_a_long_round(monkeypatch: py
     assert counters.plausible((600, -300), (10, -5))
     assert counters.plausible((100, -50), (10, -5)), "of a simulation that does not run in real time"
     assert not counters.plausible((350, -175), (10, -5))
+    assert not counters.plausible((600, -50), (10, -5)), "both wheels turn for the same time"
 
 
 @pytest.mark.parametrize(
     ("second", "agrees"),
-    [((1000, 1000), True), ((1120, 880), True), ((1121, 1000), False), ((979, 1000), False)],
+    [
+        ((1000, 1000), True),
+        ((1130, 870), True),
+        ((970, 1030), True),
+        ((1131, 1000), False),
+        ((1050, 1000), False),
+        ((969, 1000), False),
+    ],
 )
 def test_readings_agree_within_the_travel_between_them(second: Values, agrees: bool) -> None:
     assert agree((1000, 1000), second, (10, -10), 0.1) is agrees

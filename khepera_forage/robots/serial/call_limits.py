@@ -8,9 +8,9 @@ from khepera_forage.robots.serial.protocol import Request
 
 HOLD_AFTER = 0.5
 """Seconds after which a call that is not complete stops the wheels."""
-MAX_DURATION = 3.0
+MAX_DURATION = 4.0
 """Seconds after which a robot whose call is not complete counts as lost."""
-_MAX_TIMEOUTS = 30
+_MAX_TIMEOUTS = 40
 """The same in timeouts, for a user who has chosen a long one."""
 
 

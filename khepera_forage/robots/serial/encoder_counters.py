@@ -9,8 +9,6 @@ from khepera_forage.robots.serial.readings import Values
 PLAUSIBLE_DEVIATION = 30
 """Pulses (2.4 mm) by which a wheel's travel may differ from its speed times the time without a second reading. A wrong
 reading that is accepted and a right one then differ by at most twice as much."""
-_EQUAL_WITHIN = 20
-"""Pulses by which two readings of a wheel may differ from its travel in between."""
 _PULSES = SPEED_UNIT / PULSE
 """Pulses of a wheel in one second at one speed unit."""
 
@@ -52,13 +50,7 @@ class EncoderCounters:
             return False
         elapsed = max(self._period, time.monotonic() - self._read_at)
         changes = [wrap_counter(value - last) for value, last in zip(raw, self.raw, strict=True)]
-        return all(
-            any(
-                abs(change - speed * _PULSES * seconds) <= PLAUSIBLE_DEVIATION
-                for seconds in (self._period, elapsed)
-            )
-            for change, speed in zip(changes, speeds, strict=True)
-        )
+        return any(_turned(changes, speeds, seconds) for seconds in (self._period, elapsed))
 
     def update(self, raw: Values) -> None:
         """Add a reading."""
@@ -77,11 +69,14 @@ class EncoderCounters:
 
 
 def agree(first: Values, second: Values, speeds: Values, seconds: float) -> bool:
-    """Whether two readings differ by no more than the wheels can have turned in the seconds between them."""
-    for change, speed in zip(
-        (wrap_counter(b - a) for a, b in zip(first, second, strict=True)), speeds, strict=True
-    ):
-        travel = speed * _PULSES * seconds
-        if not min(0.0, travel) - _EQUAL_WITHIN <= change <= max(0.0, travel) + _EQUAL_WITHIN:
-            return False
-    return True
+    """Whether the wheels have not turned between two readings, or have turned at their speeds for some seconds."""
+    changes = [wrap_counter(b - a) for a, b in zip(first, second, strict=True)]
+    return _turned(changes, speeds, 0.0) or _turned(changes, speeds, seconds)
+
+
+def _turned(changes: list[int], speeds: Values, seconds: float) -> bool:
+    """Whether both wheels have turned at their speeds for the same time."""
+    return all(
+        abs(change - speed * _PULSES * seconds) <= PLAUSIBLE_DEVIATION
+        for change, speed in zip(changes, speeds, strict=True)
+    )

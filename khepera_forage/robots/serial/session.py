@@ -20,7 +20,7 @@ MOTION_COMMANDS = ("C", "D", "P")
 """Position control, speed and pulse-width modulation of the wheels."""
 
 _PIPELINED_ROUNDS = 50
-"""Rounds whose readings are pipelined on a fast line after a late reply: late replies then do not add up."""
+"""Rounds that are pipelined on a fast line after a late reply: late replies then do not add up."""
 _STOP = Request("D", (0, 0))
 
 
@@ -93,14 +93,21 @@ class Session:
             requests.append(Request("T,1,E", (command.arm,)))
         if command.jaw != self._sent_jaw:
             requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
-        # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
-        if self.timing.pipelined:
+        if any(map(turns_wheels, requests)):
             self.stop_confirmed = False
-            if self._client.send(requests):
-                self._unconfirmed = requests
-        for request in requests:
-            if not self._unconfirmed:
+        # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
+        if self.timing.pipelined and self._client.send(requests):
+            self.stop_confirmed = False
+            self._unconfirmed = requests
+        elif self._has_late_replies:
+            holds = self._limits.holds
+            self._client.request_all(requests)
+            if self._limits.holds > holds:
+                self._request(requests[0])
+        else:
+            for request in requests:
                 self._request(request)
+        for request in requests:
             self._record(request, command)
 
     def receive(self) -> Senses:
@@ -109,7 +116,7 @@ class Session:
         begin = time.monotonic()
         requests = self._sensors.begin_round()
         received: list[Reply] = []
-        if self.timing.pipelined or (self._pipelined_rounds > 0 and self.timing.can_pipeline):
+        if self.timing.pipelined or self._has_late_replies:
             received = self._client.request_all(requests, self._unconfirmed)[len(self._unconfirmed) :]
             self._unconfirmed = []
             self.stop_confirmed = self._speeds == (0, 0)
@@ -125,6 +132,11 @@ class Session:
         is_late = time.monotonic() - begin > self._client.timeout + expected
         self._pipelined_rounds = _PIPELINED_ROUNDS if is_late else self._pipelined_rounds - 1
         return senses
+
+    @property
+    def _has_late_replies(self) -> bool:
+        """Whether requests are pipelined on a fast line, because a reply was late a short time ago."""
+        return self._pipelined_rounds > 0 and self.timing.can_pipeline
 
     def stop(self, discard_command: bool) -> None:
         """Stop the wheels.
