@@ -3,8 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# One process more than cores, because tests of serial lines wait; groups of tests are those of tests/conftest.py.
-PARALLEL = -n $$(($$(nproc) + 1)) --dist loadgroup --no-loadscope-reorder
+# One process more than cores, because tests of serial lines wait; tests/conftest.py distributes them.
+PARALLEL = -n $$(($$(nproc) + 1)) --dist loadscope --no-loadscope-reorder
 
 .PHONY: reproduce test test-baselines test-wheel lint throughput docs docs-linkcheck clean
 

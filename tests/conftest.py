@@ -5,6 +5,8 @@ from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 # The same examples on every machine and in every run: a failure in the gate is one that can be seen at home.
 settings.register_profile("khepera_forage", derandomize=True, deadline=None)
@@ -20,15 +22,24 @@ for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHU
         signal.signal(number, usual)
 
 
-@pytest.hookimpl(tryfirst=True)  # before xdist looks for the marks
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Make groups of tests, each of which runs in one process: a file, or all tests of a benchmark script.
+SCRIPT_TESTS = ("tests/benchmarks/test_scripts.py", "tests/benchmarks/test_pictures.py")
+"""Each of their tests has a script as parameter."""
+
+
+class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist is untyped
+    """Runs the tests of a file in one process, and all tests of a benchmark script.
 
     A file's tests share fixtures, and a script's tests share a run, for which they would otherwise wait in several
     processes.
     """
-    for item in items:
-        file = item.nodeid.partition("::")[0]
-        call = getattr(item, "callspec", None)  # that of a parametrized test
-        script = call.params.get("script") if call else None
-        item.add_marker(pytest.mark.xdist_group(f"tests/benchmarks/test_{script}.py" if script else file))
+
+    def _split_scope(self, nodeid: str) -> str:
+        file, _, test = nodeid.partition("::")
+        script = test.partition("[")[2].removesuffix("]")
+        return f"tests/benchmarks/test_{script}.py" if file in SCRIPT_TESTS and script else file
+
+
+@pytest.hookimpl(optionalhook=True)  # without pytest-xdist, there is no such hook
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> FileScheduling:
+    """The distribution of tests to processes."""
+    return FileScheduling(config, log)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import COLOURS, GREY, grid, new_figure
+from khepera_forage.experiments.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
 from khepera_forage.experiments.measures import percent, pick
 from khepera_forage.experiments.tables import Column, Table, Value
 from tracker_accuracy.lenses import DISTORTIONS, LAYOUTS, Trial
@@ -62,9 +62,8 @@ def limits_table(points: Sequence[Point]) -> Table:
 
 def limits_picture(points: Sequence[Point], trials: Sequence[Trial]) -> "Figure":
     """Shares found as curves, one panel for each disturbance, and the errors of calibrations."""
-    figure = new_figure(10.5, 9.6)
-    axes = figure.subplots(3, 3)
-    panels = list(axes.flat)
+    figure = new_figure(WIDTH, 13.0)
+    panels = list(figure.subplots(5, 2).flat)
     for panel, (name, sweep) in zip(panels, SWEEPS.items(), strict=False):
         for colour, curve in zip(COLOURS, sweep.curves, strict=False):
             own = pick(points, sweep=name, curve=curve)
@@ -79,16 +78,16 @@ def limits_picture(points: Sequence[Point], trials: Sequence[Trial]) -> "Figure"
         panel.axhline(_FOUND, color=GREY, lw=1, ls=(0, (1, 2)))
         panel.set_ylim(-7, 104)
         panel.set_xlabel(sweep.label)
-        panel.legend(fontsize=7, frameon=False, loc="center left")
+        panel.set_ylabel("found (%)")
+        panel.legend(fontsize=SMALL, frameon=False, loc="center left")
     _errors(panels[7], points)
     _lenses(panels[8], trials)
-    for row in axes:
-        row[0].set_ylabel("found (%)")
-    for panel in panels:
+    for panel in panels[:9]:
         grid(panel, "both")
+    panels[9].axis("off")
     figure.suptitle("Markers (lines) and food (dotted) found, as the picture becomes worse", fontsize=11)
     note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
-    figure.supxlabel(note, fontsize=8, color=GREY)
+    figure.supxlabel(note, fontsize=SMALL, color=GREY)
     return figure
 
 
@@ -107,7 +106,7 @@ def _errors(panel: "Axes", points: Sequence[Point]) -> None:
     panel.set_ylim(0, 0.5)
     panel.set_xlabel(SWEEPS["width"].label)
     panel.set_ylabel("centre: 95 % within (pixels)")
-    panel.legend(fontsize=7, frameon=False)
+    panel.legend(fontsize=SMALL, frameon=False)
 
 
 def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
@@ -119,7 +118,7 @@ def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
     panel.set_ylim(1, 2000)
     panel.set_xlabel("barrel distortion of the lens, -k1")
     panel.set_ylabel("error (mm)")
-    panel.legend(fontsize=6, frameon=False, loc="upper left", ncols=2)
+    panel.legend(fontsize=SMALL, frameon=False, loc="upper left", ncols=2)
 
 
 def _known(value: float | None) -> float:
