@@ -85,6 +85,10 @@ def limits_picture(points: Sequence[Point], trials: Sequence[Trial]) -> "Figure"
     for panel in panels[:9]:
         grid(panel, "both")
     panels[9].axis("off")
+    lines = panels[8].get_legend_handles_labels()
+    panels[9].legend(
+        *lines, title="points of the calibration", loc="center left", fontsize=SMALL, frameon=False
+    )
     figure.suptitle("Markers (lines) and food (dotted) found, as the picture becomes worse", fontsize=11)
     note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
     figure.supxlabel(note, fontsize=SMALL, color=GREY)
@@ -115,10 +119,9 @@ def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
         errors = [np.median([t.error for t in pick(trials, layout=layout, k1=k1)]) for k1 in DISTORTIONS]
         panel.plot([-k1 for k1 in DISTORTIONS], errors, "o-", ms=3, color=colour, label=layout)
     panel.set_yscale("log")
-    panel.set_ylim(1, 2000)
+    panel.set_ylim(1, 100)
     panel.set_xlabel("barrel distortion of the lens, -k1")
     panel.set_ylabel("error (mm)")
-    panel.legend(fontsize=SMALL, frameon=False, loc="upper left", ncols=2)
 
 
 def _known(value: float | None) -> float:
