@@ -6,12 +6,16 @@ BIN := $(VENV)/bin
 # One process more than cores, because tests of serial lines wait; tests/conftest.py distributes them.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadscope --no-loadscope-reorder
 
-.PHONY: reproduce test test-baselines test-wheel lint throughput docs docs-linkcheck clean
+.PHONY: reproduce test pytest test-baselines test-wheel lint throughput docs docs-linkcheck clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/khepera-forage reproduce
 
-test: $(VENV)/installed lint
+# Types are checked while the first tests wait for their programs.
+test: $(VENV)/installed
+	$(MAKE) --jobs 2 lint pytest
+
+pytest: $(VENV)/installed
 	$(BIN)/python -m pytest $(PARALLEL)
 
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.

@@ -17,7 +17,8 @@ QuickRun = Callable[..., Path]
 
 @pytest.fixture(scope="session")
 def quick_run(tmp_path_factory: pytest.TempPathFactory) -> QuickRun:
-    """A function that returns the results' folder of a quick run; `printed` beside it has what the script printed."""
+    """A function that returns the results' folder of a quick run; `printed` beside it has what the script printed,
+    and `pictures` what is wrong with its pictures."""
     base = tmp_path_factory.getbasetemp()
     root = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "quick_runs"
 
@@ -28,7 +29,8 @@ def quick_run(tmp_path_factory: pytest.TempPathFactory) -> QuickRun:
         with (folder / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not printed.exists():
-                printed.write_text(quick(script, folder / "out", *arguments), encoding="utf-8")
+                text = quick(script, folder / "out", *arguments, notes=folder / "pictures")
+                printed.write_text(text, encoding="utf-8")
         return folder / "out"
 
     return run

@@ -21,12 +21,19 @@ def command_of(script: str, *arguments: str) -> list[str]:
     ]
 
 
-def quick(script: str, out: Path, *arguments: str) -> str:
-    """What a script prints with --quick, seed 1 and results in `out`; it must succeed without any error output."""
+def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) -> str:
+    """What a script prints with --quick, seed 1 and results in `out`; it must succeed without any error output.
+
+    With a file for notes, its pictures are checked on the way (`with_checked_pictures`).
+    """
     out.parent.mkdir(parents=True, exist_ok=True)
     command = command_of(script, "--quick", "--seed", "1", "--out", str(out), *arguments)
     # One process unless --jobs says otherwise: the other cores run other tests.
     environment = {**os.environ, "LOKY_MAX_CPU_COUNT": "1"}
+    if notes is not None:
+        command[3:3] = ["-m", "tests.benchmarks.with_checked_pictures", str(notes)]
+        # For this process and those that it starts.
+        environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(ROOT / "benchmarks")])
     # Not the repository's folder: a script must not depend on the folder it is started in.
     finished = subprocess.run(
         command, capture_output=True, text=True, cwd=out.parent, env=environment, timeout=300
