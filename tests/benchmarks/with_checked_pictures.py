@@ -8,16 +8,16 @@ NOTES gets a line for each picture: its name, a tab, and what is wrong with it, 
 import runpy
 import sys
 from pathlib import Path
+from unittest import mock
 
 from matplotlib.figure import Figure
 
-from khepera_forage.experiments import page
+from khepera_forage.experiments.figures import save
 from tests.figure_checks import check_readable, check_shading_is_explained
 
 
 def main(notes: Path, script: Path, arguments: list[str]) -> None:
     """Run the script as if it had been started itself."""
-    write = page.save
 
     def checked(figure: Figure, path: Path) -> None:
         fault = ""
@@ -28,12 +28,12 @@ def main(notes: Path, script: Path, arguments: list[str]) -> None:
             fault = str(error).splitlines()[0]
         with notes.open("a", encoding="utf-8") as file:
             file.write(f"{path.name}\t{fault}\n")
-        write(figure, path)
+        save(figure, path)
 
-    page.save = checked
     sys.argv = [str(script), *arguments]
     sys.path[0] = str(script.parent)
-    runpy.run_path(str(script), run_name="__main__")
+    with mock.patch("khepera_forage.experiments.page.save", checked):
+        runpy.run_path(str(script), run_name="__main__")
 
 
 if __name__ == "__main__":
