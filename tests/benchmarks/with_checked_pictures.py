@@ -20,6 +20,7 @@ def main(notes: Path, script: Path, arguments: list[str]) -> None:
     """Run the script as if it had been started itself."""
 
     def checked(figure: Figure, path: Path) -> None:
+        save(figure, path)  # before the check, which changes the layout a little
         fault = ""
         try:
             check_readable(figure)
@@ -28,7 +29,6 @@ def main(notes: Path, script: Path, arguments: list[str]) -> None:
             fault = str(error).splitlines()[0]
         with notes.open("a", encoding="utf-8") as file:
             file.write(f"{path.name}\t{fault}\n")
-        save(figure, path)
 
     sys.argv = [str(script), *arguments]
     sys.path[0] = str(script.parent)

@@ -128,7 +128,7 @@ def test_stop_interrupts_a_pending_request() -> None:
             time.sleep(0.001)
         robot.stop()
         assert b"D,0,0" in scripted.requests[scripted.requests.index(b"N") :]
-        assert scripted.requests.count(b"N") <= 2
+        assert scripted.requests.count(b"N") <= 4  # the first round reads N twice, and may repeat both
         assert not task.done
         begin = time.monotonic()
         robot.close()

@@ -22,7 +22,10 @@ except RobotLost as error:
     print(error, flush=True)
 sys.stdin.readline()
 for robot in robots:
-    robot.transmit()
+    try:
+        robot.transmit()
+    except RobotLost:  # a call that ended just before the suspension was noticed: this one reports it
+        robot.transmit()
     print(robot.request("E"), flush=True)
 sys.stdin.readline()
 drive()

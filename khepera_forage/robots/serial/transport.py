@@ -7,6 +7,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+import serial
+
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.framing import LineSplitter
 from khepera_forage.robots.serial.port import descriptor_of, open_port
@@ -122,12 +124,24 @@ class Transport:
 
     def _read(self, size: int) -> bytes:
         """Wait for up to `size` bytes, then read all that have arrived."""
-        data = self._serial.read(size)
+        data = self._arrived(size)
         if data and (more := self._serial.in_waiting):
-            data += self._serial.read(more)
+            data += self._arrived(more)
         if data:
             if self.on_traffic is not None:
                 self.on_traffic(Traffic(False, data))
             self._lines.extend(self._splitter.feed(data))
             self.mid_line = data[-1] not in _LINE_ENDS
+        return data
+
+    def _arrived(self, size: int) -> bytes:
+        """Up to `size` bytes.
+
+        A watchdog that has stopped the robot of a frozen driver may have read bytes that were announced to this
+        process. pyserial takes that for a disconnected port; a second attempt tells one from the other.
+        """
+        try:
+            data: bytes = self._serial.read(size)
+        except serial.SerialException:
+            data = self._serial.read(size)
         return data
