@@ -7,8 +7,6 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-import serial
-
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.framing import LineSplitter
 from khepera_forage.robots.serial.port import descriptor_of, open_port
@@ -142,6 +140,6 @@ class Transport:
         """
         try:
             data: bytes = self._serial.read(size)
-        except serial.SerialException:
+        except OSError:
             data = self._serial.read(size)
         return data
