@@ -39,7 +39,7 @@ class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist 
         return f"tests/benchmarks/test_{script}.py" if file in SCRIPT_TESTS and script else file
 
 
-@pytest.hookimpl(optionalhook=True)  # without pytest-xdist, there is no such hook
+@pytest.hookimpl(optionalhook=True)  # there is no such hook with -p no:xdist
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> FileScheduling:
     """The distribution of tests to processes."""
     return FileScheduling(config, log)

@@ -137,7 +137,7 @@ def _fitted(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The lens's k1 and k2, and the homography to the floor after it is corrected.
 
-    The homography is fitted anew for each lens that is tried, so that only the lens is searched.
+    The homography is fitted again for each lens that is tried, so that only the lens is searched.
     """
 
     def misfit(k: NDArray[np.float64]) -> NDArray[np.float64]:
