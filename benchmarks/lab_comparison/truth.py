@@ -62,7 +62,7 @@ class Truth:
         self._foragers: list[Forager] = []
         for body, arena, reported in zip(lab.simulation.robots, lab.arenas, foragers, strict=True):
             arena_map = arena_map_of(arena)
-            tracker = tracker_of(arena.foods)
+            tracker = tracker_of(arena.foods, arena_map)
             draw_food_types(tracker.foods, 0, food_odds(None))
             self._foragers.append(
                 Forager(_Body(body), arena_map, reported.holes, tracker, reported.decisions)

@@ -131,7 +131,7 @@ def count(episodes: int, seed: int) -> Counts:
     recalls = np.zeros(episodes, outcome_dtype)
     collected, free = np.zeros((episodes, 1), np.bool_), np.ones(1, np.bool_)
     outcomes = rollout_kernel.Outcomes(_shared(recalls), _shared(np.zeros((episodes, 1, 2))), collected, free)
-    empty = worlds.empty_worlds(1, 1, lanes=1)
+    empty = worlds.empty_worlds(1, 1, 0, lanes=1)
     replace_functions()
     block = worlds.worlds_of(empty, 0, 0)
     counting = worlds.Worlds(Bodies(*map(Records, block.bodies)), *map(Records, block[1:]))

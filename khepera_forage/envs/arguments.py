@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.sim.arena import ARENAS, Arena, SetUp, named_arena
+from khepera_forage.sim.ways import check_ways
 from khepera_forage.sim.world import Timing, World
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
@@ -97,9 +98,10 @@ def checked_arena(arena: Arena | str, decisions: Decisions) -> Arena:
         decisions: Where start, food and home are in a named one (figure 5.1).
 
     Raises:
-        ValueError: An unknown name, or something else.
+        ValueError: An unknown name, something else, or an arena that is too narrow.
     """
     if isinstance(arena, Arena):
+        check_ways(arena)
         return arena
     if isinstance(arena, str) and arena in ARENAS:
         return named_arena(arena, set_up_of(decisions))

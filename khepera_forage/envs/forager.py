@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
-from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import Motors, Robot, Senses
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.ways import pixel_walls, shortest_path, ways_of
 from khepera_forage.task.arena_map import ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
@@ -16,35 +17,30 @@ from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
 
+@lru_cache(maxsize=1024)
 def arena_map_of(arena: Arena) -> ArenaMap:
     """What a robot knows of an arena from the beginning, in pixels."""
     x1, y1, x2, y2 = arena.bounds
-    walls = tuple(
-        wall_of(
-            (
-                wall.x1 / MM_PER_PIXEL,
-                wall.y1 / MM_PER_PIXEL,
-                (wall.x1 + wall.ex) / MM_PER_PIXEL,
-                (wall.y1 + wall.ey) / MM_PER_PIXEL,
-            ),
-            wall.polygon,
-        )
-        for wall in arena.wall_records
-    )
+    out_x, out_y = (x1 + x2) / 2, (y1 + y2) / 2
+    ways = ways_of(arena)
+    if ways.waypoints:
+        _, (out_x, out_y), *_ = shortest_path(arena, arena.home, Point(arena.start.x, arena.start.y))
     return ArenaMap(
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
         whole_pixels(arena.home_radius),
-        math.degrees(math.atan2((y1 + y2) / 2 - arena.home.y, (x1 + x2) / 2 - arena.home.x)),
+        math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x)),
         whole_pixels(arena.diagonal),
         x1 / MM_PER_PIXEL,
         y1 / MM_PER_PIXEL,
         x2 / MM_PER_PIXEL,
         y2 / MM_PER_PIXEL,
-        walls,
+        pixel_walls(arena),
+        ways,
     )
 
 
+@lru_cache(maxsize=1024)
 def floor_of(arena: Arena) -> Floor:
     """The floor of an arena, in mm."""
     return Floor(*arena.bounds, arena.home.x, arena.home.y, arena.home_radius, arena.wall_records)
@@ -110,6 +106,7 @@ class Forager:
         update_food(
             tracker,
             tracker.foods,
+            tracker.food_lengths,
             tracker.links,
             scene.regions,
             self.arena,
@@ -122,7 +119,9 @@ class Forager:
             self.decisions,
         )
         self.raw = perceive(self.senses, own, tracker, self.arena)
-        self.vector = state_vector(self.raw, without_food(tracker, self.arena, self.decisions))
+        self.vector = state_vector(
+            self.raw, without_food(tracker, self.arena, self.decisions), self.decisions
+        )
         self.state = classify(self.vector, self.arena.home_radius, self.decisions)
 
 

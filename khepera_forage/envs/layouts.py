@@ -6,12 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits
-from khepera_forage.envs.forager import floor_of
+from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
@@ -59,7 +60,9 @@ def given_layout(
     start = Start() if given_start is None else Start(*given_start)
     places = [Place() for _ in range(foods)] if given is None else [Place(*place) for place in given]
     has_start, has_places = given_start is not None, given is not None
-    if not draw_layout(start, places, key, floor_of(arena), decisions, has_start, has_places):
+    if not draw_layout(
+        start, places, key, floor_of(arena), arena_map_of(arena), decisions, has_start, has_places
+    ):
         raise no_room(arena, foods)
     return _layout_of(start, places)
 
@@ -163,10 +166,20 @@ def no_room_on_marks(arena: Arena, noise: Noise) -> ValueError:
     return ValueError(message)
 
 
-def tracker_of(places: Sequence[Point]) -> FoodTracker:
-    """The food tracker at the start of an episode with food at these places, in mm."""
+def tracker_of(places: Sequence[Point], arena: ArenaMap) -> FoodTracker:
+    """The food tracker at the start of an episode.
+
+    Args:
+        places: Where food lies, in mm.
+        arena: In which arena.
+    """
     foods = [FoodObject(place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL) for place in places]
-    return FoodTracker(deliverable=len(foods), foods=foods, links=[Link() for _ in range(2 * len(foods))])
+    return FoodTracker(
+        deliverable=len(foods),
+        foods=foods,
+        food_lengths=[[math.inf] * len(arena.ways.waypoints) for _ in foods],
+        links=[Link() for _ in range(2 * len(foods))],
+    )
 
 
 def _layout_of(start: Start, places: Sequence[Place]) -> Layout:

@@ -132,7 +132,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         )
         self._episodes += 1
         self.world.reset(self.np_random.spawn(1)[0], self.layout)
-        tracker = tracker_of(self.layout.foods)
+        tracker = tracker_of(self.layout.foods, self._map)
         draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
         self._forager = Forager(self.world.robots[0], self._map, self.world.markers[0], tracker, self._values)
         self._forager.perceive(self.world.camera.look())

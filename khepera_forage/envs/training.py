@@ -189,7 +189,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         count = len(marked[0].foods)
         foragers = []
         for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
-            tracker = tracker_of(layout.foods[i * count : (i + 1) * count])
+            tracker = tracker_of(layout.foods[i * count : (i + 1) * count], self._maps[i])
             draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
             foragers.append(Forager(robot, arena, self._markers[i], tracker, self._values))
         self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self._values)

@@ -50,6 +50,22 @@ def bounds(corners: tuple[Corner, ...]) -> tuple[float, float, float, float]:
     return min(xs), min(ys), max(xs), max(ys)
 
 
+def inward_corners(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Corner, ...]:
+    """The corners that point into the floor of an enclosure.
+
+    Args:
+        polygons: Corners of the outer wall, then those of each obstacle.
+    """
+    found = []
+    for k, corners in enumerate(polygons):
+        sides = edges(corners)
+        turning = 1.0 if (area(corners) > 0) == (k == 0) else -1.0
+        for (ax, ay, bx, by), (_, _, cx, cy) in zip(sides, (*sides[1:], sides[0]), strict=True):
+            if turning * ((bx - ax) * (cy - by) - (by - ay) * (cx - bx)) < 0:
+                found.append((bx, by))
+    return tuple(found)
+
+
 def contains(corners: tuple[Corner, ...], x: float, y: float) -> bool:
     """Whether a point lies inside (a ray to the right crosses an odd number of sides)."""
     inside = False

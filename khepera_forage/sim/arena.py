@@ -92,6 +92,11 @@ class Arena:
         return walls_of((self.walls, *self.obstacles))
 
     @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """The corners of walls and obstacles that point into the floor."""
+        return polygon.inward_corners((self.walls, *self.obstacles))
+
+    @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Smallest x and y and largest x and y of the walls."""
         return polygon.bounds(self.walls)

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+from khepera_forage.task.way_finding import Ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _OUTSIDE = 4.0
@@ -15,13 +16,15 @@ class ArenaMap(NamedTuple):
         home_x: Centre of its home.
         home_y: Centre of its home.
         home_radius: Whole pixels.
-        home_opening: Degrees from the home to the middle of the floor: the side on which the home can be passed.
+        home_opening: Degrees from the home to the side on which it can be left and passed: to the middle of the floor,
+            or, where walls stand between, to the first waypoint towards the start.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
         left: Smallest x.
         bottom: Smallest y.
         right: Largest x.
         top: Largest y.
         walls: `geometry.walls.Wall` records.
+        ways: How to drive around its walls.
     """
 
     home_x: float
@@ -34,6 +37,7 @@ class ArenaMap(NamedTuple):
     right: float
     top: float
     walls: Any
+    ways: Ways
 
 
 class Floor(NamedTuple):

@@ -15,6 +15,7 @@ def _numbers_of(name: str) -> Any:
 
 NEARER_STATE, FARTHER_STATE = _numbers_of("equal_distance")
 SEEN_AT_LAST_PLACE, UNSEEN, UNSEEN_UNTIL_ARM_DOWN = _numbers_of("food_beside_robot")
+STRAIGHT, ALONG_PATH = _numbers_of("distances")
 DIAGONAL, LAST_DISTANCE = _numbers_of("no_food_distance")
 AT_LAST_PLACE, NO_CANDIDATE, IN_GRIPPER, HIDES_ALL_FOOD = _numbers_of("held_food")
 SMALL_CIRCLE, WANDER = _numbers_of("search_without_food")

@@ -23,6 +23,7 @@ V0_1: Mapping[str, Any] = {
     "home_aside": 0.0,
     "food_beside_robot": "seen at its last place",
     "redetection_time": 0.0,
+    "distances": "straight",
     "no_food_distance": "diagonal of the arena",
     "held_food": "candidate at its last place",
     "next_to_food": 20.0,

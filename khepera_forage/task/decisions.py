@@ -65,6 +65,12 @@ class Decisions(DecisionSet):
     redetection_time: float = number(
         0.0, 0.0, 10.0, "s", "4.2.2", "From losing food until it is unseen, if lost food becomes unseen."
     )
+    distances: str = choice(
+        "straight",
+        ("straight", "along the path"),
+        "4.3",
+        "RobotHomeDistance and RobotFoodDistance where walls stand between.",
+    )
     no_food_distance: str = choice(
         "last one known",
         ("diagonal of the arena", "last one known"),

@@ -24,6 +24,8 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
 _DEGREE = math.pi / 180.0
+NOWHERE = -1e6
+"""Coordinate in pixels of no place in any arena."""
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
@@ -38,6 +40,8 @@ class FoodObject:
         known: The type as far as it is identified, otherwise UNKNOWN.
         delivered: Whether it has been brought home.
         carried: Whether it has been in the gripper since it was last seen: it may turn up as another track.
+        lengths_x: Place in pixels to which the lengths of paths from the waypoints are known; far away before.
+        lengths_y: Likewise.
     """
 
     x: float
@@ -46,6 +50,8 @@ class FoodObject:
     known: int = 0
     delivered: bool = False
     carried: bool = False
+    lengths_x: float = NOWHERE
+    lengths_y: float = NOWHERE
 
 
 @dataclass(slots=True)
@@ -76,9 +82,12 @@ class FoodTracker:
         food_seen: Whether there is a candidate food.
         food_x: Nearest candidate food in pixels; 0 without one.
         food_y: Nearest candidate food in pixels; 0 without one.
+        nearest: Number of that food object; -1 if there is none, or if it is not known which one it is.
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
+        food_lengths: Of the shortest path from each waypoint of the arena to each food object, pixels
+            (`task.way_finding`).
         links: Twice as many slots as food objects.
     """
 
@@ -90,14 +99,17 @@ class FoodTracker:
     food_seen: bool = False
     food_x: float = 0.0
     food_y: float = 0.0
+    nearest: int = -1
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
+    food_lengths: list[list[float]] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
 
 
 def update_food(
     tracker: Any,
     foods: Any,
+    food_lengths: Any,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -114,6 +126,7 @@ def update_food(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records; changed in place.
+        food_lengths: Of the shortest paths from each waypoint to each food object; changed in place.
         links: Its `Link` records; changed in place.
         tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
         arena: The arena of this robot.
@@ -133,7 +146,7 @@ def update_food(
     _follow_tracks(tracker, foods, links, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
         count_lost_rounds(links, tracks)
-    find_nearest(tracker, foods, links, tracks, arena, x, y, arm, decisions)
+    find_nearest(tracker, foods, food_lengths, links, tracks, arena, x, y, arm, decisions)
     _count(tracker, foods)
     if decisions.no_food_distance == LAST_DISTANCE:
         if tracker.food_seen:

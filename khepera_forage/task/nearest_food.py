@@ -17,13 +17,17 @@ from khepera_forage.task.decision_readings import (
 )
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.states import FoodType
+from khepera_forage.task.way_finding import path_to_food
 
 _POISONOUS = FoodType.POISONOUS.value
+_NO_PATH = 1e6
+"""Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
 
 
 def find_nearest(
     tracker: Any,
     foods: Any,
+    food_lengths: Any,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -34,9 +38,13 @@ def find_nearest(
 ) -> None:
     """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
 
+    Nearest is what has the shortest path: a robot that went round a wall for the food beyond it could otherwise find
+    other food nearer on its way, and the first one again on its way there.
+
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records.
+        food_lengths: Of the shortest paths from each waypoint to each food object; changed in place.
         links: Its `Link` records.
         tracks: Regions or tracks of the camera.
         arena: The arena of this robot.
@@ -45,7 +53,7 @@ def find_nearest(
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
-    tracker.food_seen, tracker.food_x, tracker.food_y = False, 0.0, 0.0
+    tracker.food_seen, tracker.food_x, tracker.food_y, tracker.nearest = False, 0.0, 0.0, -1
     held, excluded = tracker.held, -1
     if held >= 0:
         held_food = decisions.held_food
@@ -64,13 +72,20 @@ def find_nearest(
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
             k = link_of(track.label, links)
+            number = links[k].food if k >= 0 else -1
             if k >= 0:
-                number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
+                if len(arena.ways.waypoints) > 0:
+                    food, lengths = foods[number], food_lengths[number]
+                    path = path_to_food(x, y, track.x, track.y, food, lengths, arena.walls, arena.ways)
+                    squared = min(path, _NO_PATH) ** 2
+                    if squared >= best:
+                        continue
             if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
                 best = squared
                 tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
+                tracker.nearest = number
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -1,15 +1,16 @@
 """Scene and Senses to raw data (4.2.2), and raw data to the state vector (4.3)."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
-from khepera_forage.task.decision_readings import LAST_DISTANCE
+from khepera_forage.task.decision_readings import ALONG_PATH, LAST_DISTANCE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
+from khepera_forage.task.way_finding import next_waypoint
 from khepera_forage.vision.scene import Region, Scene
 
 
@@ -36,9 +37,14 @@ class RawData(NamedTuple):
         wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
         wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
         home_distance: To the centre of its home.
-        home_bearing: Of that centre from the heading.
+        home_bearing: Of the way home from the heading: of that centre, or, where walls stand between, of the next
+            waypoint.
+        home_path: Length of the way home.
         food_distance: To the nearest candidate food; 0 without one.
-        food_bearing: Of that food from the heading; 0 without one.
+        food_bearing: Of the way to that food from the heading; 0 without one.
+        food_path: Length of the way to that food; 0 without one.
+        food_way_x: The next waypoint to that food: the food itself where the way is clear; 0 without one.
+        food_way_y: Likewise.
     """
 
     proximity: tuple[int, int, int, int, int, int]
@@ -61,8 +67,26 @@ class RawData(NamedTuple):
     wall_bearing: float
     home_distance: float
     home_bearing: float
+    home_path: float
     food_distance: float
     food_bearing: float
+    food_path: float
+    food_way_x: float
+    food_way_y: float
+
+
+class Way(NamedTuple):
+    """The way from a robot to a place, in pixels.
+
+    Attributes:
+        x: The next waypoint: the place itself where the way is clear.
+        y: Likewise.
+        length: Of the path.
+    """
+
+    x: float
+    y: float
+    length: float
 
 
 def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
@@ -106,8 +130,41 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
+        way_home(x, y, arena),
+        way_to_food(x, y, tracker, tracker.food_lengths, arena),
         arena,
     )
+
+
+def way_home(x: float, y: float, arena: ArenaMap) -> Way:
+    """The way home from a place, in pixels."""
+    ways = arena.ways
+    return _way(x, y, arena.home_x, arena.home_y, ways.home_lengths, arena)
+
+
+def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: ArenaMap) -> Way:
+    """The way to the nearest food from a place, in pixels.
+
+    Args:
+        x: Of the robot.
+        y: Of the robot.
+        tracker: The `FoodTracker` record, after its round.
+        food_lengths: Of the shortest paths from each waypoint to each food object.
+        arena: Its arena.
+    """
+    food_x, food_y = tracker.food_x, tracker.food_y
+    if tracker.nearest < 0:
+        return Way(food_x, food_y, length(food_x - x, food_y - y))
+    return _way(x, y, food_x, food_y, food_lengths[tracker.nearest], arena)
+
+
+def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, arena: ArenaMap) -> Way:
+    straight = length(to_x - x, to_y - y)
+    if len(arena.ways.waypoints) == 0:
+        return Way(to_x, to_y, straight)
+    way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, arena.walls, arena.ways)
+    # Without a path, such as for a robot that was pushed into a corner, the robot drives straight on.
+    return Way(way_x, way_y, path if path < math.inf else straight)
 
 
 def raw_data(
@@ -122,6 +179,8 @@ def raw_data(
     food_type: int,
     wall_x: float,
     wall_y: float,
+    to_home: Way,
+    to_food: Way,
     arena: ArenaMap,
 ) -> RawData:
     """Raw data of one robot, once its regions have been picked from the scene.
@@ -138,12 +197,13 @@ def raw_data(
         food_type: Of the object in the gripper, as far as it is known.
         wall_x: From the robot to the nearest point of a wall.
         wall_y: From the robot to the nearest point of a wall.
+        to_home: The way home.
+        to_food: The way to the nearest food.
         arena: Its arena.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
     home_x, home_y = arena.home_x - x, arena.home_y - y
-    to_x, to_y = food_x - x, food_y - y
-    food_distance, food_bearing = length(to_x, to_y), turn_to(bearing_of(to_x, to_y), orientation)
+    food_bearing = turn_to(bearing_of(to_food.x - x, to_food.y - y), orientation)
     return RawData(
         (a, b, c, d, e, f),
         senses.arm,
@@ -164,23 +224,30 @@ def raw_data(
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
         length(home_x, home_y),
-        turn_to(bearing_of(home_x, home_y), orientation),
-        food_distance if food_seen else 0.0,
+        turn_to(bearing_of(to_home.x - x, to_home.y - y), orientation),
+        to_home.length,
+        length(food_x - x, food_y - y) if food_seen else 0.0,
         food_bearing if food_seen else 0.0,
+        to_food.length if food_seen else 0.0,
+        to_food.x if food_seen else 0.0,
+        to_food.y if food_seen else 0.0,
     )
 
 
-def state_vector(raw: RawData, distance_without_food: float) -> StateVector:
+def state_vector(raw: RawData, distance_without_food: float, decisions: DecisionValues) -> StateVector:
     """The five attributes of section 4.3, distances rounded to whole pixels.
 
     Args:
         raw: What is perceived now.
         distance_without_food: Pixels: the food distance where there is no candidate, see `without_food`.
+        decisions: `DecisionValues`.
     """
-    food = raw.food_distance if raw.food_seen else distance_without_food
+    by_path = decisions.distances == ALONG_PATH
+    food = raw.food_path if by_path else raw.food_distance
+    food = food if raw.food_seen else distance_without_food
     return StateVector(
         1 if raw.object_presence else 0,
-        int(raw.home_distance + 0.5),
+        int((raw.home_path if by_path else raw.home_distance) + 0.5),
         raw.food_type,
         raw.arm,
         int(food + 0.5),

@@ -12,9 +12,10 @@ from khepera_forage.counter_rng import random_bits, standard_normal, uniform
 from khepera_forage.geometry.walls import clearance
 from khepera_forage.robots.footprint import body_is_free, discs_are_apart, gripper_is_free
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.task.arena_map import Floor
+from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import drawn_type
+from khepera_forage.task.way_finding import has_way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _MARGIN = 5.0
@@ -71,6 +72,7 @@ def draw_layout(
     places: Any,
     key: Any,
     floor: Floor,
+    arena: ArenaMap,
     decisions: DecisionValues,
     start_given: bool = False,
     places_given: bool = False,
@@ -78,13 +80,14 @@ def draw_layout(
     """Draw a random start and random food places (5.4.1.1).
 
     The robot starts anywhere outside home, heading uniform. Food lies outside home, further from the robot than the
-    close threshold, where a gripper fits around it.
+    close threshold, where a gripper fits around it. From both places there is a way home.
 
     Args:
         start: The `Start` record; changed in place.
         places: `Place` records; changed in place.
         key: From `layout_key`.
         floor: Where.
+        arena: The same arena as the robot knows it.
         decisions: `DecisionValues`.
         start_given: Whether the start stays as it is.
         places_given: Whether the places stay as they are.
@@ -101,6 +104,8 @@ def draw_layout(
             number += 3
             if not (_is_outside_home(start, RADIUS, floor) and _robot_is_free(start, _MARGIN, floor)):
                 continue
+            if not _has_way_home(start, arena):
+                continue
         if places_given:
             if layout_is_free(start, places, floor):
                 return True
@@ -110,7 +115,7 @@ def draw_layout(
             place = places[placed]
             place.x, place.y = _draw_place(key, food_number, floor)
             food_number += 2
-            if _food_fits(place, places, placed, start, floor, decisions):
+            if _food_fits(place, places, placed, start, floor, decisions) and _has_way_home(place, arena):
                 placed += 1
                 if placed == len(places):
                     return True
@@ -179,6 +184,11 @@ def layout_is_free(start: Any, places: Any, floor: Floor) -> bool:
             if not discs_are_apart(place.x, place.y, places[other].x, places[other].y, 2.0 * FOOD_RADIUS):
                 return False
     return True
+
+
+def _has_way_home(place: Any, arena: ArenaMap) -> bool:
+    x, y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
+    return has_way_home(x, y, arena.home_x, arena.home_y, arena.walls, arena.ways)
 
 
 def _robot_is_free(start: Any, margin: float, floor: Floor) -> bool:

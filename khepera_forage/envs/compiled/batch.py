@@ -55,7 +55,7 @@ class CompiledBatch:
         )
         self.foods, self.limit = foods, limit
         self._blocks = -(-self.num_worlds // LANES)
-        self.worlds = empty_worlds(self._blocks, self.foods)
+        self.worlds = empty_worlds(self._blocks, self.foods, len(self._task.waypoints))
 
     @property
     def bytes_per_world(self) -> float:
@@ -101,7 +101,7 @@ class CompiledBatch:
         given = as_records(*given_places(self.arena, self.foods, options or {}), self.foods)
         # New episodes begin in blocks of their own, whose records are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        begun = empty_worlds(blocks, self.foods)
+        begun = empty_worlds(blocks, self.foods, len(self._task.waypoints))
         new = np.arange(len(worlds))
         there, here = (new // LANES, new % LANES), (worlds // LANES, worlds % LANES)
         for name in ("key", "round"):

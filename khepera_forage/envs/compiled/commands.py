@@ -46,8 +46,12 @@ def raw_data_in(robot: Any, task: Any, i: int, arena: ArenaMap) -> RawData:
         task.wall_bearing[i],
         task.home_distance[i],
         task.home_bearing[i],
+        task.home_path[i],
         task.food_distance[i],
         task.food_bearing[i],
+        task.food_path[i],
+        task.food_way_x[i],
+        task.food_way_y[i],
     )
 
 

@@ -45,6 +45,7 @@ class CompiledForager:
         )
         self.tracker = FoodTracker(*worlds.trackers[0, 0].item())
         self.tracker.foods = [FoodObject(*food.item()) for food in worlds.foods[0, 0]]
+        self.tracker.food_lengths = worlds.food_lengths[0, 0].tolist()
         self.tracker.links = [Link(*link.item()) for link in worlds.links[0, 0]]
         self.raw = RawData(
             tuple(proximity[:6]),  # type: ignore[arg-type]
@@ -64,7 +65,9 @@ class CompiledForager:
             self.arena.home_radius,
             self.arena.home_opening,
             *(_of(task, name) for name in ("wall_distance", "wall_bearing")),
-            *(_of(task, name) for name in ("home_distance", "home_bearing", "food_distance", "food_bearing")),
+            *(_of(task, name) for name in ("home_distance", "home_bearing", "home_path")),
+            *(_of(task, name) for name in ("food_distance", "food_bearing")),
+            *(_of(task, name) for name in ("food_path", "food_way_x", "food_way_y")),
         )
         self.vector = StateVector(*(int(_of(task, name)) for name in VECTOR))
         self.state = State(int(_of(task, "state")))

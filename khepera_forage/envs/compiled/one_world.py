@@ -41,7 +41,7 @@ _ROBOT, _FOOD, _SCRATCH, _TASK = (
 _TRACK, _DETECTION = bodies.track_dtype, bodies.detection_dtype
 _WALL, _CORNER, _CONSTANTS = bodies.wall_dtype, bodies.corner_dtype, bodies.constants_dtype
 _FLOAT, _FLAG = np.dtype(np.float64), np.dtype(np.bool_)
-FOODS, WALLS, CORNERS, NUMBERS, ADVANCE, HEAD = range(6)
+FOODS, WALLS, CORNERS, WAYPOINTS, NUMBERS, ADVANCE, HEAD = range(7)
 """What the table begins with: counts, how many numbers an action has, and the address of `advance_block`."""
 
 
@@ -65,7 +65,7 @@ class OneWorld:
     def __init__(self, parameters: Parameters, task: TaskParameters, numbers: int) -> None:
         foods = parameters.foods
         self.parameters, self.task = parameters, task
-        self.worlds = empty_worlds(1, foods, lanes=1)
+        self.worlds = empty_worlds(1, foods, len(task.waypoints), lanes=1)
         self.action = np.zeros((1, numbers))
         self.begins, self.has_room = np.zeros(1, np.bool_), np.ones(1, np.bool_)
         self.start, self.places = np.full(1, np.nan, start_dtype), np.full(foods, np.nan, place_dtype)
@@ -77,6 +77,7 @@ class OneWorld:
             self.parameters.foods,
             len(self.parameters.walls),
             len(self.parameters.corners),
+            len(self.task.waypoints),
             self.action.shape[1],
             0,
         )
@@ -111,6 +112,7 @@ class OneWorld:
 @entrance
 def _step_one(table: NDArray[np.int64]) -> None:
     foods, numbers = table[FOODS], table[NUMBERS]
+    walls, corners, waypoints = table[WALLS], table[CORNERS], table[WAYPOINTS]
     a = table[HEAD:]
     blocks = Bodies(
         array_at(a[0], (1,), _ROBOT),
@@ -124,27 +126,32 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[5], (1,), _TASK),
         array_at(a[6], (1, 1), tracker_dtype),
         array_at(a[7], (1, 1, foods), food_object_dtype),
-        array_at(a[8], (1, 1, 2 * foods), link_dtype),
-        array_at(a[9], (1, 1), episode_dtype),
-        array_at(a[10], (1, 1), start_dtype),
-        array_at(a[11], (1, foods), place_dtype),
+        array_at(a[8], (1, 1, foods, waypoints), _FLOAT),
+        array_at(a[9], (1, 1, 2 * foods), link_dtype),
+        array_at(a[10], (1, 1), episode_dtype),
+        array_at(a[11], (1, 1), start_dtype),
+        array_at(a[12], (1, foods), place_dtype),
     )
     parameters = Parameters(
         foods,
-        array_at(a[12], (table[WALLS],), _WALL),
-        array_at(a[13], (table[CORNERS],), _CORNER),
-        array_at(a[14], (1,), _CONSTANTS),
+        array_at(a[13], (walls,), _WALL),
+        array_at(a[14], (corners,), _CORNER),
+        array_at(a[15], (1,), _CONSTANTS),
     )
     task = TaskParameters(
-        array_at(a[15], (1,), arena_dtype),
-        array_at(a[16], (table[WALLS],), wall_dtype),
-        array_at(a[17], (table[WALLS],), wall_dtype),
-        array_at(a[18], (1,), decisions_dtype),
+        array_at(a[16], (1,), arena_dtype),
+        array_at(a[17], (walls,), wall_dtype),
+        array_at(a[18], (walls,), wall_dtype),
+        array_at(a[19], (corners,), place_dtype),
+        array_at(a[20], (waypoints,), place_dtype),
+        array_at(a[21], (waypoints * waypoints,), _FLOAT),
+        array_at(a[22], (waypoints,), _FLOAT),
+        array_at(a[23], (1,), decisions_dtype),
     )
-    action = array_at(a[19], (1, numbers), _FLOAT)
-    begins = array_at(a[20], (1,), _FLAG)
-    start = array_at(a[21], (1,), start_dtype)
-    places = array_at(a[22], (foods,), place_dtype)
-    has_room = array_at(a[23], (1,), _FLAG)
+    action = array_at(a[24], (1, numbers), _FLOAT)
+    begins = array_at(a[25], (1,), _FLAG)
+    start = array_at(a[26], (1,), start_dtype)
+    places = array_at(a[27], (foods,), place_dtype)
+    has_room = array_at(a[28], (1,), _FLAG)
     block, advance = worlds_of(worlds, 0, 0), table[ADVANCE]
     has_room[0] = step_block(block, parameters, task, action, begins, start, places, advance)

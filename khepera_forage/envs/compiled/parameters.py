@@ -14,7 +14,7 @@ from khepera_forage.envs.arguments import (
     timing_of,
     whole_number,
 )
-from khepera_forage.envs.compiled.records import arena_dtype, decisions_dtype, wall_dtype
+from khepera_forage.envs.compiled.records import arena_dtype, decisions_dtype, place_dtype, wall_dtype
 from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
@@ -22,6 +22,7 @@ from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.way_finding import Ways
 
 MOST_FOODS = 16
 """Food objects that a compiled world can have."""
@@ -34,12 +35,20 @@ class TaskParameters(NamedTuple):
         arena: `arena_dtype`, shape (1,).
         map_walls: `wall_dtype`, the walls in pixels.
         floor_walls: `wall_dtype`, the walls in mm.
+        corners: `place_dtype`, the corners that point into the floor, in pixels.
+        waypoints: `place_dtype`, in pixels.
+        way_lengths: Of the shortest paths between waypoints, shape (waypoints * waypoints,).
+        home_lengths: Of the shortest path from each waypoint to the home.
         decisions: `decisions_dtype`, shape (1,).
     """
 
     arena: NDArray[Any]
     map_walls: NDArray[Any]
     floor_walls: NDArray[Any]
+    corners: NDArray[Any]
+    waypoints: NDArray[Any]
+    way_lengths: NDArray[np.float64]
+    home_lengths: NDArray[np.float64]
     decisions: NDArray[Any]
 
 
@@ -92,14 +101,19 @@ def task_parameters(
     record = np.zeros(1, arena_dtype)
     for prefix, known in (("map", map_), ("floor", floor)):
         for name, value in known._asdict().items():
-            if name != "walls":
+            if name not in ("walls", "ways"):
                 record[f"{prefix}_{name}"] = value
+    record["map_clearance"] = map_.ways.clearance
     record["odds"] = odds
     record["limit"] = limit
     return TaskParameters(
         record,
         np.array(list(map(tuple, map_.walls)), wall_dtype),
         np.array(list(map(tuple, floor.walls)), wall_dtype),
+        np.array(list(map(tuple, map_.ways.corners)), place_dtype),
+        np.array(list(map(tuple, map_.ways.waypoints)), place_dtype),
+        np.array(map_.ways.lengths, np.float64),
+        np.array(map_.ways.home_lengths, np.float64),
         np.array([tuple(values)], decisions_dtype),
     )
 
@@ -119,6 +133,7 @@ def arena_map(task: TaskParameters) -> ArenaMap:
         arena.map_right,
         arena.map_top,
         task.map_walls,
+        Ways(arena.map_clearance, task.corners, task.waypoints, task.way_lengths, task.home_lengths),
     )
 
 

@@ -10,9 +10,17 @@ from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
-from khepera_forage.task.perception import raw_data, state_vector, without_food
+from khepera_forage.task.perception import (
+    Way,
+    raw_data,
+    state_vector,
+    way_home,
+    way_to_food,
+    without_food,
+)
 from khepera_forage.task.states import classify
 
 
@@ -44,6 +52,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
         update_food(
             tracker,
             worlds.foods[i],
+            worlds.food_lengths[i],
             worlds.links[i],
             worlds.bodies.tracks[i],
             arena,
@@ -78,6 +87,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
             task.wall_squared[i] = squared if nearer else task.wall_squared[i]
             task.wall_x[i] = dx if nearer else task.wall_x[i]
             task.wall_y[i] = dy if nearer else task.wall_y[i]
+    _find_ways(worlds, arena)
     for i in range(lanes):
         raw = raw_data(
             _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i]),
@@ -91,16 +101,35 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
             int(task.food_type[i]),
             task.wall_x[i],
             task.wall_y[i],
+            Way(task.home_way_x[i], task.home_way_y[i], task.home_path[i]),
+            Way(task.food_way_x[i], task.food_way_y[i], task.food_path[i]),
             arena,
         )
         task.food_type[i] = raw.food_type
         task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
         task.home_distance[i], task.home_bearing[i] = raw.home_distance, raw.home_bearing
         task.food_distance[i], task.food_bearing[i] = raw.food_distance, raw.food_bearing
-        vector = state_vector(raw, without_food(worlds.trackers[i], arena, decisions))
+        task.food_path[i], task.food_way_x[i], task.food_way_y[i] = (
+            raw.food_path,
+            raw.food_way_x,
+            raw.food_way_y,
+        )
+        vector = state_vector(raw, without_food(worlds.trackers[i], arena, decisions), decisions)
         task.object_presence[i] = vector.object_presence
         task.robot_home_distance[i] = vector.robot_home_distance
         task.vector_food_type[i] = vector.food_type
         task.arms_height[i] = vector.arms_height
         task.robot_food_distance[i] = vector.robot_food_distance
         task.state[i] = classify(vector, arena.home_radius, decisions).value
+
+
+@inline
+def _find_ways(worlds: Worlds, arena: ArenaMap) -> None:
+    """The ways home and to the nearest food."""
+    robot, task = worlds.bodies.robots, worlds.tasks
+    for i in range(robot.x.shape[0]):
+        x, y = robot.marker_x[i], robot.marker_y[i]
+        home = way_home(x, y, arena)
+        food = way_to_food(x, y, worlds.trackers[i], worlds.food_lengths[i], arena)
+        task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home.x, home.y, home.length
+        task.food_way_x[i], task.food_way_y[i], task.food_path[i] = food.x, food.y, food.length

@@ -20,7 +20,8 @@ TASK = (
     # Raw data beyond the senses and the robot's own region: pixels and degrees.
     *("food_seen", "food_x", "food_y", "food_type"),
     *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
-    *("home_distance", "home_bearing", "food_distance", "food_bearing"),
+    *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
+    *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
     # The state vector, and the state that it stands for.
     *("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance"),
     "state",
@@ -35,14 +36,19 @@ tracker_dtype = np.dtype(
     [
         *((name, "i8") for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable")),
         ("food_seen", "?"),
-        *((name, "f8") for name in ("food_x", "food_y", "last_distance")),
+        *((name, "f8") for name in ("food_x", "food_y")),
+        ("nearest", "i8"),
+        ("last_distance", "f8"),
     ],
     align=True,
 )
 """The fields of `task.food_tracking.FoodTracker` without its lists."""
 
 food_object_dtype = np.dtype(
-    [("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8"), ("delivered", "?"), ("carried", "?")],
+    [
+        *(("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8"), ("delivered", "?"), ("carried", "?")),
+        *(("lengths_x", "f8"), ("lengths_y", "f8")),
+    ],
     align=True,
 )
 """`task.food_tracking.FoodObject`."""
@@ -65,7 +71,7 @@ start_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("heading", "f8")])
 """`task.placement.Start`."""
 
 place_dtype = np.dtype([("x", "f8"), ("y", "f8")])
-"""`task.placement.Place`."""
+"""`task.placement.Place` and `task.way_finding.Spot`."""
 
 wall_dtype = np.dtype([(name, "i8" if name == "polygon" else "f8") for name in Wall._fields])
 """`geometry.walls.Wall`."""
@@ -74,12 +80,14 @@ decisions_dtype = np.dtype([(field.name, "f8") for field in fields(Decisions)])
 """`task.decisions.DecisionValues`."""
 
 arena_dtype = np.dtype(
-    [(f"map_{name}", "f8") for name in ArenaMap._fields if name != "walls"]
+    [(f"map_{name}", "f8") for name in ArenaMap._fields if name not in ("walls", "ways")]
+    + [("map_clearance", "f8")]
     + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
     + [("odds", "f8", (len(FoodType) - 1,))]
     + [("limit", "i8")]
 )
-"""`task.arena_map.ArenaMap` in pixels and `Floor` in mm without their walls, odds of food types, and the step limit."""
+"""`task.arena_map.ArenaMap` in pixels without its walls, with the clearance of its `Ways`; `Floor` in mm without its
+walls; odds of food types, and the step limit."""
 
 
 def task_dtype(lanes: int) -> np.dtype[Any]:

@@ -6,12 +6,13 @@ from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
-from khepera_forage.envs.compiled.parameters import TaskParameters, floor
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.start import stand
 from khepera_forage.task.episode import begin_episode, begin_step, end_step
+from khepera_forage.task.food_tracking import NOWHERE
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -22,7 +23,7 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
     start, places = worlds.starts[0], worlds.places
     stand(worlds.bodies, i, start.x, start.y, start.heading, parameters)
     tracker = worlds.trackers[i]
-    tracker.held = -1
+    tracker.held = tracker.nearest = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
     tracker.deliverable = places.shape[0]
     tracker.last_distance = -1.0
@@ -30,6 +31,7 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
         body, known = worlds.bodies.foods[k], worlds.foods[i, k]
         body.x[i], body.y[i] = places[k].x, places[k].y
         known.x, known.y = places[k].x / MM_PER_PIXEL, places[k].y / MM_PER_PIXEL
+        known.lengths_x = known.lengths_y = NOWHERE
         known.known = 0
         known.delivered = known.carried = False
     for k in range(worlds.links.shape[1]):
@@ -62,7 +64,7 @@ def begin_world(
         for k in range(places.shape[0]):
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
     drawn_key, values = layout_key(key, episode.number), task.decisions[0]
-    free = draw_layout(start, places, drawn_key, floor(task), values, has_start, has_places)
+    free = draw_layout(start, places, drawn_key, floor(task), arena_map(task), values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)
     episode.number += 1

@@ -28,6 +28,8 @@ class Worlds(NamedTuple):
         tasks: `task_dtype`, shape (blocks,); of one block a record.
         trackers: `tracker_dtype`, shape (blocks, lanes); of one block (lanes,), and so on.
         foods: `food_object_dtype`, shape (blocks, lanes, foods).
+        food_lengths: Of the shortest paths from each waypoint to each food object, shape (blocks, lanes, foods,
+            waypoints).
         links: `link_dtype`, shape (blocks, lanes, 2 * foods).
         episodes: `episode_dtype`, shape (blocks, lanes).
         starts: `start_dtype`, shape (threads, 1). It holds nothing between rounds.
@@ -38,6 +40,7 @@ class Worlds(NamedTuple):
     tasks: Any
     trackers: Any
     foods: Any
+    food_lengths: Any
     links: Any
     episodes: Any
     starts: Any
@@ -52,6 +55,7 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
         worlds.tasks[block],
         worlds.trackers[block],
         worlds.foods[block],
+        worlds.food_lengths[block],
         worlds.links[block],
         worlds.episodes[block],
         worlds.starts[thread],
@@ -59,8 +63,15 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
     )
 
 
-def empty_worlds(blocks: int, foods: int, lanes: int = LANES) -> Worlds:
-    """Records for some blocks. Lanes that no world uses hold a robot at rest, far from anything."""
+def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES) -> Worlds:
+    """Records for some blocks. Lanes that no world uses hold a robot at rest, far from anything.
+
+    Args:
+        blocks: How many.
+        foods: Food objects in each world.
+        waypoints: Of the arena.
+        lanes: Worlds in a block.
+    """
     bodies = empty_bodies(blocks, foods, lanes)
     robots = bodies.robots
     robots["x"] = robots["y"] = -1e6
@@ -74,12 +85,13 @@ def empty_worlds(blocks: int, foods: int, lanes: int = LANES) -> Worlds:
         np.zeros((blocks, lanes), tracker_dtype),
         np.zeros((blocks, lanes, 2 * foods), link_dtype),
     )
-    trackers["held"], links["label"] = -1, -1
+    trackers["held"] = trackers["nearest"] = links["label"] = -1
     return Worlds(
         bodies,
         np.zeros(blocks, task_dtype(lanes)),
         trackers,
         np.zeros((blocks, lanes, foods), food_object_dtype),
+        np.zeros((blocks, lanes, foods, waypoints)),
         links,
         np.zeros((blocks, lanes), episode_dtype),
         np.zeros((threads, 1), start_dtype),
@@ -89,4 +101,4 @@ def empty_worlds(blocks: int, foods: int, lanes: int = LANES) -> Worlds:
 
 def kept(worlds: Worlds) -> tuple[Any, ...]:
     """All arrays that hold something between rounds."""
-    return (*worlds.bodies[:3], *worlds[1:6])
+    return (*worlds.bodies[:3], *worlds[1:7])

@@ -114,7 +114,10 @@ def run_recalls(
     # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
     threads = threads_for(-(-count // LANES))
     plan = Plan(_keys(seed, count), policies, np.zeros(1, np.int64), *as_records(None, None, foods))
-    worlds, state = empty_worlds(threads, foods), np.zeros((threads, LANES), decision_dtype)
+    worlds, state = (
+        empty_worlds(threads, foods, len(task.waypoints)),
+        np.zeros((threads, LANES), decision_dtype),
+    )
     common = (worlds, parameters, task, memories, plan, state, outcomes)
     share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0))
     if not outcomes.free[0]:

@@ -164,9 +164,10 @@ def _side(
     parameters = parameters_of(
         arena, foods, noise, holes=number + 1, timing=timing_of(decisions), anchor=cable_anchor(arenas)
     )
+    task = task_parameters(arena, terms.limit, odds, decisions)
     return Side(
-        empty_worlds(blocks, foods),
+        empty_worlds(blocks, foods, len(task.waypoints)),
         parameters,
-        task_parameters(arena, terms.limit, odds, decisions),
+        task,
         *as_records(arena.start, arena.foods, foods),
     )

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.geometry.polygon import area, edges, line_of
+from khepera_forage.geometry.polygon import line_of
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import constants_dtype, corner_dtype, wall_dtype
@@ -56,7 +56,7 @@ def parameters_of(
     constants["wheel_speed"] = wheel_speed
     for name, value in timing._asdict().items():
         constants[name] = value
-    return Parameters(foods, _walls_of(arena), _corners_of(arena), constants)
+    return Parameters(foods, _walls_of(arena), np.array(list(arena.corners), corner_dtype), constants)
 
 
 def _walls_of(arena: Arena) -> NDArray[Any]:
@@ -66,18 +66,6 @@ def _walls_of(arena: Arena) -> NDArray[Any]:
         ex, ey = x2 - x1, y2 - y1
         walls.append((x1, y1, ex, ey, 1.0 / (ex * ex + ey * ey), *line_of(segment)))
     return np.array(walls, wall_dtype)
-
-
-def _corners_of(arena: Arena) -> NDArray[Any]:
-    """The corners that point into the floor: only these can get between two fingers."""
-    corners = []
-    for outer, polygon in [(True, arena.walls), *((False, o) for o in arena.obstacles)]:
-        sides = edges(polygon)
-        turning = 1.0 if (area(polygon) > 0) == outer else -1.0
-        for (ax, ay, bx, by), (_, _, cx, cy) in zip(sides, (*sides[1:], sides[0]), strict=True):
-            if turning * ((bx - ax) * (cy - by) - (by - ay) * (cx - bx)) < 0:
-                corners.append((bx, by))
-    return np.array(corners, corner_dtype)
 
 
 def _write_noise(constants: NDArray[Any], noise: Noise, holes: int) -> None:

@@ -1,0 +1,197 @@
+"""Ways through an arena, prepared once: waypoints around corners, and which parts of the floor cannot be reached.
+
+The floor is shrunk by the room that a robot needs to turn with food in its gripper. What remains is where its centre
+may drive. The waypoints are the corners of that region that point into it, and the visibility graph between them gives
+all shortest paths. `task.way_finding` looks them up in every round.
+"""
+
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from khepera_forage.geometry.walls import wall_of
+from khepera_forage.robots.khepera import FINGER_TIP
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.task.way_finding import NO_WAYS, Spot, Ways, find_lengths, next_waypoint
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+CLEARANCE = FINGER_TIP + 5.0
+"""mm from a waypoint's path to walls: a robot can turn there, with food in its gripper."""
+_PASSING = CLEARANCE - 7.5
+"""mm at which a straight way must pass a corner: less, because the camera sees the robot beside its path."""
+_BLUNT = 1.5
+"""Waypoints at sharp corners lie at most this many clearances from them."""
+_ROUNDING = 0.01
+"""mm by which a path may leave the shrunken floor, along whose edges it runs."""
+
+
+@lru_cache(maxsize=1024)
+def ways_of(arena: Arena) -> Ways:
+    """The ways through an arena, in pixels; `NO_WAYS` if no corner points into its floor."""
+    corners = arena.corners
+    if not corners:
+        return NO_WAYS
+    waypoints, lengths = _visibility_graph(arena)
+    ways = Ways(
+        _PASSING / MM_PER_PIXEL,
+        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in corners),
+        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in waypoints.tolist()),
+        tuple((lengths / MM_PER_PIXEL).ravel().tolist()),
+        (),
+    )
+    return ways._replace(home_lengths=tuple(_lengths_to(arena, arena.home, ways)))
+
+
+def pixel_walls(arena: Arena) -> tuple[Any, ...]:
+    """The walls of an arena as `geometry.walls.Wall` records in pixels."""
+    return tuple(
+        wall_of(
+            (
+                wall.x1 / MM_PER_PIXEL,
+                wall.y1 / MM_PER_PIXEL,
+                (wall.x1 + wall.ex) / MM_PER_PIXEL,
+                (wall.y1 + wall.ey) / MM_PER_PIXEL,
+            ),
+            wall.polygon,
+        )
+        for wall in arena.wall_records
+    )
+
+
+def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
+    """The shortest path between two places, as a robot drives it.
+
+    Args:
+        arena: Where.
+        start: In mm.
+        goal: In mm.
+
+    Returns:
+        The start, the waypoints, and the goal, in mm.
+
+    Raises:
+        ValueError: There is none.
+    """
+    ways, walls = ways_of(arena), pixel_walls(arena)
+    lengths = _lengths_to(arena, goal, ways)
+    end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
+    here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
+    while here != end:
+        x, y, length = next_waypoint(*here, *end, lengths, walls, ways)
+        if length == math.inf or len(path) > len(ways.waypoints) + 1:
+            raise ValueError(
+                f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
+                f"{2 * CLEARANCE:g} mm wide"
+            )
+        here = Spot(x, y)
+        path.append(goal if here == end else Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL))
+    return tuple(path)
+
+
+def check_ways(arena: Arena) -> None:
+    """Complain unless a robot can drive from the start to every food object, and from there home.
+
+    Raises:
+        ValueError: It cannot; the message says what cannot be reached, and where the arena is too narrow.
+    """
+    places = {"the start": arena.start, **{f"food {k + 1}": food for k, food in enumerate(arena.foods)}}
+    for name, place in places.items():
+        try:
+            shortest_path(arena, Point(place[0], place[1]), arena.home)
+        except ValueError:
+            raise ValueError(
+                f"{arena.name}: there is no way between {name} at ({place[0]:g}, {place[1]:g}) mm and the home at "
+                f"({arena.home.x:g}, {arena.home.y:g}) mm{_narrow_places(arena)}; allowed: passages that are "
+                f"{2 * CLEARANCE:g} mm wide or more (`khepera-forage arena show` draws them)"
+            ) from None
+
+
+def too_narrow(arena: Arena) -> list[tuple[Point, ...]]:
+    """The parts of the floor in which a robot cannot turn and that separate others, or lead nowhere.
+
+    Returns:
+        Polygons in mm.
+    """
+    import shapely
+
+    if not arena.corners:
+        return []
+    region = _shrunken_floor(arena)
+    reached = region.buffer(CLEARANCE * (1.0 + 1e-6))
+    rest = _floor(arena).difference(reached)
+    # Corners of the floor that the robot's round outline leaves out are no passages.
+    parts = [part for part in getattr(rest, "geoms", [rest]) if _is_passage(part, reached)]
+    return [tuple(Point(x, y) for x, y in shapely.get_coordinates(part.exterior)[:-1]) for part in parts]
+
+
+def _is_passage(part: Any, reached: Any) -> bool:
+    pieces = getattr(reached, "geoms", [reached])
+    touched = sum(piece.distance(part) < 1.0 for piece in pieces)
+    return bool(touched != 1 or part.area > CLEARANCE**2)
+
+
+def _narrow_places(arena: Arena) -> str:
+    places = []
+    for corners in too_narrow(arena):
+        xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
+        places.append(f"({sum(xs) / len(xs):.0f}, {sum(ys) / len(ys):.0f})")
+    return f"; it is too narrow near {', '.join(places)} mm" if places else ""
+
+
+def _floor(arena: Arena) -> "Polygon":
+    import shapely
+
+    floor: Polygon = shapely.Polygon(arena.walls)
+    for obstacle in arena.obstacles:
+        floor = floor.difference(shapely.Polygon(obstacle))
+    return floor
+
+
+def _shrunken_floor(arena: Arena) -> Any:
+    """Where the centre of a robot that turns on the spot may be: a polygon, or several."""
+    return _floor(arena).buffer(-CLEARANCE, join_style="mitre", mitre_limit=_BLUNT)
+
+
+def _visibility_graph(arena: Arena) -> tuple[Any, Any]:
+    """Waypoints in mm, shape (n, 2), and the lengths of the shortest paths between them, shape (n, n)."""
+    import shapely
+    from scipy.sparse.csgraph import shortest_path as shortest_lengths
+
+    region = _shrunken_floor(arena)
+    waypoints = np.array(
+        [corner for part in getattr(region, "geoms", [region]) for corner in _inward_corners(part)]
+    ).reshape(-1, 2)
+    count = len(waypoints)
+    first, second = np.triu_indices(count, 1)
+    lines = shapely.linestrings(np.stack([waypoints[first], waypoints[second]], axis=1))
+    allowed = region.buffer(_ROUNDING, join_style="mitre")
+    shapely.prepare(allowed)
+    seen = shapely.covers(allowed, lines)
+    graph = np.full((count, count), np.inf)
+    graph[first[seen], second[seen]] = shapely.length(lines[seen])
+    return waypoints, shortest_lengths(graph, directed=False)
+
+
+def _inward_corners(part: "Polygon") -> list[tuple[float, float]]:
+    """The corners of a polygon, and of its holes, that point into it."""
+    from shapely.geometry.polygon import orient
+
+    corners: list[tuple[float, float]] = []
+    turned = orient(part)
+    for ring in (turned.exterior, *turned.interiors):
+        here = np.asarray(ring.coords)[:-1]
+        before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
+        (ax, ay), (bx, by) = (here - before).T, (after - here).T
+        corners += map(tuple, here[ax * by - ay * bx < 0].tolist())
+    return corners
+
+
+def _lengths_to(arena: Arena, goal: Point, ways: Ways) -> list[float]:
+    lengths = [math.inf] * len(ways.waypoints)
+    find_lengths(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL, lengths, pixel_walls(arena), ways)
+    return lengths

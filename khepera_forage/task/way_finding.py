@@ -1,0 +1,164 @@
+"""The way to a place: straight where nothing stands between, otherwise by the next waypoint of the shortest path.
+
+An arena is prepared once (`sim.ways`): the waypoints lie around the corners of walls and obstacles that point into the
+floor, with room for a robot that turns with food in its gripper, and the lengths of the shortest paths between them are
+known. The functions here look up, in every round, which waypoint comes next. An arena without such corners, like those
+of the thesis, has no waypoints, and every way is straight.
+
+Places and lengths are in pixels. Lengths from all waypoints to one place are an array with one number a waypoint.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from khepera_forage.geometry.angles import length
+
+_TOLERANCE = 0.5
+"""Pixels by which a way may come nearer to a corner than its ends are."""
+_MOVED = 1.0
+"""Pixels by which food may move before the paths to it are looked up again."""
+
+
+class Spot(NamedTuple):
+    """A place in pixels."""
+
+    x: float
+    y: float
+
+
+class Ways(NamedTuple):
+    """What is prepared of an arena.
+
+    Attributes:
+        clearance: Pixels at which a straight way must pass the corners of walls.
+        corners: `Spot` records, the corners of walls and obstacles that point into the floor.
+        waypoints: `Spot` records.
+        lengths: Of the shortest path from waypoint a to waypoint b, at a * number of waypoints + b; infinite without.
+        home_lengths: Of the shortest path from each waypoint to the home; infinite without.
+    """
+
+    clearance: float
+    corners: Any
+    waypoints: Any
+    lengths: Any
+    home_lengths: Any
+
+
+NO_WAYS = Ways(0.0, (), (), (), ())
+"""Of an arena in which every way is straight."""
+
+
+def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
+    """Whether a robot can drive straight from one place to another.
+
+    A way crosses no wall, and passes every corner at the clearance, or at the distance of that end which is nearer to
+    the corner: a robot beside a corner can leave it.
+
+    Args:
+        x: Of the one place.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: What is prepared of the arena.
+    """
+    dx, dy = to_x - x, to_y - y
+    for k in range(len(walls)):
+        wall = walls[k]
+        here = wall.normal_x * x + wall.normal_y * y - wall.offset
+        there = wall.normal_x * to_x + wall.normal_y * to_y - wall.offset
+        if (here > 0.0) != (there > 0.0):
+            share = here / (here - there)
+            along = (x + share * dx - wall.x1) * wall.ex + (y + share * dy - wall.y1) * wall.ey
+            if 0.0 <= along * wall.share <= 1.0:
+                return False
+    squared = dx * dx + dy * dy
+    for k in range(len(ways.corners)):
+        corner_x, corner_y = ways.corners[k].x - x, ways.corners[k].y - y
+        along = corner_x * dx + corner_y * dy
+        if 0.0 < along < squared:
+            aside = abs(corner_x * dy - corner_y * dx) / math.sqrt(squared)
+            if aside < ways.clearance:
+                from_here = length(corner_x, corner_y)
+                from_there = length(corner_x - dx, corner_y - dy)
+                if aside < min(ways.clearance, from_here - _TOLERANCE, from_there - _TOLERANCE):
+                    return False
+    return True
+
+
+def next_waypoint(
+    x: float, y: float, to_x: float, to_y: float, to_lengths: Any, walls: Any, ways: Ways
+) -> tuple[float, float, float]:
+    """Where to drive next on the shortest path from one place to another.
+
+    Args:
+        x: Of the one place.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        to_lengths: Of the shortest path from each waypoint to the other place.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: What is prepared of the arena.
+
+    Returns:
+        x and y of the next waypoint, which is the other place itself where the way is clear, and the length of the
+        path. Where there is no path: the other place, and infinity.
+    """
+    if len(ways.waypoints) == 0 or is_clear(x, y, to_x, to_y, walls, ways):
+        return to_x, to_y, length(to_x - x, to_y - y)
+    best, best_x, best_y = math.inf, to_x, to_y
+    for k in range(len(ways.waypoints)):
+        point = ways.waypoints[k]
+        total = length(point.x - x, point.y - y) + to_lengths[k]
+        if total < best and is_clear(x, y, point.x, point.y, walls, ways):
+            best, best_x, best_y = total, point.x, point.y
+    return best_x, best_y, best
+
+
+def find_lengths(x: float, y: float, lengths: Any, walls: Any, ways: Ways) -> None:
+    """Find the lengths of the shortest paths from all waypoints to a place.
+
+    Args:
+        x: Of the place.
+        y: Of the place.
+        lengths: One number a waypoint; changed in place.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: What is prepared of the arena.
+    """
+    count = len(ways.waypoints)
+    for a in range(count):
+        lengths[a] = math.inf
+    for b in range(count):
+        point = ways.waypoints[b]
+        if is_clear(point.x, point.y, x, y, walls, ways):
+            last = length(x - point.x, y - point.y)
+            for a in range(count):
+                lengths[a] = min(lengths[a], ways.lengths[a * count + b] + last)
+
+
+def path_to_food(
+    x: float, y: float, to_x: float, to_y: float, food: Any, lengths: Any, walls: Any, ways: Ways
+) -> float:
+    """Length of the path from a robot to food; infinite without one.
+
+    Args:
+        x: Of the robot.
+        y: Of the robot.
+        to_x: Of the food's region.
+        to_y: Of the food's region.
+        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place for which `lengths` holds, are changed.
+        lengths: Of the shortest path from each waypoint to the food; changed in place if the food has moved.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: What is prepared of the arena.
+    """
+    if is_clear(x, y, to_x, to_y, walls, ways):
+        return length(to_x - x, to_y - y)
+    if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
+        find_lengths(to_x, to_y, lengths, walls, ways)
+        food.lengths_x, food.lengths_y = to_x, to_y
+    return next_waypoint(x, y, to_x, to_y, lengths, walls, ways)[2]
+
+
+def has_way_home(x: float, y: float, home_x: float, home_y: float, walls: Any, ways: Ways) -> bool:
+    """Whether there is a path from a place to the home."""
+    return next_waypoint(x, y, home_x, home_y, ways.home_lengths, walls, ways)[2] < math.inf
