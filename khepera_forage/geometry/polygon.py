@@ -50,19 +50,27 @@ def bounds(corners: tuple[Corner, ...]) -> tuple[float, float, float, float]:
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def inward_corners(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Corner, ...]:
+@lru_cache(maxsize=256)
+def inward_corners(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[tuple[float, float, int, int], ...]:
     """The corners that point into the floor of an enclosure.
 
     Args:
         polygons: Corners of the outer wall, then those of each obstacle.
+
+    Returns:
+        x and y of each, and the numbers of the sides that end and begin there, counted over all polygons.
     """
-    found = []
+    found: list[tuple[float, float, int, int]] = []
+    first = 0
     for k, corners in enumerate(polygons):
         sides = edges(corners)
+        count = len(sides)
         turning = 1.0 if (area(corners) > 0) == (k == 0) else -1.0
-        for (ax, ay, bx, by), (_, _, cx, cy) in zip(sides, (*sides[1:], sides[0]), strict=True):
+        for i, (ax, ay, bx, by) in enumerate(sides):
+            _, _, cx, cy = sides[(i + 1) % count]
             if turning * ((bx - ax) * (cy - by) - (by - ay) * (cx - bx)) < 0:
-                found.append((bx, by))
+                found.append((bx, by, first + i, first + (i + 1) % count))
+        first += count
     return tuple(found)
 
 

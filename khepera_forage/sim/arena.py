@@ -92,8 +92,8 @@ class Arena:
         return walls_of((self.walls, *self.obstacles))
 
     @property
-    def corners(self) -> tuple[tuple[float, float], ...]:
-        """The corners of walls and obstacles that point into the floor."""
+    def corners(self) -> tuple[tuple[float, float, int, int], ...]:
+        """The corners that point into the floor: x, y, and the numbers of the two walls that meet there."""
         return polygon.inward_corners((self.walls, *self.obstacles))
 
     @property

@@ -14,7 +14,7 @@ import numpy as np
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.task.way_finding import NO_WAYS, Spot, Ways, find_lengths, next_waypoint
+from khepera_forage.task.way_finding import NO_WAYS, Corner, Spot, Ways, find_lengths, next_waypoint
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def ways_of(arena: Arena) -> Ways:
     waypoints, lengths = _visibility_graph(arena)
     ways = Ways(
         _PASSING / MM_PER_PIXEL,
-        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in corners),
+        tuple(Corner(x / MM_PER_PIXEL, y / MM_PER_PIXEL, before, after) for x, y, before, after in corners),
         tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in waypoints.tolist()),
         tuple((lengths / MM_PER_PIXEL).ravel().tolist()),
         (),

@@ -12,9 +12,10 @@ import math
 from typing import Any, NamedTuple
 
 from khepera_forage.geometry.angles import length
+from khepera_forage.geometry.walls import to_wall
 
 _TOLERANCE = 0.5
-"""Pixels by which a way may come nearer to a corner than its ends are."""
+"""Pixels by which a way may come nearer to a corner than its ends are to the walls there."""
 _MOVED = 1.0
 """Pixels by which food may move before the paths to it are looked up again."""
 
@@ -26,12 +27,28 @@ class Spot(NamedTuple):
     y: float
 
 
+class Corner(NamedTuple):
+    """A corner of walls that points into the floor.
+
+    Attributes:
+        x: In pixels.
+        y: In pixels.
+        before: Number of the wall that ends there.
+        after: Number of the wall that begins there.
+    """
+
+    x: float
+    y: float
+    before: int
+    after: int
+
+
 class Ways(NamedTuple):
     """What is prepared of an arena.
 
     Attributes:
         clearance: Pixels at which a straight way must pass the corners of walls.
-        corners: `Spot` records, the corners of walls and obstacles that point into the floor.
+        corners: `Corner` records.
         waypoints: `Spot` records.
         lengths: Of the shortest path from waypoint a to waypoint b, at a * number of waypoints + b; infinite without.
         home_lengths: Of the shortest path from each waypoint to the home; infinite without.
@@ -51,8 +68,8 @@ NO_WAYS = Ways(0.0, (), (), (), ())
 def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
     """Whether a robot can drive straight from one place to another.
 
-    A way crosses no wall, and passes every corner at the clearance, or at the distance of that end which is nearer to
-    the corner: a robot beside a corner can leave it.
+    A way crosses no wall, and passes every corner at the clearance. It may come as near to a corner as its ends are to
+    the walls that meet there: so a robot that stands beside a wall can leave it, and reach food that lies beside one.
 
     Args:
         x: Of the one place.
@@ -79,11 +96,21 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
         if 0.0 < along < squared:
             aside = abs(corner_x * dy - corner_y * dx) / math.sqrt(squared)
             if aside < ways.clearance:
-                from_here = length(corner_x, corner_y)
-                from_there = length(corner_x - dx, corner_y - dy)
-                if aside < min(ways.clearance, from_here - _TOLERANCE, from_there - _TOLERANCE):
+                before, after = walls[ways.corners[k].before], walls[ways.corners[k].after]
+                nearest = min(
+                    _distance(x, y, before),
+                    _distance(x, y, after),
+                    _distance(to_x, to_y, before),
+                    _distance(to_x, to_y, after),
+                )
+                if aside < nearest - _TOLERANCE:
                     return False
     return True
+
+
+def _distance(x: float, y: float, wall: Any) -> float:
+    dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+    return length(dx, dy)
 
 
 def next_waypoint(

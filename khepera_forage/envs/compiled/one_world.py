@@ -24,6 +24,7 @@ from khepera_forage.envs.compiled.records import (
     task_dtype,
     tracker_dtype,
     wall_dtype,
+    way_corner_dtype,
 )
 from khepera_forage.envs.compiled.rounds import step_block
 from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds, worlds_of
@@ -142,7 +143,7 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[16], (1,), arena_dtype),
         array_at(a[17], (walls,), wall_dtype),
         array_at(a[18], (walls,), wall_dtype),
-        array_at(a[19], (corners,), place_dtype),
+        array_at(a[19], (corners,), way_corner_dtype),
         array_at(a[20], (waypoints,), place_dtype),
         array_at(a[21], (waypoints * waypoints,), _FLOAT),
         array_at(a[22], (waypoints,), _FLOAT),

@@ -14,7 +14,13 @@ from khepera_forage.envs.arguments import (
     timing_of,
     whole_number,
 )
-from khepera_forage.envs.compiled.records import arena_dtype, decisions_dtype, place_dtype, wall_dtype
+from khepera_forage.envs.compiled.records import (
+    arena_dtype,
+    decisions_dtype,
+    place_dtype,
+    wall_dtype,
+    way_corner_dtype,
+)
 from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
@@ -35,7 +41,7 @@ class TaskParameters(NamedTuple):
         arena: `arena_dtype`, shape (1,).
         map_walls: `wall_dtype`, the walls in pixels.
         floor_walls: `wall_dtype`, the walls in mm.
-        corners: `place_dtype`, the corners that point into the floor, in pixels.
+        corners: `way_corner_dtype`, the corners that point into the floor, in pixels.
         waypoints: `place_dtype`, in pixels.
         way_lengths: Of the shortest paths between waypoints, shape (waypoints * waypoints,).
         home_lengths: Of the shortest path from each waypoint to the home.
@@ -110,7 +116,7 @@ def task_parameters(
         record,
         np.array(list(map(tuple, map_.walls)), wall_dtype),
         np.array(list(map(tuple, floor.walls)), wall_dtype),
-        np.array(list(map(tuple, map_.ways.corners)), place_dtype),
+        np.array(list(map(tuple, map_.ways.corners)), way_corner_dtype),
         np.array(list(map(tuple, map_.ways.waypoints)), place_dtype),
         np.array(map_.ways.lengths, np.float64),
         np.array(map_.ways.home_lengths, np.float64),

@@ -56,7 +56,9 @@ def parameters_of(
     constants["wheel_speed"] = wheel_speed
     for name, value in timing._asdict().items():
         constants[name] = value
-    return Parameters(foods, _walls_of(arena), np.array(list(arena.corners), corner_dtype), constants)
+    return Parameters(
+        foods, _walls_of(arena), np.array([(x, y) for x, y, _, _ in arena.corners], corner_dtype), constants
+    )
 
 
 def _walls_of(arena: Arena) -> NDArray[Any]:
