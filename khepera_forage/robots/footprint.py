@@ -23,7 +23,7 @@ def body_is_free(x: float, y: float, margin: float, walls: Any) -> bool:
 
 
 def gripper_is_free(x: float, y: float, heading: float, margin: float, walls: Any) -> bool:
-    """Whether the corners of the open gripper are at least `margin` mm from every wall.
+    """Whether the open gripper stands in no wall, and its corners are at least `margin` mm from every wall.
 
     Args:
         x: Of the robot's centre.
@@ -39,6 +39,12 @@ def gripper_is_free(x: float, y: float, heading: float, margin: float, walls: An
         aside = wide if corner & 1 else -wide
         corner_x, corner_y = x + ahead * cosine - aside * sine, y + ahead * sine + aside * cosine
         if clearance(corner_x, corner_y, walls) < margin:
+            return False
+    # The end of a thin wall can stand between the fingers while all corners of the gripper are free.
+    for k in range(len(walls)):
+        dx, dy = walls[k].x1 - x, walls[k].y1 - y
+        ahead, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+        if JAW_ROOT < ahead < FINGER_TIP + margin and abs(aside) < wide:
             return False
     return True
 

@@ -68,8 +68,9 @@ NO_WAYS = Ways(0.0, (), (), (), ())
 def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
     """Whether a robot can drive straight from one place to another.
 
-    A way crosses no wall, and passes every corner at the clearance. It may come as near to a corner as its ends are to
-    the walls that meet there: so a robot that stands beside a wall can leave it, and reach food that lies beside one.
+    A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
+    before food drives on to it. It may come as near to a corner as its ends are to the walls that meet there: so a
+    robot that stands beside a wall can leave it, and reach food that lies beside one.
 
     Args:
         x: Of the one place.
@@ -94,8 +95,9 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
         corner_x, corner_y = ways.corners[k].x - x, ways.corners[k].y - y
         along = corner_x * dx + corner_y * dy
         if 0.0 < along < squared:
-            aside = abs(corner_x * dy - corner_y * dx) / math.sqrt(squared)
-            if aside < ways.clearance:
+            distance = math.sqrt(squared)
+            aside = abs(corner_x * dy - corner_y * dx) / distance
+            if aside < min(ways.clearance, distance / 2.0):
                 before, after = walls[ways.corners[k].before], walls[ways.corners[k].after]
                 nearest = min(
                     _distance(x, y, before),
