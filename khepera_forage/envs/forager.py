@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from khepera_forage.robots.khepera import Motors, Robot, Senses
-from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.ways import pixel_walls, shortest_path, ways_of
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.ways import pixel_walls, way_out, ways_of
 from khepera_forage.task.arena_map import ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
@@ -21,10 +21,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 def arena_map_of(arena: Arena) -> ArenaMap:
     """What a robot knows of an arena from the beginning, in pixels."""
     x1, y1, x2, y2 = arena.bounds
-    out_x, out_y = (x1 + x2) / 2, (y1 + y2) / 2
-    ways = ways_of(arena)
-    if ways.waypoints:
-        _, (out_x, out_y), *_ = shortest_path(arena, arena.home, Point(arena.start.x, arena.start.y))
+    out_x, out_y = way_out(arena)
     return ArenaMap(
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
@@ -36,7 +33,7 @@ def arena_map_of(arena: Arena) -> ArenaMap:
         x2 / MM_PER_PIXEL,
         y2 / MM_PER_PIXEL,
         pixel_walls(arena),
-        ways,
+        ways_of(arena),
     )
 
 

@@ -2,7 +2,7 @@
 
 The floor is shrunk by the room that a robot needs to turn with food in its gripper. What remains is where its centre
 may drive. The waypoints are the corners of that region that point into it, and the visibility graph between them gives
-all shortest paths. `task.way_finding` looks them up in every round.
+all shortest paths. `geometry.paths` looks them up in every round.
 """
 
 import math
@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from khepera_forage.geometry.paths import NO_WAYS, Corner, Spot, Ways, find_lengths, next_waypoint
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.task.way_finding import NO_WAYS, Corner, Spot, Ways, find_lengths, next_waypoint
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:
@@ -61,6 +61,21 @@ def pixel_walls(arena: Arena) -> tuple[Any, ...]:
         )
         for wall in arena.wall_records
     )
+
+
+def way_out(arena: Arena) -> tuple[float, float]:
+    """Where a robot that leaves the home should drive, in mm.
+
+    The middle of the floor, or, where there are waypoints, the first one towards the start.
+    """
+    x1, y1, x2, y2 = arena.bounds
+    ways, home, start = ways_of(arena), arena.home, arena.start
+    if not ways.waypoints:
+        return (x1 + x2) / 2, (y1 + y2) / 2
+    lengths = _lengths_to(arena, Point(start.x, start.y), ways)
+    ends = home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL, start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL
+    x, y, _ = next_waypoint(*ends, lengths, pixel_walls(arena), ways)
+    return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
 def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:

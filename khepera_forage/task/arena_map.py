@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from khepera_forage.task.way_finding import Ways
+from khepera_forage.geometry.paths import Ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _OUTSIDE = 4.0

@@ -87,7 +87,7 @@ class FoodTracker:
             RobotFoodDistance is then the last one known.
         foods: The food objects.
         food_lengths: Of the shortest path from each waypoint of the arena to each food object, pixels
-            (`task.way_finding`).
+            (`geometry.paths`).
         links: Twice as many slots as food objects.
     """
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits, standard_normal, uniform
+from khepera_forage.geometry.paths import next_waypoint
 from khepera_forage.geometry.walls import clearance
 from khepera_forage.robots.footprint import body_is_free, discs_are_apart, gripper_is_free
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import drawn_type
-from khepera_forage.task.way_finding import has_way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _MARGIN = 5.0
@@ -188,7 +188,9 @@ def layout_is_free(start: Any, places: Any, floor: Floor) -> bool:
 
 def _has_way_home(place: Any, arena: ArenaMap) -> bool:
     x, y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
-    return has_way_home(x, y, arena.home_x, arena.home_y, arena.walls, arena.ways)
+    ways = arena.ways
+    _, _, path = next_waypoint(x, y, arena.home_x, arena.home_y, ways.home_lengths, arena.walls, ways)
+    return bool(path < math.inf)
 
 
 def _robot_is_free(start: Any, margin: float, floor: Floor) -> bool:

@@ -18,6 +18,7 @@ from khepera_forage.policies.nearest_neighbour.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import Behaviour
 from tests.benchmarks.conftest import QuickRun
@@ -114,7 +115,9 @@ def test_recorded_moments_are_those_of_the_experience_file() -> None:
         experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher)
         moments = teacher.moments()
         assert rows[-1].complete
-        assert [state_vector(moment.raw, DIAGONAL) for moment in moments] == list(experience.vectors)
+        assert [state_vector(moment.raw, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
+            experience.vectors
+        )
         assert [moment.heard for moment in moments] == list(experience.behaviours)
     env.close()
 

@@ -24,8 +24,10 @@ from khepera_forage.envs.compiled.records import (
     start_dtype,
     tracker_dtype,
     wall_dtype,
+    way_corner_dtype,
 )
 from khepera_forage.envs.compiled.rules import RULE_MODULES
+from khepera_forage.geometry.paths import Corner, Spot
 from khepera_forage.geometry.walls import Wall
 from khepera_forage.policies import nearest_neighbour
 from khepera_forage.policies.nearest_neighbour import distance, votes
@@ -207,12 +209,14 @@ def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: st
 )
 def test_records_have_the_fields_of_the_dataclasses(record: Any, thing: Any) -> None:
     """Lists of records are arrays of their own."""
-    assert {field.name for field in fields(thing)} - {"foods", "links"} <= set(record.names)
+    assert {field.name for field in fields(thing)} - {"foods", "food_lengths", "links"} <= set(record.names)
 
 
 def test_records_of_walls_arenas_and_detections_have_the_fields_of_the_tuples() -> None:
     assert set(Wall._fields) == set(wall_dtype.names or ())
+    assert set(Corner._fields) == set(way_corner_dtype.names or ())
+    assert set(Spot._fields) == set(place_dtype.names or ())
     for prefix, known in (("map", ArenaMap), ("floor", Floor)):
-        names = {f"{prefix}_{name}" for name in known._fields if name != "walls"}
+        names = {f"{prefix}_{name}" for name in known._fields if name not in ("walls", "ways")}
         assert names <= set(arena_dtype.names or ())
     assert set(detection_dtype.names or ()) <= set(Detection._fields)

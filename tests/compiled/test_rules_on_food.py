@@ -1,5 +1,6 @@
 """Food tracking and association: dataclasses in Python and records in compiled code come to the same."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from khepera_forage.envs.compiled.records import (
     tracker_dtype,
 )
 from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.decisions import Decisions
@@ -29,13 +31,20 @@ from khepera_forage.task.food_tracking import (
 )
 from khepera_forage.vision.association import Detection, Track, match, may_vanish, start_tracks
 from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
-from tests.version_0_1 import CORRIDOR
+from tests.version_0_1 import CORRIDOR, RECTANGLE
+
+BLOCK = replace(
+    RECTANGLE,
+    home=CORRIDOR.home,
+    obstacles=((Point(300, 60), Point(340, 60), Point(340, 160), Point(300, 160)),),
+)
 
 
 @entrance
 def _update_food(
     tracker: Any,
     foods: Any,
+    food_lengths: Any,
     links: Any,
     tracks: Any,
     task: Any,
@@ -48,6 +57,7 @@ def _update_food(
     update_food(
         tracker[0],
         foods,
+        food_lengths,
         links,
         tracks,
         arena,
@@ -62,17 +72,25 @@ def _update_food(
 
 
 @pytest.mark.parametrize("decisions", DECISIONS, ids=IDS)
+@pytest.mark.parametrize("where", [CORRIDOR, BLOCK], ids=["corridor", "room_with_a_block"])
 @pytest.mark.parametrize("count", [1, 3])
-def test_update_food_is_the_same_on_records(count: int, decisions: Decisions) -> None:
+def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions: Decisions) -> None:
     """Sequences of rounds in which tracks appear, move, vanish and return with other labels."""
-    rng, arena, task = np.random.default_rng(count), arena_map_of(CORRIDOR), task_of(CORRIDOR, decisions)
+    rng, arena, task = np.random.default_rng(count), arena_map_of(where), task_of(where, decisions)
+    waypoints = len(arena.ways.waypoints)
     delivered = held = identified = 0
     for _ in range(40):
         foods = [
             FoodObject(float(rng.uniform(20, 125)), float(rng.uniform(0, 45)), int(rng.integers(1, 4)))
             for _ in range(count)
         ]
-        tracker = FoodTracker(foods=foods, links=[Link() for _ in range(2 * count)], deliverable=count)
+        tracker = FoodTracker(
+            foods=foods,
+            food_lengths=[[0.0] * waypoints for _ in foods],
+            links=[Link() for _ in range(2 * count)],
+            deliverable=count,
+        )
+        lengths = np.zeros((count, waypoints))
         arrays = (
             records(tracker_dtype, [tracker]),
             records(food_object_dtype, foods),
@@ -94,8 +112,11 @@ def test_update_food_is_the_same_on_records(count: int, decisions: Decisions) ->
             explored = present and bool(rng.random() < 0.3)
             pose = (float(x), float(y), float(rng.integers(0, 360)))
             arm, values = int(rng.choice((215, 255))), decisions.values()
-            update_food(tracker, foods, tracker.links, tracks, arena, *pose, present, explored, arm, values)
-            _update_food(*arrays, records(track_dtype, tracks), task, np.array(pose), present, explored, arm)
+            known = tracker, foods, tracker.food_lengths, tracker.links, tracks
+            update_food(*known, arena, *pose, present, explored, arm, values)
+            slots = arrays[0], arrays[1], lengths, arrays[2], records(track_dtype, tracks)
+            _update_food(*slots, task, np.array(pose), present, explored, arm)
+            np.testing.assert_allclose(lengths, tracker.food_lengths)
             for array, things in zip(arrays, ([tracker], foods, tracker.links), strict=True):
                 check_same(array, things)
             held += tracker.held >= 0

@@ -11,6 +11,7 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import food_odds
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.parameters import (
+    arena_map,
     floor,
     task_parameters,
 )
@@ -19,7 +20,7 @@ from khepera_forage.envs.compiled.records import (
     place_dtype,
     start_dtype,
 )
-from khepera_forage.envs.forager import floor_of
+from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.task.decisions import Decisions
@@ -59,7 +60,7 @@ PILLAR = Arena(
 @entrance
 def _draw(start: Any, places: Any, foods: Any, key: Any, task: Any) -> bool:
     draw_food_types(foods, key, task.arena[0].odds)
-    return draw_layout(start[0], places, key, floor(task), task.decisions[0])
+    return draw_layout(start[0], places, key, floor(task), arena_map(task), task.decisions[0])
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR, BOX], ids=lambda arena: arena.name)
@@ -77,7 +78,7 @@ def test_drawn_layouts_and_types_are_the_same_on_records(arena: Arena, count: in
             [FoodObject(0, 0) for _ in range(count)],
         )
         arrays = np.zeros(1, start_dtype), np.zeros(count, place_dtype), np.zeros(count, food_object_dtype)
-        room = draw_layout(start, places, key, floor_of(arena), decisions.values())
+        room = draw_layout(start, places, key, floor_of(arena), arena_map_of(arena), decisions.values())
         draw_food_types(foods, key, odds)
         assert _draw(*arrays, np.uint64(key), task) == room == (arena is not BOX)
         assert arrays[0].tolist() == [(start.x, start.y, start.heading)]

@@ -30,8 +30,12 @@ raw_data = st.builds(
     wall_bearing=st.floats(-180.0, 180.0),
     home_distance=st.just(0.0),
     home_bearing=st.just(0.0),
+    home_path=st.just(0.0),
     food_distance=st.just(0.0),
     food_bearing=st.just(0.0),
+    food_path=st.just(0.0),
+    food_way_x=st.just(0.0),
+    food_way_y=st.just(0.0),
 ).map(lambda raw: placed(raw))
 
 
@@ -42,9 +46,13 @@ def placed(raw: RawData, **changes: Any) -> RawData:
     food = (raw.food_x - raw.x, raw.food_y - raw.y) if raw.food_seen else (0.0, 0.0)
     return raw._replace(
         home_distance=length(*home),
+        home_path=length(*home),
         home_bearing=turn_to(bearing_of(*home), raw.orientation),
         food_distance=length(*food),
         food_bearing=turn_to(bearing_of(*food), raw.orientation) if raw.food_seen else 0.0,
+        food_path=length(*food),
+        food_way_x=raw.food_x if raw.food_seen else 0.0,
+        food_way_y=raw.food_y if raw.food_seen else 0.0,
     )
 
 
@@ -70,8 +78,12 @@ OPEN_FLOOR = placed(
         wall_bearing=90.0,
         home_distance=0.0,
         home_bearing=0.0,
+        home_path=0.0,
         food_distance=0.0,
         food_bearing=0.0,
+        food_path=0.0,
+        food_way_x=0.0,
+        food_way_y=0.0,
     )
 )
 """A robot with its arm up looks along the corridor, at food 40 pixels ahead and the home behind the food."""

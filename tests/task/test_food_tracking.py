@@ -49,7 +49,7 @@ class Forage:
         foods = foods or arena.foods
         self.world = PymunkWorld([arena], (marker,), noise or Noise.none(), timing=timing_of(decisions))
         self.world.reset(np.random.default_rng(seed), Layout((arena.start,), foods))
-        self.tracker = tracker_of(foods)
+        self.tracker = tracker_of(foods, arena_map_of(arena))
         draw_food_types(self.tracker.foods, key_of(seed), (*odds, 1 - sum(odds)))
         self.robot = Forager(
             self.world.robots[0], arena_map_of(arena), marker, self.tracker, decisions.values()

@@ -41,7 +41,9 @@ class Story:
 
     def __init__(self, food_type: FoodType = FoodType.PICKABLE, **decisions: Any) -> None:
         self.decisions = Decisions.from_changes(decisions, V0_1).values()
-        self.tracker = tracker_of([Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)])
+        self.tracker = tracker_of(
+            [Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)], ARENA
+        )
         for food in self.tracker.foods:
             food.type = food_type
         self.senses = EMPTY
@@ -54,6 +56,7 @@ class Story:
         update_food(
             self.tracker,
             self.tracker.foods,
+            self.tracker.food_lengths,
             self.tracker.links,
             (own, *foods),
             ARENA,

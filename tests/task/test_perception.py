@@ -77,7 +77,9 @@ def test_state_vector_has_whole_pixels_and_the_diagonal_without_food(
     x: float, y: float, food_x: float, food_y: float, seen: bool
 ) -> None:
     tracker = FoodTracker(food_seen=True, food_x=food_x, food_y=food_y) if seen else FoodTracker()
-    vector = state_vector(perceived(Scene((region(0, x, y, 2),)), tracker), ARENA.diagonal)
+    vector = state_vector(
+        perceived(Scene((region(0, x, y, 2),)), tracker), ARENA.diagonal, Decisions().values()
+    )
     assert all(type(value) is int or isinstance(value, FoodType) for value in vector)
     assert abs(vector.robot_home_distance - math.dist((x, y), (110, 23))) <= 0.5
     if seen:

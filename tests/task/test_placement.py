@@ -9,7 +9,7 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.forager import floor_of
+from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point
@@ -43,7 +43,7 @@ def drawn(arena: Arena, foods: int, key: int, decisions: Decisions | None = None
     """A random layout; None where there is no room."""
     start, places = Start(), [Place() for _ in range(foods)]
     values = (Decisions() if decisions is None else decisions).values()
-    if not draw_layout(start, places, key, floor_of(arena), values):
+    if not draw_layout(start, places, key, floor_of(arena), arena_map_of(arena), values):
         return None
     return random_layout(arena, foods, key, values)
 
@@ -126,7 +126,9 @@ def test_random_starts_and_food_cover_the_floor() -> None:
 
 
 def test_draw_layout_without_room_is_false() -> None:
-    assert not draw_layout(Start(), [Place() for _ in range(20)], 1, floor_of(CORRIDOR), DEFAULT_VALUES)
+    assert not draw_layout(
+        Start(), [Place() for _ in range(20)], 1, floor_of(CORRIDOR), arena_map_of(CORRIDOR), DEFAULT_VALUES
+    )
     with pytest.raises(ValueError, match="corridor: no room for a robot and 20 food objects outside home"):
         random_layout(CORRIDOR, 20, 1, DEFAULT_VALUES)
 

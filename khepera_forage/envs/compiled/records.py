@@ -71,10 +71,10 @@ start_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("heading", "f8")])
 """`task.placement.Start`."""
 
 place_dtype = np.dtype([("x", "f8"), ("y", "f8")])
-"""`task.placement.Place` and `task.way_finding.Spot`."""
+"""`task.placement.Place` and `geometry.paths.Spot`."""
 
 way_corner_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("before", "i8"), ("after", "i8")])
-"""`task.way_finding.Corner`."""
+"""`geometry.paths.Corner`."""
 
 wall_dtype = np.dtype([(name, "i8" if name == "polygon" else "f8") for name in Wall._fields])
 """`geometry.walls.Wall`."""

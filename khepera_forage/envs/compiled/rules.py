@@ -10,7 +10,7 @@ import math
 from khepera_forage.compilation import counter_rng  # noqa: F401 (registers the random numbers)
 from khepera_forage.compilation.decorators import inline, stand_in
 from khepera_forage.compilation.trigonometry import cosine_sine, direction
-from khepera_forage.geometry import angles, walls
+from khepera_forage.geometry import angles, paths, walls
 from khepera_forage.robots import footprint, khepera
 from khepera_forage.task import (
     actions,
@@ -27,11 +27,11 @@ from khepera_forage.task import (
     scoring,
     states,
     steering,
-    way_finding,
 )
 
 RULE_MODULES = (
     walls,
+    paths,
     footprint,
     actions,
     arena_map,
@@ -47,7 +47,6 @@ RULE_MODULES = (
     scoring,
     states,
     steering,
-    way_finding,
 )
 """Modules whose functions kernels may call."""
 

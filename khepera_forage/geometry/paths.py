@@ -1,11 +1,11 @@
-"""The way to a place: straight where nothing stands between, otherwise by the next waypoint of the shortest path.
+"""Shortest paths around walls: where to drive next to get to a place. Plain functions, also compiled.
 
 An arena is prepared once (`sim.ways`): the waypoints lie around the corners of walls and obstacles that point into the
 floor, with room for a robot that turns with food in its gripper, and the lengths of the shortest paths between them are
 known. The functions here look up, in every round, which waypoint comes next. An arena without such corners, like those
 of the thesis, has no waypoints, and every way is straight.
 
-Places and lengths are in pixels. Lengths from all waypoints to one place are an array with one number a waypoint.
+Robots count in pixels. Lengths from all waypoints to one place are an array with one number a waypoint.
 """
 
 import math
@@ -14,10 +14,8 @@ from typing import Any, NamedTuple
 from khepera_forage.geometry.angles import length
 from khepera_forage.geometry.walls import to_wall
 
-_TOLERANCE = 0.5
-"""Pixels by which a way may come nearer to a corner than its ends are to the walls there."""
-_MOVED = 1.0
-"""Pixels by which food may move before the paths to it are looked up again."""
+_NEARER = 0.85
+"""Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 
 
 class Spot(NamedTuple):
@@ -69,8 +67,8 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
     """Whether a robot can drive straight from one place to another.
 
     A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
-    before food drives on to it. It may come as near to a corner as its ends are to the walls that meet there: so a
-    robot that stands beside a wall can leave it, and reach food that lies beside one.
+    before food drives on to it. It may come about as near to a corner as its ends are to the walls that meet there: so
+    a robot that stands beside a wall can leave it, and reach food that lies beside one.
 
     Args:
         x: Of the one place.
@@ -105,7 +103,7 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
                     _distance(to_x, to_y, before),
                     _distance(to_x, to_y, after),
                 )
-                if aside < nearest - _TOLERANCE:
+                if aside < _NEARER * nearest:
                     return False
     return True
 
@@ -163,31 +161,3 @@ def find_lengths(x: float, y: float, lengths: Any, walls: Any, ways: Ways) -> No
             last = length(x - point.x, y - point.y)
             for a in range(count):
                 lengths[a] = min(lengths[a], ways.lengths[a * count + b] + last)
-
-
-def path_to_food(
-    x: float, y: float, to_x: float, to_y: float, food: Any, lengths: Any, walls: Any, ways: Ways
-) -> float:
-    """Length of the path from a robot to food; infinite without one.
-
-    Args:
-        x: Of the robot.
-        y: Of the robot.
-        to_x: Of the food's region.
-        to_y: Of the food's region.
-        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place for which `lengths` holds, are changed.
-        lengths: Of the shortest path from each waypoint to the food; changed in place if the food has moved.
-        walls: `geometry.walls.Wall` records in pixels.
-        ways: What is prepared of the arena.
-    """
-    if is_clear(x, y, to_x, to_y, walls, ways):
-        return length(to_x - x, to_y - y)
-    if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, walls, ways)
-        food.lengths_x, food.lengths_y = to_x, to_y
-    return next_waypoint(x, y, to_x, to_y, lengths, walls, ways)[2]
-
-
-def has_way_home(x: float, y: float, home_x: float, home_y: float, walls: Any, ways: Ways) -> bool:
-    """Whether there is a path from a place to the home."""
-    return next_waypoint(x, y, home_x, home_y, ways.home_lengths, walls, ways)[2] < math.inf
