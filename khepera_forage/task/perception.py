@@ -75,18 +75,8 @@ class RawData(NamedTuple):
     food_way_y: float
 
 
-class Way(NamedTuple):
-    """The way from a robot to a place, in pixels.
-
-    Attributes:
-        x: The next waypoint: the place itself where the way is clear.
-        y: Likewise.
-        length: Of the path.
-    """
-
-    x: float
-    y: float
-    length: float
+Way = tuple[float, float, float]
+"""The way to a place: x and y of the next waypoint, and the length of the path, 0 where the way is straight."""
 
 
 def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
@@ -138,8 +128,9 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
 
 def way_home(x: float, y: float, arena: ArenaMap) -> Way:
     """The way home from a place, in pixels."""
-    ways = arena.ways
-    return _way(x, y, arena.home_x, arena.home_y, ways.home_lengths, arena)
+    if len(arena.ways.waypoints) == 0:
+        return arena.home_x, arena.home_y, 0.0
+    return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, arena)
 
 
 def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: ArenaMap) -> Way:
@@ -152,19 +143,15 @@ def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: Aren
         food_lengths: Of the shortest paths from each waypoint to each food object.
         arena: Its arena.
     """
-    food_x, food_y = tracker.food_x, tracker.food_y
-    if tracker.nearest < 0:
-        return Way(food_x, food_y, length(food_x - x, food_y - y))
-    return _way(x, y, food_x, food_y, food_lengths[tracker.nearest], arena)
+    if len(arena.ways.waypoints) == 0 or tracker.nearest < 0:
+        return tracker.food_x, tracker.food_y, 0.0
+    return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], arena)
 
 
 def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, arena: ArenaMap) -> Way:
-    straight = length(to_x - x, to_y - y)
-    if len(arena.ways.waypoints) == 0:
-        return Way(to_x, to_y, straight)
     way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, arena.walls, arena.ways)
     # Without a path, such as for a robot that was pushed into a corner, the robot drives straight on.
-    return Way(way_x, way_y, path if path < math.inf else straight)
+    return way_x, way_y, (path if path < math.inf else 0.0)
 
 
 def raw_data(
@@ -202,8 +189,11 @@ def raw_data(
         arena: Its arena.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
-    home_x, home_y = arena.home_x - x, arena.home_y - y
-    food_bearing = turn_to(bearing_of(to_food.x - x, to_food.y - y), orientation)
+    home_way_x, home_way_y, home_path = to_home
+    food_way_x, food_way_y, food_path = to_food
+    home_distance = length(arena.home_x - x, arena.home_y - y)
+    food_distance = length(food_x - x, food_y - y)
+    food_bearing = turn_to(bearing_of(food_way_x - x, food_way_y - y), orientation)
     return RawData(
         (a, b, c, d, e, f),
         senses.arm,
@@ -223,14 +213,14 @@ def raw_data(
         arena.home_opening,
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
-        length(home_x, home_y),
-        turn_to(bearing_of(to_home.x - x, to_home.y - y), orientation),
-        to_home.length,
-        length(food_x - x, food_y - y) if food_seen else 0.0,
+        home_distance,
+        turn_to(bearing_of(home_way_x - x, home_way_y - y), orientation),
+        home_path if home_path > home_distance else home_distance,
+        food_distance if food_seen else 0.0,
         food_bearing if food_seen else 0.0,
-        to_food.length if food_seen else 0.0,
-        to_food.x if food_seen else 0.0,
-        to_food.y if food_seen else 0.0,
+        (food_path if food_path > food_distance else food_distance) if food_seen else 0.0,
+        food_way_x,
+        food_way_y,
     )
 
 

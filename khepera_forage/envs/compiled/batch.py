@@ -191,7 +191,7 @@ def as_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArr
 
 def _copy_worlds(array: NDArray[Any], here: Any, source: NDArray[Any], there: Any) -> None:
     """Copy some worlds from one array of `kept` to another of the same kind."""
-    if not array.dtype[0].shape:
+    if array.dtype.names is None or not array.dtype[0].shape:
         array[here] = source[there]
         return
     for name in array.dtype.names or ():

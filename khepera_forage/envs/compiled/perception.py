@@ -14,7 +14,6 @@ from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
 from khepera_forage.task.perception import (
-    Way,
     raw_data,
     state_vector,
     way_home,
@@ -101,19 +100,16 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
             int(task.food_type[i]),
             task.wall_x[i],
             task.wall_y[i],
-            Way(task.home_way_x[i], task.home_way_y[i], task.home_path[i]),
-            Way(task.food_way_x[i], task.food_way_y[i], task.food_path[i]),
+            (task.home_way_x[i], task.home_way_y[i], task.home_path[i]),
+            (task.food_way_x[i], task.food_way_y[i], task.food_path[i]),
             arena,
         )
         task.food_type[i] = raw.food_type
         task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
         task.home_distance[i], task.home_bearing[i] = raw.home_distance, raw.home_bearing
+        task.home_path[i] = raw.home_path
         task.food_distance[i], task.food_bearing[i] = raw.food_distance, raw.food_bearing
-        task.food_path[i], task.food_way_x[i], task.food_way_y[i] = (
-            raw.food_path,
-            raw.food_way_x,
-            raw.food_way_y,
-        )
+        task.food_path[i] = raw.food_path
         vector = state_vector(raw, without_food(worlds.trackers[i], arena, decisions), decisions)
         task.object_presence[i] = vector.object_presence
         task.robot_home_distance[i] = vector.robot_home_distance
@@ -131,5 +127,5 @@ def _find_ways(worlds: Worlds, arena: ArenaMap) -> None:
         x, y = robot.marker_x[i], robot.marker_y[i]
         home = way_home(x, y, arena)
         food = way_to_food(x, y, worlds.trackers[i], worlds.food_lengths[i], arena)
-        task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home.x, home.y, home.length
-        task.food_way_x[i], task.food_way_y[i], task.food_path[i] = food.x, food.y, food.length
+        task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home
+        task.food_way_x[i], task.food_way_y[i], task.food_path[i] = food
