@@ -17,6 +17,9 @@ from khepera_forage.geometry.walls import to_wall
 _NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 
+_REACHED = 1e-6
+"""Pixels to a waypoint at which the next one is looked for."""
+
 
 class Spot(NamedTuple):
     """A place in pixels."""
@@ -131,13 +134,14 @@ def next_waypoint(
         x and y of the next waypoint, which is the other place itself where the way is clear, and the length of the
         path. Where there is no path: the other place, and infinity.
     """
-    if len(ways.waypoints) == 0 or is_clear(x, y, to_x, to_y, walls, ways):
+    if len(ways.corners) == 0 or is_clear(x, y, to_x, to_y, walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)
     best, best_x, best_y = math.inf, to_x, to_y
     for k in range(len(ways.waypoints)):
         point = ways.waypoints[k]
-        total = length(point.x - x, point.y - y) + to_lengths[k]
-        if total < best and is_clear(x, y, point.x, point.y, walls, ways):
+        first = length(point.x - x, point.y - y)
+        total = first + to_lengths[k]
+        if first > _REACHED and total < best and is_clear(x, y, point.x, point.y, walls, ways):
             best, best_x, best_y = total, point.x, point.y
     return best_x, best_y, best
 

@@ -70,7 +70,7 @@ def way_out(arena: Arena) -> tuple[float, float]:
     """
     x1, y1, x2, y2 = arena.bounds
     ways, home, start = ways_of(arena), arena.home, arena.start
-    if not ways.waypoints:
+    if not ways.corners:
         return (x1 + x2) / 2, (y1 + y2) / 2
     lengths = _lengths_to(arena, Point(start.x, start.y), ways)
     ends = home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL, start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL
@@ -111,19 +111,23 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
 def check_ways(arena: Arena) -> None:
     """Complain unless a robot can drive from the start to every food object, and from there home.
 
+    Args:
+        arena: One arena.
+
     Raises:
         ValueError: It cannot; the message says what cannot be reached, and where the arena is too narrow.
     """
+    ways, walls = ways_of(arena), pixel_walls(arena)
+    home_x, home_y = arena.home.x / MM_PER_PIXEL, arena.home.y / MM_PER_PIXEL
     places = {"the start": arena.start, **{f"food {k + 1}": food for k, food in enumerate(arena.foods)}}
     for name, place in places.items():
-        try:
-            shortest_path(arena, Point(place[0], place[1]), arena.home)
-        except ValueError:
+        x, y = place[0] / MM_PER_PIXEL, place[1] / MM_PER_PIXEL
+        if next_waypoint(x, y, home_x, home_y, ways.home_lengths, walls, ways)[2] == math.inf:
             raise ValueError(
                 f"{arena.name}: there is no way between {name} at ({place[0]:g}, {place[1]:g}) mm and the home at "
                 f"({arena.home.x:g}, {arena.home.y:g}) mm{_narrow_places(arena)}; allowed: passages that are "
                 f"{2 * CLEARANCE:g} mm wide or more (`khepera-forage arena show` draws them)"
-            ) from None
+            )
 
 
 def too_narrow(arena: Arena) -> list[tuple[Point, ...]]:
@@ -161,9 +165,8 @@ def _narrow_places(arena: Arena) -> str:
 def _floor(arena: Arena) -> "Polygon":
     import shapely
 
-    floor: Polygon = shapely.Polygon(arena.walls)
-    for obstacle in arena.obstacles:
-        floor = floor.difference(shapely.Polygon(obstacle))
+    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
+    floor: Polygon = shapely.Polygon(arena.walls).difference(obstacles)
     return floor
 
 
@@ -178,11 +181,16 @@ def _visibility_graph(arena: Arena) -> tuple[Any, Any]:
     from scipy.sparse.csgraph import shortest_path as shortest_lengths
 
     region = _shrunken_floor(arena)
-    waypoints = np.array(
-        [corner for part in getattr(region, "geoms", [region]) for corner in _inward_corners(part)]
-    ).reshape(-1, 2)
+    corners = [_inward_corners(part) for part in getattr(region, "geoms", [region])]
+    before, waypoints, after = np.concatenate(corners, axis=1)
     count = len(waypoints)
     first, second = np.triu_indices(count, 1)
+    # A shortest path touches each corner that it goes round: only such pairs can be part of one.
+    touches = [
+        _is_touched(waypoints[a], waypoints[b], before[a], after[a])
+        for a, b in ((first, second), (second, first))
+    ]
+    first, second = first[touches[0] & touches[1]], second[touches[0] & touches[1]]
     lines = shapely.linestrings(np.stack([waypoints[first], waypoints[second]], axis=1))
     allowed = region.buffer(_ROUNDING, join_style="mitre")
     shapely.prepare(allowed)
@@ -192,18 +200,31 @@ def _visibility_graph(arena: Arena) -> tuple[Any, Any]:
     return waypoints, shortest_lengths(graph, directed=False)
 
 
-def _inward_corners(part: "Polygon") -> list[tuple[float, float]]:
-    """The corners of a polygon, and of its holes, that point into it."""
+def _inward_corners(part: "Polygon") -> Any:
+    """The corners of a polygon, and of its holes, that point into it, with the corners before and after each.
+
+    Returns:
+        In mm, shape (3, corners, 2): the corners before, the corners themselves, and the corners after.
+    """
     from shapely.geometry.polygon import orient
 
-    corners: list[tuple[float, float]] = []
+    found = [np.zeros((3, 0, 2))]
     turned = orient(part)
     for ring in (turned.exterior, *turned.interiors):
         here = np.asarray(ring.coords)[:-1]
         before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
-        (ax, ay), (bx, by) = (here - before).T, (after - here).T
-        corners += map(tuple, here[ax * by - ay * bx < 0].tolist())
-    return corners
+        found.append(np.stack([before, here, after])[:, _cross(here - before, after - here) < 0])
+    return np.concatenate(found, axis=1)
+
+
+def _is_touched(place: Any, to: Any, before: Any, after: Any) -> Any:
+    """Whether lines from corners touch them: the sides that meet there are on the same side of the line."""
+    way = to - place
+    return _cross(way, before - place) * _cross(way, after - place) >= -_ROUNDING
+
+
+def _cross(a: Any, b: Any) -> Any:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _lengths_to(arena: Arena, goal: Point, ways: Ways) -> list[float]:

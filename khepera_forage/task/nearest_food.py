@@ -79,7 +79,7 @@ def find_nearest(
             if k >= 0:
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
-                if len(arena.ways.waypoints) > 0:
+                if len(arena.ways.corners) > 0:
                     food, lengths = foods[number], food_lengths[number]
                     path = _path_to(x, y, track.x, track.y, food, lengths, arena)
                     squared = min(path, _NO_PATH) ** 2

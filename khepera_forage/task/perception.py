@@ -128,7 +128,7 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
 
 def way_home(x: float, y: float, arena: ArenaMap) -> Way:
     """The way home from a place, in pixels."""
-    if len(arena.ways.waypoints) == 0:
+    if len(arena.ways.corners) == 0:
         return arena.home_x, arena.home_y, 0.0
     return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, arena)
 
@@ -143,7 +143,7 @@ def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: Aren
         food_lengths: Of the shortest paths from each waypoint to each food object.
         arena: Its arena.
     """
-    if len(arena.ways.waypoints) == 0 or tracker.nearest < 0:
+    if len(arena.ways.corners) == 0 or tracker.nearest < 0:
         return tracker.food_x, tracker.food_y, 0.0
     return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], arena)
 

@@ -1,0 +1,122 @@
+"""The teacher in arenas with walls and obstacles, and what a robot perceives of its way there."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.sim.test_ways import BLOCK, CLOSED, DOOR, L_ROOM, WINDING
+
+BACKENDS = ["pymunk", "compiled"]
+BOTH_SIDES = replace(DOOR, name="both_sides", foods=(Point(600, 150), Point(200, 700)))
+
+
+def make(arena: Arena, backend: str = "pymunk", **kwargs: Any) -> Any:
+    arguments = {"limit": 1500, "foods": 1} | kwargs
+    return gym.make("khepera_forage/Corridor-v1", arena=arena, backend=backend, **arguments)
+
+
+def delivered(env: Any, seed: int) -> int:
+    _, info = env.reset(seed=seed)
+    over = False
+    while not over:
+        _, _, terminated, truncated, info = env.step(info["correct_behaviour"])
+        over = terminated or truncated
+    return int(info["delivered"])
+
+
+@pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
+@pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE"])
+def test_teacher_delivers_around_corners_in_compiled_worlds(arena: Arena, food_type: str) -> None:
+    recalls = run_teacher(arena, 500, seed=1, limit=1500, food_types=food_type)
+    assert np.count_nonzero(recalls.delivered) >= 0.98 * 500
+
+
+@pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
+@pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE"])
+def test_teacher_delivers_around_corners_on_pymunk(arena: Arena, food_type: str) -> None:
+    env = make(arena, food_types=food_type)
+    assert sum(delivered(env, seed) for seed in range(12)) >= 11
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_teacher_delivers_food_on_both_sides_of_a_door(backend: str) -> None:
+    env = make(BOTH_SIDES, backend, foods=2)
+    assert [delivered(env, seed) for seed in range(4)] == [2] * 4
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_robot_heads_for_the_corner_and_knows_the_length_of_its_path(backend: str) -> None:
+    env = make(L_ROOM, backend)
+    env.reset(seed=0, options={"start": (150, 125, 0), "foods": [(575, 600)]})
+    raw = env.unwrapped.forager.raw
+    (corner,) = arena_map_of(L_ROOM).ways.waypoints
+    assert (raw.food_way_x, raw.food_way_y) == (corner.x, corner.y)
+    to_corner = math.dist((raw.x, raw.y), (corner.x, corner.y))
+    path = to_corner + math.dist((corner.x, corner.y), (raw.food_x, raw.food_y))
+    assert raw.food_path == pytest.approx(path, abs=1.0)
+    assert raw.food_distance < raw.food_path - 10.0
+    assert raw.home_path == raw.home_distance
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_distances_along_the_path_are_those_of_the_state_vector(backend: str) -> None:
+    places = {"start": (150, 125, 0), "foods": [(575, 600)]}
+    distances = []
+    for decisions in (Decisions(), Decisions(distances="along the path")):
+        env = make(L_ROOM, backend, decisions=decisions)
+        observation, _ = env.reset(seed=0, options=places)
+        raw = env.unwrapped.forager.raw
+        expected = raw.food_distance if decisions == Decisions() else raw.food_path
+        assert observation["robot_food_distance"][0] == int(expected + 0.5)
+        distances.append(expected)
+    assert distances[0] < distances[1] - 10.0
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_nearest_food_is_the_one_with_the_shortest_path(backend: str) -> None:
+    """The food behind the wall is nearer by air."""
+    env = make(BOTH_SIDES, backend, foods=2)
+    behind, beside = (500, 650), (100, 450)
+    env.reset(seed=0, options={"start": (300, 650, 90), "foods": [behind, beside]})
+    raw = env.unwrapped.forager.raw
+    assert math.dist((300, 650), behind) < math.dist((300, 650), beside)
+    assert (raw.food_x * MM_PER_PIXEL, raw.food_y * MM_PER_PIXEL) == pytest.approx(beside, abs=15.0)
+
+
+def test_random_food_and_starts_can_be_reached_where_a_part_of_the_floor_cannot() -> None:
+    env = make(replace(CLOSED, start=CLOSED.start._replace(x=200), foods=(Point(200, 400),)))
+    for seed in range(20):
+        env.reset(seed=seed)
+        layout = env.unwrapped.layout
+        assert layout.starts[0].x < 390
+        assert layout.foods[0].x < 390
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_arena_without_a_way_is_refused(backend: str) -> None:
+    with pytest.raises(ValueError, match="closed: there is no way between the start"):
+        make(CLOSED, backend)
+
+
+def test_path_distance_in_an_unobstructed_arena_is_the_distance() -> None:
+    observations = []
+    for decisions in (Decisions(), Decisions(distances="along the path")):
+        env = gym.make("khepera_forage/Rectangle-v1", decisions=decisions)
+        observation, _ = env.reset(seed=3)
+        observations.append(observation)
+    assert observations[0] == observations[1]
+
+
+def test_block_is_passed_on_the_side_of_the_shorter_path() -> None:
+    env = make(BLOCK)
+    env.reset(seed=0, options={"start": (680, 370, 180), "foods": [(150, 370)]})
+    assert env.unwrapped.forager.raw.food_way_y * MM_PER_PIXEL < 300

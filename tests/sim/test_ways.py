@@ -1,0 +1,158 @@
+"""Ways through an arena: waypoints, shortest paths, and arenas that are too narrow."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from khepera_forage.geometry.paths import NO_WAYS, is_clear
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.ways import (
+    CLEARANCE,
+    check_ways,
+    pixel_walls,
+    shortest_path,
+    too_narrow,
+    way_out,
+    ways_of,
+)
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.version_0_1 import CORRIDOR, RECTANGLE
+
+
+def box(x: float, y: float, width: float, height: float) -> tuple[Point, ...]:
+    return Point(x, y), Point(x + width, y), Point(x + width, y + height), Point(x, y + height)
+
+
+ROOM = Arena("room", box(0, 0, 800, 800), Point(120, 120), 80.0, Pose(680, 680, math.pi), (Point(600, 300),))
+BLOCK = replace(ROOM, name="block", obstacles=(box(300, 300, 200, 200),))
+DOOR = replace(ROOM, name="door", obstacles=(box(390, 0, 20, 300), box(390, 500, 20, 300)))
+CLOSED = replace(ROOM, name="closed", obstacles=(box(390, 0, 20, 340), box(390, 460, 20, 340)))
+L_ROOM = Arena(
+    "l_room",
+    (Point(0, 0), Point(700, 0), Point(700, 700), Point(450, 700), Point(450, 250), Point(0, 250)),
+    Point(100, 125),
+    80.0,
+    Pose(575, 600, -math.pi / 2),
+    (Point(575, 200),),
+)
+WINDING = [BLOCK, DOOR, L_ROOM]
+
+
+def length_of(path: tuple[Point, ...]) -> float:
+    return sum(math.dist(a, b) for a, b in pairwise(path))
+
+
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, ROOM])
+def test_ways_of_an_arena_without_inward_corners_are_straight(arena: Arena) -> None:
+    assert ways_of(arena) == NO_WAYS
+    start = Point(arena.start.x, arena.start.y)
+    assert shortest_path(arena, start, arena.home) == (start, arena.home)
+    assert too_narrow(arena) == []
+    x1, y1, x2, y2 = arena.bounds
+    assert way_out(arena) == ((x1 + x2) / 2, (y1 + y2) / 2)
+
+
+def test_shortest_path_goes_round_a_corner() -> None:
+    path = shortest_path(L_ROOM, Point(575, 600), L_ROOM.home)
+    assert path[0] == (575, 600)
+    assert path[-1] == L_ROOM.home
+    (corner,) = path[1:-1]
+    assert corner == pytest.approx((450 + CLEARANCE, 250 - CLEARANCE), abs=0.1)
+    assert way_out(L_ROOM) == pytest.approx(corner)
+
+
+def test_shortest_path_takes_the_shorter_side_of_a_block() -> None:
+    below = shortest_path(BLOCK, Point(700, 380), Point(100, 380))
+    above = shortest_path(BLOCK, Point(700, 420), Point(100, 420))
+    assert all(point.y < 300 for point in below[1:-1])
+    assert all(point.y > 500 for point in above[1:-1])
+    assert len(below) == len(above) == 4
+
+
+@pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
+@given(data=st.data())
+def test_shortest_path_keeps_its_clearance_and_is_symmetric(arena: Arena, data: st.DataObject) -> None:
+    floor = shapely.Polygon(arena.walls).difference(
+        shapely.union_all([shapely.Polygon(obstacle) for obstacle in arena.obstacles])
+    )
+    inside = floor.buffer(-CLEARANCE)
+    places = []
+    for name in ("start", "goal"):
+        x1, y1, x2, y2 = arena.bounds
+        x, y = (
+            data.draw(st.floats(x1, x2), label=f"{name} x"),
+            data.draw(st.floats(y1, y2), label=f"{name} y"),
+        )
+        if not shapely.contains_xy(inside, x, y):
+            return
+        places.append(Point(x, y))
+    if places[0] == places[1]:
+        return
+    path = shortest_path(arena, *places)
+    line = shapely.LineString(path)
+    assert line.length == pytest.approx(length_of(shortest_path(arena, *reversed(places))), rel=0.02)
+    # Short straight ways may come nearer to a corner.
+    nearest = CLEARANCE - 8.0 if length_of(path) > 2 * CLEARANCE else 0.0
+    assert line.distance(floor.boundary) >= nearest
+
+
+@pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
+def test_every_free_place_has_a_way_home(arena: Arena) -> None:
+    """Also places beside walls, where a robot may start or food may lie."""
+    rng, ways, walls = np.random.default_rng(0), ways_of(arena), pixel_walls(arena)
+    left, bottom, right, top = arena.bounds
+    tried = 0
+    while tried < 2000:
+        place = Point(float(rng.uniform(left, right)), float(rng.uniform(bottom, top)))
+        if arena.clearance(place) < 32.5:
+            continue
+        tried += 1
+        path = shortest_path(arena, place, arena.home)
+        for a, b in pairwise(path):
+            x1, y1, x2, y2 = (end / MM_PER_PIXEL for end in (*a, *b))
+            assert is_clear(x1, y1, x2, y2, walls, ways)
+
+
+def test_check_ways_accepts_arenas_that_are_wide_enough() -> None:
+    for arena in (CORRIDOR, RECTANGLE, *WINDING):
+        check_ways(arena)
+
+
+def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
+    with pytest.raises(
+        ValueError, match=r"closed: there is no way between the start at \(680, 680\) mm"
+    ) as error:
+        check_ways(CLOSED)
+    assert "too narrow near (400, 400) mm; allowed: passages that are 160 mm wide" in str(error.value)
+    with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):
+        check_ways(replace(CLOSED, start=Pose(200, 680, 0.0)))
+
+
+def test_too_narrow_is_the_passage_that_separates_two_rooms() -> None:
+    (part,) = too_narrow(CLOSED)
+    passage = shapely.Polygon(part)
+    assert passage.contains(shapely.Point(400, 400))
+    assert not passage.contains(shapely.Point(200, 400))
+    assert too_narrow(DOOR) == []
+
+
+def test_ways_of_thirty_walls_lead_around_all_of_them() -> None:
+    blocks = tuple(box(260 + 320 * (k % 6), 260 + 320 * (k // 6), 80, 80) for k in range(30))
+    arena = Arena(
+        "thirty",
+        box(0, 0, 2200, 1900),
+        Point(100, 100),
+        80.0,
+        Pose(2100, 1800, 0.0),
+        (Point(2000, 100),),
+        blocks,
+    )
+    path = shortest_path(arena, Point(2100, 1800), arena.home)
+    assert len(ways_of(arena).waypoints) == 120
+    assert length_of(path) < 1.15 * math.dist((2100, 1800), (100, 100))
