@@ -136,8 +136,10 @@ def next_waypoint(
     best, best_x, best_y = math.inf, to_x, to_y
     for k in range(len(ways.waypoints)):
         point = ways.waypoints[k]
-        total = length(point.x - x, point.y - y) + to_lengths[k]
-        if total < best and is_clear(x, y, point.x, point.y, walls, ways):
+        away = length(point.x - x, point.y - y)
+        total = away + to_lengths[k]
+        # At a waypoint, the next one: the way from a waypoint to itself is as long as the best one.
+        if away > 0.0 and total < best and is_clear(x, y, point.x, point.y, walls, ways):
             best, best_x, best_y = total, point.x, point.y
     return best_x, best_y, best
 
