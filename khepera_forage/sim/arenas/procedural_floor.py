@@ -6,8 +6,8 @@ from typing import NamedTuple
 from khepera_forage.sim.arenas.difficulty import Difficulty
 from khepera_forage.sim.arenas.draws import Draws
 
-PASSAGE = 180
-"""Least distance between walls that do not touch: way finding keeps 80 mm from either side."""
+PASSAGE = 240
+"""Least distance between walls that do not touch. Way finding keeps 80 mm from walls, and up to 120 mm from corners."""
 _ARM = 300
 """Least width of what notches leave of the floor."""
 _ROOM = 260
