@@ -105,6 +105,28 @@ class Noise:
             cls.laboratory() if laboratory is None else laboratory, **dict(chain.from_iterable(others))
         )
 
+    def scaled(self, share: float) -> "Noise":
+        """Errors that are `share` times as large. How long a loss lasts and what a cable adds stay the same.
+
+        Args:
+            share: At least 0; rates grow up to 1.
+
+        Raises:
+            ValueError: A negative share, or one that is not finite.
+        """
+        if not 0 <= share < math.inf:
+            raise ValueError(f"share of noise is {share!r}; allowed: a finite number >= 0")
+        values: dict[str, Any] = {}
+        for field in fields(self):
+            value = getattr(self, field.name) * share
+            if field.name == "proximity_floor":
+                values[field.name] = round(value)
+            elif field.name.startswith(("loss_rate", "reversal_rate")):
+                values[field.name] = min(value, 1.0)
+            elif field.name not in ("loss_rounds", "cable_loss_factor"):
+                values[field.name] = value
+        return replace(self, **values)
+
 
 def checked_noise(noise: Any) -> Noise:
     """The noise that a user asked for.

@@ -13,7 +13,8 @@ from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import load, parse
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
-from khepera_forage.sim.arena import SetUp, named_arena
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Timing
 from khepera_forage.task.decisions import Decisions

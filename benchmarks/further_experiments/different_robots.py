@@ -26,7 +26,8 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims.claim import Above, Claim

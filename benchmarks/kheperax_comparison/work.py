@@ -15,7 +15,7 @@ from khepera_forage.robots.khepera import (
     SPEED_UNIT,
 )
 from khepera_forage.robots.proximity import REACH, SENSORS
-from khepera_forage.sim.arena import RECTANGLE
+from khepera_forage.sim.arenas.thesis import RECTANGLE
 from khepera_forage.task.decisions import Decisions
 
 DECISIONS = Decisions.v0_1()

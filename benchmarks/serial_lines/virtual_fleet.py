@@ -13,7 +13,8 @@ from khepera_forage.robots.khepera import Senses
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import CORRIDOR, copies
+from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from khepera_forage.option_values import given_path, whole_number
-from khepera_forage.sim.arena import ARENAS, CORRIDOR
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decision_text import VERSIONS, decisions_from_words
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType

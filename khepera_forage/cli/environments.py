@@ -9,7 +9,8 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.extras import require
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts import recall as recall_rollouts
-from khepera_forage.sim.arena import ARENAS, CORRIDOR
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
 

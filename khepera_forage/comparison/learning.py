@@ -18,10 +18,10 @@ from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.reinforcement import reinforce
 from khepera_forage.rollouts.training import arrays, train
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
-ARENA_MAPS = {name: arena_map_of(checked_arena(name, DEFAULT_DECISIONS)) for name in ARENAS}
+ARENA_MAPS = {name: arena_map_of(checked_arena(name, DEFAULT_DECISIONS)) for name in THESIS_ARENAS}
 """What is given of each arena from the beginning."""
 
 

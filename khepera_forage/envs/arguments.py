@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
-from khepera_forage.sim.arena import ARENAS, Arena, SetUp, named_arena
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.named import ARENAS, named_arena
+from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.sim.ways import check_ways
 from khepera_forage.sim.world import Timing, World
 from khepera_forage.task.decisions import Decisions

@@ -7,7 +7,8 @@ from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import load
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.sim.arena import CORRIDOR, Arena
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 

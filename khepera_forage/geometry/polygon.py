@@ -11,20 +11,27 @@ def check(name: str, corners: tuple[Corner, ...]) -> None:
     """Complain unless the corners make a simple polygon.
 
     Raises:
-        ValueError: Fewer than three corners, corners that are not finite, no area, or edges that cross.
+        ValueError: Fewer than three corners, corners that are not finite or the same twice in a row, no area, or sides
+            that cross or touch.
     """
     if len(corners) < 3:
         raise ValueError(f"{name}: walls with {len(corners)} corners; allowed: at least 3")
     for corner in corners:
         if not all(math.isfinite(c) for c in corner):
             raise ValueError(f"{name}: wall corner {tuple(corner)}; allowed: finite coordinates in mm")
-    if area(corners) == 0:
+    for x1, y1, x2, y2 in edges(corners):
+        if (x1, y1) == (x2, y2):
+            raise ValueError(
+                f"{name}: wall corner ({x1:g}, {y1:g}) follows itself; allowed: each corner once"
+            )
+    import shapely  # takes 0.1 s, which importing this package should not
+
+    shape = shapely.Polygon(corners)
+    if shape.convex_hull.area == 0:
         raise ValueError(f"{name}: walls {[tuple(c) for c in corners]} enclose no area")
-    sides = edges(corners)
-    for i, a in enumerate(sides):
-        for j in range(i + 2, len(sides)):
-            if (i, j) != (0, len(sides) - 1) and _cross(a, sides[j]):
-                raise ValueError(f"{name}: walls {a} and {sides[j]} cross; allowed: a simple polygon")
+    if not shape.is_valid:
+        where = shapely.is_valid_reason(shape).partition("[")[2].rstrip("]").replace(" ", ", ")
+        raise ValueError(f"{name}: walls cross or touch at ({where}); allowed: a simple polygon")
 
 
 @lru_cache(maxsize=256)
@@ -74,22 +81,6 @@ def inward_corners(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[tuple[floa
     return tuple(found)
 
 
-def contains(corners: tuple[Corner, ...], x: float, y: float) -> bool:
-    """Whether a point lies inside (a ray to the right crosses an odd number of sides)."""
-    inside = False
-    for x1, y1, x2, y2 in edges(corners):
-        if (y1 > y) != (y2 > y) and x < x1 + (y - y1) * (x2 - x1) / (y2 - y1):
-            inside = not inside
-    return inside
-
-
-def meet(corners: tuple[Corner, ...], others: tuple[Corner, ...]) -> bool:
-    """Whether any corner of the others lies inside, or any of their sides crosses one of these."""
-    return any(contains(corners, x, y) for x, y in others) or any(
-        _cross(side, other) for side in edges(corners) for other in edges(others)
-    )
-
-
 def distance(x: float, y: float, segment: Segment) -> float:
     """Distance from a point to a line segment."""
     x1, y1, x2, y2 = segment
@@ -98,21 +89,6 @@ def distance(x: float, y: float, segment: Segment) -> float:
     t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
     dx, dy = x - x1 - t * ex, y - y1 - t * ey
     return math.sqrt(dx * dx + dy * dy)
-
-
-def _cross(a: Segment, b: Segment) -> bool:
-    """Whether two segments properly cross or touch."""
-
-    def side(s: Segment, x: float, y: float) -> float:
-        return (s[2] - s[0]) * (y - s[1]) - (s[3] - s[1]) * (x - s[0])
-
-    a1, a2 = side(b, a[0], a[1]), side(b, a[2], a[3])
-    b1, b2 = side(a, b[0], b[1]), side(a, b[2], b[3])
-    if a1 == a2 == b1 == b2 == 0:  # in one line: do they overlap?
-        across = max(a[0], a[2]) >= min(b[0], b[2]) and max(b[0], b[2]) >= min(a[0], a[2])
-        along = max(a[1], a[3]) >= min(b[1], b[3]) and max(b[1], b[3]) >= min(a[1], a[3])
-        return across and along
-    return a1 * a2 <= 0 and b1 * b2 <= 0
 
 
 def line_of(segment: Segment) -> tuple[float, float, float]:

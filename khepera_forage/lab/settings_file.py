@@ -3,30 +3,32 @@
 `sample.toml` explains every key; `python -m khepera_forage.lab.settings_file` prints it.
 """
 
-import math
-import tomllib
 from dataclasses import fields, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from khepera_forage.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
-from khepera_forage.lab.toml_table import (
+from khepera_forage.robots.khepera import MAX_SPEED
+from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
+from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.arena_file import arena_of
+from khepera_forage.sim.arenas.named import ARENAS, named_arena
+from khepera_forage.sim.arenas.thesis import CORRIDOR, SetUp
+from khepera_forage.sim.layout_checks import check_seen
+from khepera_forage.toml_table import (
     Table,
     TableError,
-    list_of,
     number,
     numbers,
     one_of,
     quoted,
+    table_of,
     text,
+    text_of,
     true_or_false,
 )
-from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.serial.port import BAUD_RATES
-from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, SetUp, named_arena
-from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 
@@ -48,10 +50,8 @@ def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
     """
     path = Path(path)
     try:
-        return parse(path.read_text(encoding="utf-8"), set_up, period, path.parent)
-    except UnicodeDecodeError as error:
-        raise LabFileError(f"{path}: not UTF-8 text: {error}") from None
-    except LabFileError as error:
+        return parse(text_of(path), set_up, period, path.parent)
+    except (TableError, LabFileError) as error:
         raise LabFileError(f"{path}: {error}") from None
 
 
@@ -68,9 +68,7 @@ def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> Lab
         LabFileError: As `load`.
     """
     try:
-        return _lab_settings(Table(tomllib.loads(toml)), folder, set_up, period)
-    except tomllib.TOMLDecodeError as error:
-        raise LabFileError(f"not TOML: {error}") from None
+        return _lab_settings(table_of(toml), folder, set_up, period)
     except TableError as error:
         raise LabFileError(str(error)) from None
 
@@ -157,35 +155,16 @@ def _tracker(table: Table) -> TrackerSettings:
 
 
 def _arena(table: Table, set_up: SetUp) -> Arena:
-    point = numbers("[x mm, y mm]")
-    corners = list_of(lambda key, value: Point(*point(key, value)))
-    name = table.take("name", text, "corridor")
-    walls = table.take("walls", corners, None)
-    if walls is None:
-        if name not in ARENAS:
-            raise TableError(
-                f"{table.key('name')} is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
-                "or another name with walls, home, home_radius, start and foods"
-            )
-        table.finish()
-        return named_arena(name, set_up)
-    x, y, degrees = table.take("start", numbers("[x mm, y mm, heading degrees]"))
-    try:
-        arena = Arena(
-            name=name,
-            walls=walls,
-            home=Point(*table.take("home", point)),
-            home_radius=table.take("home_radius", number(1.0, 10000.0, "mm")),
-            start=Pose(x, y, math.radians(degrees)),
-            foods=table.take("foods", corners),
-            obstacles=table.take("obstacles", list_of(corners), ()),
+    if table.has("walls"):
+        return arena_of(table)
+    name = table.take("name", text, CORRIDOR)
+    if name not in ARENAS:
+        raise TableError(
+            f"{table.key('name')} is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
+            "or another name with walls, home, home_radius, start and foods"
         )
-    except TableError:
-        raise
-    except ValueError as error:
-        raise TableError(f"arena: {error}") from None
     table.finish()
-    return arena
+    return named_arena(name, set_up)
 
 
 def _check_robots(settings: LabSettings) -> None:

@@ -19,7 +19,9 @@ from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import Arena, Point, SetUp, copies, named_arena
+from khepera_forage.sim.arena import Arena, Point, copies
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing

@@ -20,7 +20,7 @@ from khepera_forage.envs.backends import COMPILED, check_backend
 from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
 from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
 """From a number of environments to a vector environment that begins new episodes in the step that ends one."""
@@ -183,8 +183,8 @@ def vec_env(
 
 
 def _name(arena: str, wheels: bool) -> str:
-    if arena not in ARENAS:
-        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
+    if arena not in THESIS_ARENAS:
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(THESIS_ARENAS)}")
     return f"khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v1"
 
 

@@ -10,7 +10,8 @@ from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
-from khepera_forage.sim.arena import CORRIDOR, Arena, copies
+from khepera_forage.sim.arena import Arena, copies
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions

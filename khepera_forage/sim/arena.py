@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from khepera_forage.geometry import polygon
+from khepera_forage.geometry import enclosure, polygon
 from khepera_forage.geometry.walls import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
@@ -40,11 +40,11 @@ class Arena:
         home_radius: Of the home; at most the distance from its centre to the walls.
         start: Where a robot starts in training (figure 5.1).
         foods: Where food lies in training, one place an object.
-        obstacles: Further simple polygons standing on the floor.
+        obstacles: Further simple polygons on the floor; they may touch the outer wall and one another.
 
     Raises:
-        ValueError: A size that is not positive, a home, start or food that is not on the free floor, an obstacle that
-            is nowhere on it.
+        ValueError: No name, walls that cross, obstacles that overlap or are not on the floor, a size that is not
+            positive, or a home, start or food that is not on the free floor.
     """
 
     name: str
@@ -56,14 +56,9 @@ class Arena:
     obstacles: tuple[tuple[Point, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        for corners in (self.walls, *self.obstacles):
-            polygon.check(self.name, corners)
-        for obstacle in self.obstacles:
-            if not polygon.meet(self.walls, obstacle):
-                raise ValueError(
-                    f"{self.name}: obstacle {[tuple(corner) for corner in obstacle]} stands outside the walls; "
-                    f"allowed: on the floor, within {self.bounds}"
-                )
+        if not (isinstance(self.name, str) and self.name.strip()):
+            raise ValueError(f"name of an arena is {self.name!r}; allowed: a text that is not empty")
+        enclosure.check(self.name, self.walls, self.obstacles)
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
             raise ValueError(
                 f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"
@@ -169,71 +164,4 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
     places = (divmod(i, abreast) for i in range(count))
     return tuple(
         arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places
-    )
-
-
-class SetUp(NamedTuple):
-    """The set-up of figure 5.1 in an arena, in mm: start, food and home.
-
-    Attributes:
-        start_to_wall: From the robot's start to the wall behind it.
-        food_to_home: From the food to the centre of the home, along the arena.
-        home_to_wall: From the home's centre to the wall behind it.
-        home_radius: Of the home.
-        start_aside: From the arena's middle line to the start, towards the left of a robot that faces the home.
-        food_aside: From the middle line to the food, likewise; added to each object's own place.
-        home_aside: From the middle line to the centre of the home, likewise.
-    """
-
-    start_to_wall: float
-    food_to_home: float
-    home_to_wall: float
-    home_radius: float
-    start_aside: float
-    food_aside: float
-    home_aside: float
-
-
-class _Shape(NamedTuple):
-    """Length and width of a rectangular arena, and how far beside its middle each food object lies, in mm."""
-
-    length: float
-    width: float
-    foods_aside: tuple[float, ...]
-
-
-CORRIDOR, RECTANGLE = "corridor", "rectangle"
-_SHAPES = {
-    # The training corridor (3.1).
-    CORRIDOR: _Shape(650.0, 230.0, (0.0,)),
-    # The evaluation arena (3.1), with the corridor's home and two food objects (5.4.2).
-    RECTANGLE: _Shape(650.0, 600.0, (-100.0, 100.0)),
-}
-ARENAS = tuple(_SHAPES)
-"""Names of the thesis's arenas."""
-
-
-def named_arena(name: str, set_up: SetUp) -> Arena:
-    """One of the thesis's arenas.
-
-    Args:
-        name: One of `ARENAS`.
-        set_up: Where start, food and home are (figure 5.1).
-
-    Raises:
-        ValueError: An unknown name, or a set-up that does not fit.
-    """
-    if name not in _SHAPES:
-        raise ValueError(f"arena is {name!r}; allowed: an Arena, or one of {', '.join(map(repr, _SHAPES))}")
-    length, width, foods_aside = _SHAPES[name]
-    middle, home = width / 2, length - set_up.home_to_wall
-    return Arena(
-        name=name,
-        walls=(Point(0, 0), Point(length, 0), Point(length, width), Point(0, width)),
-        home=Point(home, middle + set_up.home_aside),
-        home_radius=set_up.home_radius,
-        start=Pose(set_up.start_to_wall, middle + set_up.start_aside, 0.0),
-        foods=tuple(
-            Point(home - set_up.food_to_home, middle + set_up.food_aside + aside) for aside in foods_aside
-        ),
     )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import SOURCES, Noise
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 

@@ -10,7 +10,8 @@ from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH,
 from khepera_forage.experiments.statistics import Estimate, Floats, wilson
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.rollouts.same_decisions import common_decisions
-from khepera_forage.sim.arena import CORRIDOR, Arena
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.thesis.design import training_distance
 from khepera_forage.vision.scene import MM_PER_PIXEL
 

@@ -7,7 +7,7 @@ from khepera_forage.envs.backends import PYMUNK
 from khepera_forage.experiments.statistics import MIN_REPLICATIONS
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
@@ -136,6 +136,6 @@ def compiled_jobs(
 
 def _baselines(counts: JobCounts) -> Iterator[tuple[str, str, int]]:
     """Arena, policy and forages in a block of every baseline, if there are blocks."""
-    for arena in ARENAS if counts.baseline_blocks else ():
+    for arena in THESIS_ARENAS if counts.baseline_blocks else ():
         yield arena, TEACHER, counts.block_forages
         yield arena, RANDOM, counts.block_forages // 5

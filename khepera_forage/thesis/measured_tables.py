@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from khepera_forage.experiments.statistics import UNKNOWN, Estimate, Measure, replications
 from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.rollouts.rows import STATES, RecallRow
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import State
 from khepera_forage.thesis.cells import in_cell
 from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena
@@ -95,7 +95,7 @@ def training_table(evidence: Evidence) -> Table:
 def teacher_table(evidence: Evidence) -> Table:
     """The distribution of the teacher's steps."""
     lines: list[tuple[Value, ...]] = []
-    for arena in ARENAS:
+    for arena in THESIS_ARENAS:
         rows = of_arena(evidence.teachers, arena)
         limit = next(cell.limit for cell in THESIS if cell.arena == arena)
         steps = sorted(map(steps_needed, rows))
@@ -148,7 +148,7 @@ def ties_table(evidence: Evidence) -> Table:
 def state_table(evidence: Evidence) -> Table:
     """The learner's errors by state."""
     lines: list[tuple[Value, ...]] = []
-    for arena in ARENAS:
+    for arena in THESIS_ARENAS:
         rows = of_arena(evidence.recalls, arena)
         modes = Counter(row.failure_mode for row in rows if row.failed)
         for state in list(State)[:STATES]:

@@ -17,7 +17,7 @@ from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,

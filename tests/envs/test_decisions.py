@@ -14,7 +14,9 @@ from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import ARENAS, Pose, named_arena
+from khepera_forage.sim.arena import Pose
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.states import Behaviour, State, classify
 from tests.version_0_1 import CORRIDOR, V0_1
@@ -88,7 +90,7 @@ def test_default_decisions_give_the_default_environment() -> None:
 # ---------------------------------------------------------------- the set-up of figure 5.1
 
 
-@pytest.mark.parametrize("name", ARENAS)
+@pytest.mark.parametrize("name", THESIS_ARENAS)
 def test_set_up_of_a_named_arena_follows_the_decisions(name: str) -> None:
     decisions = Decisions(start_to_wall=120, food_to_home=200, home_to_wall=90, home_radius=80)
     arena = checked_arena(name, decisions)
@@ -117,7 +119,7 @@ def test_ends_of_the_set_up_ranges_fit_in_the_named_arenas(name: str) -> None:
         if name == "home_radius" and value > 100:
             changes["home_to_wall"] = value
         decisions = Decisions.from_changes(changes)
-        for arena in ARENAS:
+        for arena in THESIS_ARENAS:
             env = BehavioursEnv(arena=arena, decisions=decisions)
             env.reset(seed=1)
 

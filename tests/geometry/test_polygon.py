@@ -3,29 +3,12 @@
 import math
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.geometry import polygon
 from khepera_forage.geometry.polygon import Corner, Segment
 from tests.geometry.shapes import PROPERTY, Place, places, radii_lists, segments, star
-
-
-def winding_number(corners: tuple[Corner, ...], x: float, y: float) -> float:
-    """How often a polygon runs around a place: the sum of the angles that its sides subtend there, in turns."""
-    total = 0.0
-    for (x1, y1), (x2, y2) in zip(corners, (*corners[1:], corners[0]), strict=True):
-        ax, ay, bx, by = x1 - x, y1 - y, x2 - x, y2 - y
-        total += math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-    return total / (2 * math.pi)
-
-
-@given(radii_lists, places, st.booleans())
-@PROPERTY
-def test_contains_agrees_with_the_winding_number(radii: list[float], point: Place, clockwise: bool) -> None:
-    corners = star(radii)[:: -1 if clockwise else 1]
-    assume(min(polygon.distance(*point, side) for side in polygon.edges(corners)) > 1e-6)
-    assert polygon.contains(corners, *point) == (abs(winding_number(corners, *point)) > 0.5)
 
 
 @given(segments, places)
@@ -102,11 +85,17 @@ def test_check_accepts_separate_walls_in_one_line(corners: tuple[Corner, ...]) -
         (((0, 0), (100, 0), (50, math.nan)), "nan"),
         (((0, 0), (math.inf, 0), (50, 50)), "inf"),
         (((0, 0), (100, 0), (200, 0)), "no area"),
-        (((0, 0), (100, 100), (100, 0), (0, 100)), "no area|cross"),
-        (((0, 0), (300, 0), (300, 300), (100, -50), (0, 300)), "cross"),
-        (((0, 0), (300, 0), (300, 300), (150, 0), (0, 300)), "cross"),  # a corner on another wall
-        (((0, 0), (300, 0), (300, 0), (300, 300), (0, 300)), "cross|corner"),  # a wall of no length
-        (((0, 0), (300, 0), (300, 300), (0, 300), (0, 0)), "cross|corner"),
+        (((0, 0), (100, 100), (100, 0), (0, 100)), r"cross or touch at \(50, 50\)"),
+        (((0, 0), (300, 0), (300, 300), (150, -50), (0, 300)), r"cross or touch at \(\S+, 0\)"),
+        (
+            ((0, 0), (300, 0), (300, 300), (150, 0), (0, 300)),
+            r"cross or touch at \(150, 0\)",
+        ),  # a corner
+        (
+            ((0, 0), (300, 0), (300, 0), (300, 300), (0, 300)),
+            r"corner \(300, 0\) follows itself",
+        ),  # a wall of no length
+        (((0, 0), (300, 0), (300, 300), (0, 300), (0, 0)), r"corner \(0, 0\) follows itself"),
         (((0, 0), (300, 0), (300, 300), (300, 100), (300, 200), (0, 300)), "cross"),  # back on itself
     ],
 )

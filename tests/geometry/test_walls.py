@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -27,8 +28,8 @@ def nearest_side(enclosure: Enclosure, x: float, y: float) -> float:
 
 
 def is_on_free_floor(enclosure: Enclosure, x: float, y: float) -> bool:
-    inside_obstacle = any(polygon.contains(obstacle, x, y) for obstacle in enclosure.obstacles)
-    return polygon.contains(enclosure.walls, x, y) and not inside_obstacle
+    inside = [shapely.contains_xy(shapely.Polygon(corners), x, y) for corners in enclosure.polygons]
+    return inside[0] and not any(inside[1:])
 
 
 def check_clearance(enclosure: Enclosure, x: float, y: float) -> None:

@@ -12,7 +12,9 @@ from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.settings import LabSettings, RobotSettings
 from khepera_forage.lab.settings_file import LabFileError, parse, sample
-from khepera_forage.sim.arena import Point, SetUp, named_arena
+from khepera_forage.sim.arena import Point
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP, V0_1

@@ -9,7 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.sim.arena import ARENAS, Arena, Point, Pose, copies, named_arena
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.shapes import box
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
@@ -26,7 +29,7 @@ def test_arenas_have_the_sizes_of_section_3_1() -> None:
     assert RECTANGLE.bounds == (0, 0, 650, 600)
     assert CORRIDOR.diagonal == pytest.approx(math.hypot(650, 230))
     assert (len(CORRIDOR.foods), len(RECTANGLE.foods)) == (1, 2)
-    assert ARENAS == (CORRIDOR.name, RECTANGLE.name) == ("corridor", "rectangle")
+    assert THESIS_ARENAS == (CORRIDOR.name, RECTANGLE.name) == ("corridor", "rectangle")
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE])
@@ -161,6 +164,12 @@ def test_impossible_arena_is_refused_with_its_name(change: dict[str, Any], compl
         replace(CORRIDOR, **change)
 
 
+@pytest.mark.parametrize("name", ["", " ", 3])
+def test_arena_without_a_name_is_refused(name: Any) -> None:
+    with pytest.raises(ValueError, match=f"name of an arena is {name!r}; allowed: a text that is not empty"):
+        replace(CORRIDOR, name=name)
+
+
 @pytest.mark.parametrize("offset", [0.0, 0.1, 1398.9128980311582])
 def test_food_and_robot_just_fit_at_their_radius_from_a_wall(offset: float) -> None:
     """At an offset, too, where their distance to the wall is rounded."""
@@ -172,7 +181,7 @@ def test_food_and_robot_just_fit_at_their_radius_from_a_wall(offset: float) -> N
 
 def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() -> None:
     with pytest.raises(
-        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle'"
+        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
     ):
         named_arena("circle", SET_UP)
     with pytest.raises(ValueError, match=r"corridor: home .* radius 100 mm reaches outside the walls"):
@@ -186,5 +195,33 @@ def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() ->
         (Point(195, -20), Point(205, -20), Point(205, 250), Point(195, 250)),  # without a corner on the floor
     ],
 )
-def test_obstacle_may_reach_through_the_walls(obstacle: tuple[Point, ...]) -> None:
-    assert replace(CORRIDOR, obstacles=(obstacle,)).obstacles == (obstacle,)
+def test_obstacle_through_the_walls_is_refused(obstacle: tuple[Point, ...]) -> None:
+    with pytest.raises(
+        ValueError, match=r"corridor: obstacle .* reaches through the walls; allowed: on the floor"
+    ):
+        replace(CORRIDOR, obstacles=(obstacle,))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, 1398.9128980311582])
+def test_obstacles_may_touch_the_walls_and_one_another(offset: float) -> None:
+    """At an offset, too, where their corners are rounded."""
+    pieces = box(190, 0.3, 210, 60.7), box(190, 60.7, 260, 80.1), box(210, 0, 230, 60.7)
+    slanted = (Point(200, 230), Point(233.3, 150.1), Point(266.6, 230))
+    replace(CORRIDOR, obstacles=(*pieces, slanted)).shifted(offset, offset)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        box(210, 40, 230, 60),  # crossing
+        box(195, 25, 205, 35),  # inside
+        box(190, 20, 220, 50),  # the same
+        (Point(205, 10), Point(215, 10), Point(210, 20.1)),  # a tip
+    ],
+)
+def test_obstacles_that_overlap_are_refused(other: tuple[Point, ...]) -> None:
+    first = box(190, 20, 220, 50)
+    with pytest.raises(
+        ValueError, match=r"corridor: obstacles \[\(190.* and \[.* overlap; allowed: beside one another"
+    ):
+        replace(CORRIDOR, obstacles=(first, box(300, 10, 320, 20), other))

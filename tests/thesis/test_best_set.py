@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.thesis.inference.evolution import child, natural, natural_step, simpler_values
 from khepera_forage.thesis.inference.individual_recalls import of_thesis, p_value
 from khepera_forage.thesis.inference.moments import Moments, means_of
@@ -134,7 +134,7 @@ def test_rules_between_decisions_are_checked() -> None:
 
 
 def test_individual_recalls_of_the_thesis() -> None:
-    corridor, rectangle = map(of_thesis, ARENAS)
+    corridor, rectangle = map(of_thesis, THESIS_ARENAS)
     assert corridor.steps.max() == 500
     assert rectangle.steps.max() == 700
     assert 55 < corridor.steps.shape[1] <= 70

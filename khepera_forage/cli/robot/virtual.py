@@ -17,7 +17,7 @@ from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS

@@ -24,7 +24,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.extras import require
 from khepera_forage.option_values import real_number
 from khepera_forage.rollouts import training
-from khepera_forage.sim.arena import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

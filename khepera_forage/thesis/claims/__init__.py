@@ -6,7 +6,7 @@ import numpy as np
 
 from khepera_forage.experiments.statistics import RESAMPLES
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.thesis.claims import behaviour, learning, time
 from khepera_forage.thesis.claims.claim import Claim, Verdict
 from khepera_forage.thesis.claims.evidence import gather
@@ -35,16 +35,16 @@ def claims(
     """
     evidence = gather(recalls, trainings, teachers, rng, resamples)
     return [
-        *(learning.improves(evidence, arena) for arena in ARENAS),
-        *(learning.gain_shrinks(evidence, arena) for arena in ARENAS),
+        *(learning.improves(evidence, arena) for arena in THESIS_ARENAS),
+        *(learning.gain_shrinks(evidence, arena) for arena in THESIS_ARENAS),
         learning.generalises(evidence),
         learning.comparable(evidence),
-        *(behaviour.areas(evidence, arena) for arena in ARENAS),
-        *(behaviour.around_training(evidence, arena) for arena in ARENAS),
-        *(behaviour.orient_without_food(evidence, arena) for arena in ARENAS),
+        *(behaviour.areas(evidence, arena) for arena in THESIS_ARENAS),
+        *(behaviour.around_training(evidence, arena) for arena in THESIS_ARENAS),
+        *(behaviour.orient_without_food(evidence, arena) for arena in THESIS_ARENAS),
         behaviour.failures_by_orient(evidence),
         behaviour.rest_is_correct(evidence),
         time.losses_cost_attempts(evidence),
         time.frequent_without_losses(evidence),
-        *(time.limit_is_enough(evidence, arena) for arena in ARENAS),
+        *(time.limit_is_enough(evidence, arena) for arena in THESIS_ARENAS),
     ]

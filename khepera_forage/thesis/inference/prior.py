@@ -13,7 +13,7 @@ from numpy.random import Generator
 
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import ARENAS
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.decision_fields import Field
 from khepera_forage.task.decisions import Decisions
 
@@ -125,7 +125,7 @@ def possible_decisions(values: Mapping[str, Any]) -> Decisions:
             move slowly faster than it searches.
     """
     decisions = Decisions.from_changes(_whole_counts(values), Decisions.v0_1())
-    for name in ARENAS:
+    for name in THESIS_ARENAS:
         checked_arena(name, decisions)
     if decisions.slow_speed > decisions.search_speed:
         raise ValueError(f"slow_speed is {decisions.slow_speed}; allowed: at most search_speed")

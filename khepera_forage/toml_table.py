@@ -1,6 +1,10 @@
 """Strict reading of TOML: errors name the key, and unknown keys are errors."""
 
+import re
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
+from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -26,12 +30,17 @@ class Table:
         if not isinstance(content, Mapping):
             raise TableError(f"{name} is {quoted(content)}; allowed: a table of keys and values")
         self._content = dict(content)
-        self._name = name
+        self.name = name
         self._known_keys: list[str] = []
+
+    def has(self, key: str) -> bool:
+        """Whether a key that is allowed has not been taken yet."""
+        self._known_keys.append(key)
+        return key in self._content
 
     def key(self, key: str) -> str:
         """The full name of a key, with the table's name."""
-        return f"{self._name}.{key}" if self._name else key
+        return f"{self.name}.{key}" if self.name else key
 
     def take(self, key: str, read: Callable[[str, Any], T], default: T = _MISSING) -> T:
         """The value of a key.
@@ -83,9 +92,38 @@ class Table:
             raise TableError(f"{self.key(key)} is unknown; allowed: {', '.join(sorted(self._known_keys))}")
 
 
+def table_of(toml: str, parse_float: Callable[[str], Any] = float) -> Table:
+    """The table of a whole text.
+
+    Args:
+        toml: The text.
+        parse_float: Makes the value of a number that is not whole; `Decimal` keeps all its digits.
+
+    Raises:
+        TableError: The text is not TOML; the message has the line.
+    """
+    try:
+        return Table(tomllib.loads(toml, parse_float=parse_float))
+    except tomllib.TOMLDecodeError as error:
+        raise TableError(f"not TOML: {error}") from None
+
+
+def text_of(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        TableError: It is not UTF-8.
+        OSError: The file cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise TableError(f"not UTF-8 text: {error}") from None
+
+
 def quoted(value: object) -> str:
     """A value as shown in an error message, at most 60 characters."""
-    text = repr(value)
+    text = re.sub(r"Decimal\('([^']*)'\)", r"\1", repr(value))
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -100,7 +138,7 @@ def number(low: float, high: float, unit: str) -> Callable[[str, Any], float]:
     """A reader of numbers from `low` to `high`."""
 
     def read(key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        if not _is_number(value) or not low <= float(value) <= high:
             raise TableError(f"{key} is {quoted(value)}; allowed: {low:g} to {high:g} {unit}")
         return float(value)
 
@@ -133,7 +171,7 @@ def numbers(form: str) -> Callable[[str, Any], tuple[float, ...]]:
         if (
             not isinstance(value, list)
             or len(value) != count
-            or not all(type(v) in (int, float) and abs(v) < 1e9 for v in value)
+            or not all(_is_number(v) and abs(float(v)) < 1e9 for v in value)
         ):
             raise TableError(f"{key} is {quoted(value)}; allowed: {form}")
         return tuple(float(v) for v in value)
@@ -141,12 +179,19 @@ def numbers(form: str) -> Callable[[str, Any], tuple[float, ...]]:
     return read
 
 
-def list_of(read_one: Callable[[str, Any], T]) -> Callable[[str, Any], tuple[T, ...]]:
-    """A reader of lists that are not empty; `read_one` reads each item."""
+def list_of(read_one: Callable[[str, Any], T], least: int = 1) -> Callable[[str, Any], tuple[T, ...]]:
+    """A reader of lists of at least `least` items; `read_one` reads each item."""
+    allowed = (
+        "a list that is not empty" if least == 1 else f"a list of at least {least}" if least else "a list"
+    )
 
     def read(key: str, value: Any) -> tuple[T, ...]:
-        if not isinstance(value, list) or not value:
-            raise TableError(f"{key} is {quoted(value)}; allowed: a list that is not empty")
+        if not isinstance(value, list) or len(value) < least:
+            raise TableError(f"{key} is {quoted(value)}; allowed: {allowed}")
         return tuple(read_one(f"{key}[{i}]", item) for i, item in enumerate(value))
 
     return read
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | Decimal) and not isinstance(value, bool)

@@ -1,0 +1,183 @@
+"""Arena files: one `Arena` as TOML, with the keys of `Arena`. Places are in mm, headings in degrees.
+
+```toml
+name = "den"
+walls = [[0, 0], [700, 0], [700, 500], [0, 500]]
+home = [560, 250]
+home_radius = 80
+start = [100, 250, 90]  # x mm, y mm, and heading in degrees, counter-clockwise from the x axis
+foods = [[350, 200], [350, 300]]
+obstacles = [[[200, 0], [240, 0], [240, 150], [200, 150]]]  # may be left out
+```
+"""
+
+import json
+from collections.abc import Iterable
+from decimal import Decimal, localcontext
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from khepera_forage.files import replacing
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.toml_table import Table, TableError, list_of, number, numbers, table_of, text, text_of
+
+_DIGITS = 40
+_PER_DEGREE = Decimal("0.01745329251994329576923690768488612713442871889")
+"""Radians. With more digits than a float has, every float is the value of some decimal number of degrees."""
+
+
+class ArenaFileError(ValueError):
+    """An arena file with a mistake; the message names the file, and the line or the key."""
+
+
+class ArenaPlan(NamedTuple):
+    """What an arena file says. Whether it makes an arena is not checked yet.
+
+    The attributes are those of `Arena`.
+    """
+
+    name: str
+    walls: tuple[Point, ...]
+    home: Point
+    home_radius: float
+    start: Pose
+    foods: tuple[Point, ...]
+    obstacles: tuple[tuple[Point, ...], ...] = ()
+
+    def arena(self) -> Arena:
+        """The arena.
+
+        Raises:
+            ValueError: It is not allowed, see `Arena`.
+        """
+        return Arena(*self)
+
+
+def read_arena(path: Path | str) -> Arena:
+    """The arena in a file.
+
+    Raises:
+        ArenaFileError: The file is not TOML, a key is missing, unknown or has a value that is not allowed, or the
+            arena is not allowed.
+        OSError: The file cannot be read.
+    """
+    plan = read_plan(path)
+    try:
+        return plan.arena()
+    except ValueError as error:
+        raise ArenaFileError(f"{path}: {error}") from None
+
+
+def read_plan(path: Path | str) -> ArenaPlan:
+    """What a file says about an arena, which may be one that is not allowed.
+
+    Raises:
+        ArenaFileError: The file is not TOML, or a key is missing, unknown or has a value that is not allowed.
+        OSError: The file cannot be read.
+    """
+    path = Path(path)
+    try:
+        return plan_of(table_of(text_of(path), parse_float=Decimal))
+    except TableError as error:
+        raise ArenaFileError(f"{path}: {error}") from None
+
+
+def write_arena(arena: Arena, path: Path | str) -> None:
+    """Write an arena file, which `read_arena` reads as an equal arena. A file that exists is replaced as a whole.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    with replacing(Path(path)) as partial:
+        partial.write_text(arena_text(arena), encoding="utf-8")
+
+
+def arena_text(arena: Arena) -> str:
+    """The text of an arena file."""
+    x, y, heading = arena.start
+    lines = [
+        f"name = {_quoted(arena.name)}",
+        f"walls = {_places(arena.walls)}",
+        f"home = {_numbers(arena.home)}",
+        f"home_radius = {_number(arena.home_radius)}",
+        f"start = [{_number(x)}, {_number(y)}, {_degrees(heading)}]  # x mm, y mm, heading degrees",
+        f"foods = {_places(arena.foods)}",
+    ]
+    if arena.obstacles:
+        lines += ["obstacles = [", *(f"    {_places(obstacle)}," for obstacle in arena.obstacles), "]"]
+    return "\n".join(lines) + "\n"
+
+
+def plan_of(table: Table) -> ArenaPlan:
+    """What a table says about an arena.
+
+    Raises:
+        TableError: A key is missing, unknown, or has a value that is not allowed.
+    """
+    plan = ArenaPlan(
+        name=table.take("name", text),
+        walls=table.take("walls", list_of(_point)),
+        home=table.take("home", _point),
+        home_radius=table.take("home_radius", number(1.0, 10000.0, "mm")),
+        start=table.take("start", _pose),
+        foods=table.take("foods", list_of(_point)),
+        obstacles=table.take("obstacles", list_of(list_of(_point), least=0), ()),
+    )
+    table.finish()
+    return plan
+
+
+def arena_of(table: Table) -> Arena:
+    """The arena in a table of a larger file.
+
+    Raises:
+        TableError: As `plan_of`; or the arena is not allowed.
+    """
+    plan = plan_of(table)
+    try:
+        return plan.arena()
+    except ValueError as error:
+        raise TableError(f"{table.name}: {error}") from None
+
+
+def _point(key: str, value: Any) -> Point:
+    return Point(*numbers("[x mm, y mm]")(key, value))
+
+
+def _pose(key: str, value: Any) -> Pose:
+    x, y, _ = numbers("[x mm, y mm, heading degrees]")(key, value)
+    return Pose(x, y, _radians(Decimal(value[2])))
+
+
+def _radians(degrees: Decimal) -> float:
+    with localcontext(prec=_DIGITS):
+        return float(degrees * _PER_DEGREE)
+
+
+def _degrees(radians: float) -> str:
+    """The shortest number of degrees that is read as exactly this angle."""
+    with localcontext(prec=_DIGITS):
+        exact = Decimal(float(radians)) / _PER_DEGREE
+    for digits in range(1, _DIGITS):
+        with localcontext(prec=digits):
+            rounded = +exact
+        if _radians(rounded) == radians:
+            break
+    return f"{rounded:f}"
+
+
+def _quoted(name: str) -> str:
+    # TOML's strings are those of JSON, but for the control character DEL.
+    return json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _number(value: float) -> str:
+    return repr(float(value)).removesuffix(".0")
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return f"[{', '.join(map(_number, values))}]"
+
+
+def _places(places: Iterable[Point]) -> str:
+    return f"[{', '.join(map(_numbers, places))}]"

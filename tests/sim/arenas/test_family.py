@@ -1,0 +1,81 @@
+"""The family of arenas: room for robots, step limits, and the camera's picture."""
+
+import math
+from itertools import combinations
+
+import pytest
+import shapely
+
+from khepera_forage.robots.khepera import RADIUS
+from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arenas.family import FAMILY, HOME_RADIUS, family_arena, step_limit
+from khepera_forage.sim.arenas.named import ARENAS, named_arena
+from khepera_forage.sim.layout_checks import check_layout, check_seen
+from khepera_forage.sim.ways import check_ways, too_narrow
+from khepera_forage.sim.world import Layout
+from tests.sim.arenas.floors import longest_path, usable_floor
+from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
+
+everywhere = pytest.mark.parametrize("name", FAMILY)
+
+
+def test_named_arenas_are_those_of_the_thesis_and_the_family() -> None:
+    assert ("corridor", "rectangle", *FAMILY) == ARENAS
+    assert list(FAMILY) == ["t_maze", "l_room", "doors", "obstacles", "many_foods", "mixed_foods"]
+    assert named_arena("doors", SET_UP) is family_arena("doors")
+    assert [named_arena(name, SET_UP) for name in ("corridor", "rectangle")] == [CORRIDOR, RECTANGLE]
+    assert {family_arena(name).name for name in FAMILY} == set(FAMILY)
+
+
+@everywhere
+def test_robot_reaches_every_part_past_the_home(name: str) -> None:
+    arena = family_arena(name)
+    floor = usable_floor(arena)
+    assert floor.geom_type == "Polygon"
+    check_ways(arena)
+    assert too_narrow(arena) == []
+    home = shapely.Point(arena.home)
+    assert floor.difference(home.buffer(HOME_RADIUS + RADIUS)).geom_type == "Polygon"
+    assert arena.clearance(arena.home) >= HOME_RADIUS + RADIUS == arena.home_radius + RADIUS
+    for place in (arena.home, arena.start, *arena.foods):
+        assert floor.contains(shapely.Point(place[:2]))
+
+
+@everywhere
+def test_walls_that_do_not_touch_leave_passages_of_200_mm(name: str) -> None:
+    arena = family_arena(name)
+    shapes = [shapely.LinearRing(arena.walls), *map(shapely.Polygon, arena.obstacles)]
+    gaps = [first.distance(second) for first, second in combinations(shapes, 2)]
+    assert all(gap == 0 or gap >= 200 for gap in gaps)
+    # Walls are at least 20 mm thick: an opening with this width removes none of their area but at corners.
+    for shape in shapes[1:]:
+        assert shape.buffer(-9.9).buffer(10).area > 0.95 * shape.area
+
+
+@everywhere
+def test_pair_is_in_the_camera_picture_with_room_on_its_marks(name: str) -> None:
+    pair = copies(family_arena(name), 2)
+    check_seen(pair)
+    for arena in pair:
+        check_layout((arena,), Layout((arena.start,), arena.foods))
+
+
+@everywhere
+def test_longest_path_is_that_of_the_floor(name: str) -> None:
+    assert longest_path(family_arena(name)) <= FAMILY[name].longest_path
+    assert FAMILY[name].longest_path <= 1.1 * longest_path(family_arena(name))
+
+
+def test_start_food_and_home_of_the_maze_and_the_rooms_are_out_of_sight() -> None:
+    for name in ("t_maze", "l_room", "doors"):
+        arena = family_arena(name)
+        floor = usable_floor(arena, 0)
+        assert not floor.contains(shapely.LineString((arena.start[:2], arena.home)))
+
+
+def test_step_limit_is_that_of_the_thesis_in_short_arenas_and_grows_with_the_path() -> None:
+    assert [step_limit(foods, 650) for foods in (1, 2, 5)] == [500, 700, 1300]
+    assert step_limit(1, 100) == 500
+    assert step_limit(1, 1300) == 1000
+    assert step_limit(2, 1301) == 1500
+    assert math.isclose(FAMILY["t_maze"].limit, 1000)

@@ -1,0 +1,244 @@
+"""Procedural arenas: room for robots, the same everywhere, disjoint splits."""
+
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+from zlib import crc32
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.robots.khepera import RADIUS
+from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arena_file import arena_text
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
+from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
+from khepera_forage.sim.arenas.procedural_floor import PASSAGE
+from khepera_forage.sim.layout_checks import check_layout, check_seen
+from khepera_forage.sim.ways import check_ways, too_narrow
+from khepera_forage.sim.world import Layout
+from tests.sim.arenas.floors import longest_path, usable_floor
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
+everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
+levels = st.integers(0, 2 * LEVELS)
+
+
+@everywhere
+@given(level=levels)
+@PROPERTY
+def test_robot_reaches_every_part_of_a_level_past_the_home(difficulty: str, level: int) -> None:
+    arena = procedural_arena(level, difficulty)
+    floor = usable_floor(arena)
+    assert floor.geom_type == "Polygon"
+    passed = floor.difference(shapely.Point(arena.home).buffer(arena.home_radius + RADIUS))
+    assert passed.geom_type == "Polygon"
+    for place in (arena.home, arena.start, *arena.foods):
+        assert floor.contains(shapely.Point(place[:2]))
+    check_ways(arena)
+    assert too_narrow(arena) == []
+    # No slits: a place with some room around it is beside the floor that robots use.
+    assert usable_floor(arena, 50).difference(floor.buffer(60)).area == pytest.approx(0, abs=1)
+
+
+@everywhere
+@given(level=levels)
+@PROPERTY
+def test_level_has_what_its_difficulty_says(difficulty: str, level: int) -> None:
+    arena, chosen = procedural_arena(level, difficulty), DIFFICULTIES[difficulty]
+    left, bottom, right, top = arena.bounds
+    assert (left, bottom) == (0, 0)
+    assert chosen.length[0] <= max(right, top) <= max(chosen.length[1], chosen.width[1])
+    assert chosen.width[0] <= min(right, top) <= chosen.width[1]
+    assert len(arena.segments) <= chosen.most_walls <= 30
+    assert len(arena.foods) == chosen.foods
+    outer = shapely.LinearRing(arena.walls)
+    shapes = [shapely.Polygon(corners) for corners in arena.obstacles]
+    free = [shape for shape in shapes if shape.distance(outer) > 0]
+    assert chosen.blocks[0] <= len(free) <= chosen.blocks[1]
+    assert chosen.partitions[0] <= len(shapes) - len(free) <= 2 * chosen.partitions[1]
+    for shape in free:
+        others = [outer, *(other for other in shapes if other is not shape)]
+        assert min(map(shape.distance, others)) > PASSAGE - 1e-6
+    assert (len(arena.walls) - 4) / 2 in range(chosen.notches[0], chosen.notches[1] + 1)
+
+
+@everywhere
+@given(level=levels)
+@PROPERTY
+def test_pair_of_a_level_is_in_the_picture_with_room_on_its_marks(difficulty: str, level: int) -> None:
+    pair = copies(procedural_arena(level, difficulty), 2)
+    check_seen(pair)
+    for arena in pair:
+        check_layout((arena,), Layout((arena.start,), arena.foods))
+
+
+@everywhere
+def test_step_limit_allows_for_the_paths_of_nearly_all_levels(difficulty: str) -> None:
+    paths = [longest_path(arena) for arena in ProceduralArenas(difficulty, num_levels=40)]
+    assert np.quantile(paths, 0.95) <= DIFFICULTIES[difficulty].longest_path
+    assert DIFFICULTIES[difficulty].longest_path <= 1.3 * max(paths)
+
+
+def test_difficulties_grow() -> None:
+    table = list(DIFFICULTIES.values())
+    assert (
+        [difficulty.name for difficulty in table]
+        == list(DIFFICULTIES)
+        == ["easy", "medium", "hard", "extreme"]
+    )
+    for easier, harder in pairwise(table):
+        assert easier.most_walls < harder.most_walls
+        assert easier.foods < harder.foods
+        assert easier.limit < harder.limit
+        assert easier.noise <= harder.noise
+        assert len(easier.food_types) <= len(harder.food_types)
+    assert table[-1].most_walls == 30
+
+
+# ---------------------------------------------------------------- the same everywhere
+
+
+def checksum(difficulty: str) -> int:
+    arenas = [procedural_arena(level, difficulty) for level in (*range(20), LEVELS, LEVELS + 1)]
+    return crc32("".join(map(arena_text, arenas)).encode())
+
+
+@pytest.mark.parametrize(
+    ("difficulty", "expected"),
+    [("easy", 4134579246), ("medium", 144599660), ("hard", 1519400939), ("extreme", 239643507)],
+)
+def test_levels_are_those_of_version_1(difficulty: str, expected: int) -> None:
+    """Results name levels: a generator with other arenas needs environments of another version."""
+    assert checksum(difficulty) == expected
+
+
+def test_level_does_not_depend_on_process_or_order() -> None:
+    code = (
+        "from khepera_forage.sim.arenas.procedural import procedural_arena as arena; "
+        "from khepera_forage.sim.arena_file import arena_text; "
+        "arena(5, 'easy'); print(arena_text(arena(3, 'hard')), end='')"
+    )
+    text = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert text == arena_text(procedural_arena(3, "hard"))
+
+
+def test_levels_differ() -> None:
+    arenas = [
+        replace(arena, name="level")
+        for difficulty in DIFFICULTIES
+        for split in ("train", "test")
+        for arena in ProceduralArenas(difficulty, split, 50)
+    ]
+    assert len(set(arenas)) == len(arenas)
+
+
+def test_both_splits_draw_from_the_same_arenas() -> None:
+    areas = [
+        [shapely.Polygon(arena.walls).area / 1e6 for arena in ProceduralArenas("medium", split, 300)]
+        for split in ("train", "test")
+    ]
+    error = np.hypot(*(np.std(a) / np.sqrt(len(a)) for a in areas))
+    assert abs(np.mean(areas[0]) - np.mean(areas[1])) < 4 * error
+
+
+# ---------------------------------------------------------------- sequences
+
+
+def test_sequence_is_of_consecutive_levels_of_a_split() -> None:
+    train = ProceduralArenas("easy", num_levels=5, start_level=10)
+    test = ProceduralArenas("easy", "test", 5, 10)
+    assert len(train) == len(test) == 5
+    assert list(train) == [procedural_arena(level, "easy") for level in range(10, 15)]
+    assert list(test) == [procedural_arena(LEVELS + level, "easy") for level in range(10, 15)]
+    assert train[-1] is train[4] is procedural_arena(14, "easy")
+    assert train[1:3] == (train[1], train[2])
+    assert train[np.int64(2)] == train[2]
+    assert train[0].name == "procedural_easy_10"
+    with pytest.raises(IndexError):
+        train[5]
+
+
+def test_splits_have_no_level_in_common() -> None:
+    last = ProceduralArenas("easy", "train", 1, LEVELS - 1)
+    assert last.first_level + len(last) == LEVELS == ProceduralArenas("easy", "test").first_level
+
+
+def test_sequence_can_be_compared_copied_and_used_as_a_key() -> None:
+    arenas = ProceduralArenas("hard", "test", 7, 3)
+    assert pickle.loads(pickle.dumps(arenas)) == arenas
+    assert len({arenas, ProceduralArenas("hard", "test", 7, 3), ProceduralArenas("hard")}) == 2
+    assert len(pickle.dumps(arenas)) < 300
+
+
+# ---------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"difficulty": "brutal"}, "difficulty is 'brutal'; allowed: 'easy', 'medium', 'hard', 'extreme', or a Diff"),
+        ({"difficulty": 5}, "difficulty is 5; allowed"),
+        ({"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
+        ({"num_levels": 0}, "num_levels is 0; allowed: a whole number of at least 1"),
+        ({"num_levels": 2.5}, r"num_levels is 2\.5; allowed: a whole number of at least 1"),
+        ({"start_level": -1}, "start_level is -1; allowed: a whole number of at least 0"),
+        ({"start_level": LEVELS - 100}, "start_level 999900 \\+ num_levels 200 is 1000100; allowed: at most 1000000"),
+    ],
+)  # fmt: skip
+def test_sequence_refuses_what_is_not_allowed(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ProceduralArenas(**arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("level", [-1, 1.5, "3", True])
+def test_generator_refuses_what_is_no_level(level: object) -> None:
+    with pytest.raises(ValueError, match=f"level is {level!r}; allowed: a whole number of at least 0"):
+        procedural_arena(level)  # type: ignore[arg-type]
+
+
+CROWDED = replace(DIFFICULTIES["easy"], name="crowded", foods=16)
+
+
+def test_difficulty_without_room_for_its_food_is_an_error() -> None:
+    with pytest.raises(
+        ValueError,
+        match=r"difficulty 'crowded': no room for 16 food objects.* in level 3 after.*allowed: fewer",
+    ):
+        procedural_arena(3, CROWDED)
+    assert len(procedural_arena(3, replace(CROWDED, length=(2000, 2400), width=(1100, 1165))).foods) == 16
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"length": (2000, 2500)}, r"length is \(2000, 2500\); allowed: two whole numbers in increasing order, 500 to"),
+        ({"width": (700, 600)}, r"width is \(700, 600\); allowed"),
+        ({"width": (399, 600)}, r"width is \(399, 600\); allowed"),
+        ({"notches": 2}, "notches is 2; allowed"),
+        ({"notches": (0, 3)}, r"notches is \(0, 3\); allowed.*0 to 2"),
+        ({"partitions": (0.0, 1.0)}, r"partitions is \(0\.0, 1\.0\); allowed"),
+        ({"blocks": (-1, 0)}, r"blocks is \(-1, 0\); allowed"),
+        ({"foods": 0}, "foods is 0; allowed: 1 to 16"),
+        ({"foods": 17}, "foods is 17; allowed: 1 to 16"),
+        ({"most_walls": 3}, "most_walls is 3; allowed: a number of at least 4"),
+        ({"noise": -0.5}, r"noise is -0\.5; allowed: a number of at least 0"),
+        ({"noise": float("nan")}, "noise is nan; allowed"),
+    ],
+)  # fmt: skip
+def test_difficulty_refuses_values_out_of_range(change: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=f"difficulty 'easy': {message}"):
+        replace(DIFFICULTIES["easy"], **change)  # type: ignore[arg-type]
+
+
+def test_difficulty_of_ones_own_is_accepted() -> None:
+    own = Difficulty("own", (700, 700), (500, 500), (0, 0), (0, 0), (0, 0), 4, 1, 700)
+    assert checked_difficulty(own) is own
+    assert procedural_arena(0, own).name == "procedural_own_0"
+    assert max(procedural_arena(0, own).bounds) == 700
+    assert (own.limit, dict(own.food_types)) == (600, {"PICKABLE": 1.0})

@@ -1,0 +1,190 @@
+"""Arena files: exact round trips, and one error for each mistake."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena_file import (
+    ArenaFileError,
+    arena_text,
+    plan_of,
+    read_arena,
+    read_plan,
+    write_arena,
+)
+from khepera_forage.sim.arenas.family import FAMILY, family_arena
+from khepera_forage.sim.arenas.procedural import procedural_arena
+from khepera_forage.sim.arenas.shapes import box
+from khepera_forage.toml_table import table_of
+from tests.sim.worlds import ELL, FIELD
+from tests.version_0_1 import CORRIDOR, RECTANGLE
+
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=300)
+DEN = """\
+name = "den"
+walls = [[0, 0], [700, 0], [700, 500], [0, 500]]
+home = [560, 250]
+home_radius = 80
+start = [100, 250, 90]  # x mm, y mm, heading degrees
+foods = [[350, 200], [350, 300.25]]
+obstacles = [
+    [[200, 0], [240, 0], [240, 150], [200, 150]],
+]
+"""
+
+
+def same(arena: Arena, other: Arena) -> bool:
+    """Whether two arenas are equal, with a heading that is the same number to the last bit."""
+    return arena == other and arena.start.heading.hex() == float(other.start.heading).hex()
+
+
+def read_back(arena: Arena, path: Path) -> Arena:
+    write_arena(arena, path)
+    return read_arena(path)
+
+
+@pytest.mark.parametrize(
+    "arena",
+    [CORRIDOR, RECTANGLE, ELL, FIELD, *map(family_arena, FAMILY), procedural_arena(7, "extreme")],
+    ids=lambda arena: arena.name,
+)
+def test_written_arena_reads_as_the_same(arena: Arena, tmp_path: Path) -> None:
+    assert same(read_back(arena, tmp_path / "arena.toml"), arena)
+
+
+finite = st.floats(-1e8, 1e8)
+inside = st.floats(0.1, 0.9)
+
+
+@st.composite
+def arenas(draw: st.DrawFn) -> Arena:
+    """A rectangle anywhere, with places and obstacles anywhere in it: any numbers, any name."""
+    left, bottom = draw(st.floats(-1e6, 1e6)), draw(st.floats(-1e6, 1e6))
+    length, width = draw(st.floats(600, 5000)), draw(st.floats(600, 5000))
+
+    def place() -> Point:
+        return Point(left + draw(inside) * length, bottom + draw(inside) * width)
+
+    thickness = draw(st.lists(st.floats(1, 10), max_size=3))
+    return Arena(
+        name=draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip)),
+        walls=box(left, bottom, left + length, bottom + width),
+        home=place(),
+        home_radius=draw(st.floats(1, 50)),
+        start=Pose(*place(), draw(st.floats(-1e4, 1e4))),
+        foods=tuple(place() for _ in range(draw(st.integers(1, 4)))),
+        obstacles=tuple(
+            box(left + 11 * i, bottom, left + 11 * i + t, bottom + t) for i, t in enumerate(thickness)
+        ),
+    )
+
+
+@given(arenas())
+@PROPERTY
+def test_text_of_a_random_arena_reads_as_the_same(arena: Arena) -> None:
+    assert same(read_text(arena_text(arena)), arena)
+
+
+def read_text(text: str) -> Arena:
+    from decimal import Decimal
+
+    return plan_of(table_of(text, parse_float=Decimal)).arena()
+
+
+@pytest.mark.parametrize("degrees", range(-180, 181, 15))
+def test_whole_degrees_stay_whole(degrees: int) -> None:
+    arena = read_text(DEN.replace("90]", f"{degrees}]"))
+    assert arena.start.heading == pytest.approx(math.radians(degrees), rel=1e-15)
+    assert f"250, {degrees}]" in arena_text(arena)
+
+
+def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
+    arena = read_text(DEN)
+    assert arena.foods == (Point(350, 200), Point(350, 300.25))
+    assert arena.start == (100, 250, math.pi / 2)
+    assert arena_text(arena) == DEN
+
+
+def test_obstacles_may_be_left_out_or_empty() -> None:
+    bare = DEN[: DEN.index("obstacles")]
+    assert read_text(bare).obstacles == read_text(bare + "obstacles = []").obstacles == ()
+    assert "obstacles" not in arena_text(read_text(bare))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('name = "den"', "name = 3", "name is 3; allowed: a text that is not empty"),
+        ('name = "den"\n', "", "name is missing"),
+        ("home_radius = 80\n", "", "home_radius is missing"),
+        ("home_radius = 80", "home_radius = -8.5", "home_radius is -8.5; allowed: 1 to 10000 mm"),
+        ("home_radius = 80", "home_radius = nan", "home_radius is NaN; allowed: 1 to 10000 mm"),
+        ("home_radius = 80", "home_radius = 80\ncolour = 1", "colour is unknown; allowed: foods, home, home_radius"),
+        ("[700, 0]", "[700.5]", "walls[1] is [700.5]; allowed: [x mm, y mm]"),
+        ("[700, 0]", "[700, inf]", "walls[1] is [700, Infinity]; allowed: [x mm, y mm]"),
+        ("[700, 0]", "[true, 0]", "walls[1] is [True, 0]; allowed: [x mm, y mm]"),
+        ("[[0, 0], [700, 0], [700, 500], [0, 500]]", "[]", "walls is []; allowed: a list that is not empty"),
+        ("[560, 250]", '"there"', "home is 'there'; allowed: [x mm, y mm]"),
+        ("[100, 250, 90]", "[100, 250]", "start is [100, 250]; allowed: [x mm, y mm, heading degrees]"),
+        ("[[350, 200], [350, 300.25]]", "[]", "foods is []; allowed: a list that is not empty"),
+        ("[[200, 0], [240, 0]", "[200, [240, 0]", "obstacles[0][0] is 200; allowed: [x mm, y mm]"),
+        ("[100, 250, 90]", "[10, 250, 90]", "den: start at (10, 250) mm is 10 mm from a wall"),
+        ("[700, 500], [0, 500]", "[0, 500], [700, 500]", "den: walls cross or touch at (350, 250)"),
+        ("[240, 150], [200, 150]", "[240, 150], [200, -150]", "den: walls cross or touch at (220, 0)"),
+        ("[[200, 0], [240, 0]", "[[200, -1], [240, 0]", "den: obstacle [(200.0, -1.0), (240.0, 0.0), "),
+        ("foods = [[", "foods = [", "not TOML: "),
+    ],
+)  # fmt: skip
+def test_mistake_is_one_error_with_file_and_key(old: str, new: str, message: str, tmp_path: Path) -> None:
+    assert old in DEN
+    path = tmp_path / "den.toml"
+    path.write_text(DEN.replace(old, new))
+    with pytest.raises(ArenaFileError, match=re.escape(f"{path}: {message}")) as caught:
+        read_arena(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_mistake_in_the_toml_names_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "den.toml"
+    path.write_text(DEN.replace("home_radius = 80", "home_radius 80"))
+    with pytest.raises(ArenaFileError, match=r"den\.toml: not TOML: .*line 4"):
+        read_arena(path)
+    path.write_bytes(b"name = '\xff'")
+    with pytest.raises(ArenaFileError, match=r"den\.toml: not UTF-8 text"):
+        read_arena(path)
+    with pytest.raises(FileNotFoundError, match="missing"):
+        read_arena(tmp_path / "missing.toml")
+
+
+def test_plan_of_an_arena_that_is_not_allowed_can_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "den.toml"
+    path.write_text(DEN.replace("[560, 250]", "[800, 250]"))
+    plan = read_plan(path)
+    assert (plan.name, plan.home) == ("den", Point(800, 250))
+    with pytest.raises(ValueError, match="den: home at"):
+        plan.arena()
+
+
+def test_file_that_exists_stays_whole_when_writing_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "arena.toml"
+    write_arena(ELL, path)
+
+    def full(self: Path, text: str, **kwargs: Any) -> int:
+        with self.open("w", **kwargs) as file:
+            file.write(text[:50])
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_text", full)
+        with pytest.raises(OSError, match=r"No space left.*arena\.toml"):
+            write_arena(FIELD, path)
+    assert read_arena(path) == ELL
+    assert list(tmp_path.iterdir()) == [path]
