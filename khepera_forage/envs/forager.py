@@ -26,6 +26,8 @@ def arena_map_of(arena: Arena) -> ArenaMap:
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
         whole_pixels(arena.home_radius),
+        arena.start.x / MM_PER_PIXEL,
+        arena.start.y / MM_PER_PIXEL,
         math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x)),
         whole_pixels(arena.diagonal),
         x1 / MM_PER_PIXEL,

@@ -17,6 +17,8 @@ from khepera_forage.geometry.walls import to_wall
 _NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 
+_BESIDE_HOME = 0.95
+"""The same share for a robot or food beside the home."""
 _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
 
@@ -49,24 +51,34 @@ class Ways(NamedTuple):
 
     Attributes:
         clearance: Pixels at which a straight way must pass the corners of walls.
+        home_x: Centre of the home in pixels.
+        home_y: Likewise.
+        berth: Pixels from that centre at which a robot on its way to food must pass the home, out of which it would be
+            turned.
         corners: `Corner` records.
         waypoints: `Spot` records.
-        lengths: Of the shortest path from waypoint a to waypoint b, at a * number of waypoints + b; infinite without.
+        lengths: Of the shortest path past the home from waypoint a to waypoint b, at a * number of waypoints + b;
+            infinite without.
+        start_lengths: Of the shortest path past the home from each waypoint to the start; infinite without.
         home_lengths: Of the shortest path from each waypoint to the home; infinite without.
     """
 
     clearance: float
+    home_x: float
+    home_y: float
+    berth: float
     corners: Any
     waypoints: Any
     lengths: Any
+    start_lengths: Any
     home_lengths: Any
 
 
-NO_WAYS = Ways(0.0, (), (), (), ())
+NO_WAYS = Ways(0.0, 0.0, 0.0, 0.0, (), (), (), (), ())
 """Of an arena in which every way is straight."""
 
 
-def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
+def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
     """Whether a robot can drive straight from one place to another.
 
     A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
@@ -78,6 +90,7 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
         y: Of the one place.
         to_x: Of the other place.
         to_y: Of the other place.
+        past_home: Whether the way must pass the home at its berth. It may come about as near to it as its ends are.
         walls: `geometry.walls.Wall` records in pixels.
         ways: What is prepared of the arena.
     """
@@ -92,6 +105,8 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
             if 0.0 <= along * wall.share <= 1.0:
                 return False
     squared = dx * dx + dy * dy
+    if past_home and _crosses_home(x, y, dx, dy, squared, ways):
+        return False
     for k in range(len(ways.corners)):
         corner_x, corner_y = ways.corners[k].x - x, ways.corners[k].y - y
         along = corner_x * dx + corner_y * dy
@@ -111,13 +126,25 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Way
     return True
 
 
+def _crosses_home(x: float, y: float, dx: float, dy: float, squared: float, ways: Ways) -> bool:
+    """Whether a way passes the home more closely than at its berth."""
+    home_x, home_y = ways.home_x - x, ways.home_y - y
+    along = home_x * dx + home_y * dy
+    if along <= 0.0 or along >= squared:
+        return False
+    aside = abs(home_x * dy - home_y * dx) / math.sqrt(squared)
+    if aside >= ways.berth:
+        return False
+    return aside < _BESIDE_HOME * min(length(home_x, home_y), length(home_x - dx, home_y - dy))
+
+
 def _distance(x: float, y: float, wall: Any) -> float:
     dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
     return length(dx, dy)
 
 
 def next_waypoint(
-    x: float, y: float, to_x: float, to_y: float, to_lengths: Any, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways
 ) -> tuple[float, float, float]:
     """Where to drive next on the shortest path from one place to another.
 
@@ -127,6 +154,7 @@ def next_waypoint(
         to_x: Of the other place.
         to_y: Of the other place.
         to_lengths: Of the shortest path from each waypoint to the other place.
+        past_home: As for `is_clear`.
         walls: `geometry.walls.Wall` records in pixels.
         ways: What is prepared of the arena.
 
@@ -134,25 +162,26 @@ def next_waypoint(
         x and y of the next waypoint, which is the other place itself where the way is clear, and the length of the
         path. Where there is no path: the other place, and infinity.
     """
-    if len(ways.corners) == 0 or is_clear(x, y, to_x, to_y, walls, ways):
+    if len(ways.corners) == 0 or is_clear(x, y, to_x, to_y, past_home, walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)
     best, best_x, best_y = math.inf, to_x, to_y
     for k in range(len(ways.waypoints)):
         point = ways.waypoints[k]
         first = length(point.x - x, point.y - y)
         total = first + to_lengths[k]
-        if first > _REACHED and total < best and is_clear(x, y, point.x, point.y, walls, ways):
+        if first > _REACHED and total < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
             best, best_x, best_y = total, point.x, point.y
     return best_x, best_y, best
 
 
-def find_lengths(x: float, y: float, lengths: Any, walls: Any, ways: Ways) -> None:
+def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, ways: Ways) -> None:
     """Find the lengths of the shortest paths from all waypoints to a place.
 
     Args:
         x: Of the place.
         y: Of the place.
         lengths: One number a waypoint; changed in place.
+        past_home: As for `is_clear`.
         walls: `geometry.walls.Wall` records in pixels.
         ways: What is prepared of the arena.
     """
@@ -161,7 +190,7 @@ def find_lengths(x: float, y: float, lengths: Any, walls: Any, ways: Ways) -> No
         lengths[a] = math.inf
     for b in range(count):
         point = ways.waypoints[b]
-        if is_clear(point.x, point.y, x, y, walls, ways):
+        if is_clear(point.x, point.y, x, y, past_home, walls, ways):
             last = length(x - point.x, y - point.y)
             for a in range(count):
                 lengths[a] = min(lengths[a], ways.lengths[a * count + b] + last)

@@ -15,6 +15,7 @@ from khepera_forage.geometry.paths import NO_WAYS, Corner, Spot, Ways, find_leng
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.visibility_graph import inward_corners, shortest_lengths
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:
@@ -24,10 +25,10 @@ CLEARANCE = FINGER_TIP + 5.0
 """mm from a waypoint's path to walls: a robot can turn there, with food in its gripper."""
 _PASSING = CLEARANCE - 7.5
 """mm at which a straight way must pass a corner: less, because the camera sees the robot beside its path."""
+_BERTH = 32.5
+"""mm by which waypoints past the home lie outside it: a little more than a searching robot keeps (`task.steering`)."""
 _BLUNT = 1.5
 """Waypoints at sharp corners lie at most this many clearances from them."""
-_ROUNDING = 0.01
-"""mm by which a path may leave the shrunken floor, along whose edges it runs."""
 
 
 @lru_cache(maxsize=1024)
@@ -36,15 +37,27 @@ def ways_of(arena: Arena) -> Ways:
     corners = arena.corners
     if not corners:
         return NO_WAYS
-    waypoints, lengths = _visibility_graph(arena)
+    floor = _shrunken_floor(arena)
+    home = _octagon(arena.home, arena.home_radius + _BERTH)
+    past_home = floor.difference(home)
+    waypoints = _waypoints_of(floor, past_home, home)
+    walls, start = pixel_walls(arena), arena.start
     ways = Ways(
         _PASSING / MM_PER_PIXEL,
+        arena.home.x / MM_PER_PIXEL,
+        arena.home.y / MM_PER_PIXEL,
+        (arena.home_radius + _BERTH) / MM_PER_PIXEL - 0.5,
         tuple(Corner(x / MM_PER_PIXEL, y / MM_PER_PIXEL, before, after) for x, y, before, after in corners),
-        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in waypoints.tolist()),
-        tuple((lengths / MM_PER_PIXEL).ravel().tolist()),
+        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in waypoints[1].tolist()),
+        _in_pixels(shortest_lengths(waypoints, past_home)),
+        (),
         (),
     )
-    return ways._replace(home_lengths=tuple(_lengths_to(arena, arena.home, ways)))
+    anywhere = ways._replace(lengths=_in_pixels(shortest_lengths(waypoints, floor)))
+    return ways._replace(
+        start_lengths=tuple(_lengths_to(Point(start.x, start.y), True, walls, ways)),
+        home_lengths=tuple(_lengths_to(arena.home, False, walls, anywhere)),
+    )
 
 
 def pixel_walls(arena: Arena) -> tuple[Any, ...]:
@@ -72,14 +85,13 @@ def way_out(arena: Arena) -> tuple[float, float]:
     ways, home, start = ways_of(arena), arena.home, arena.start
     if not ways.corners:
         return (x1 + x2) / 2, (y1 + y2) / 2
-    lengths = _lengths_to(arena, Point(start.x, start.y), ways)
     ends = home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL, start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL
-    x, y, _ = next_waypoint(*ends, lengths, pixel_walls(arena), ways)
+    x, y, _ = next_waypoint(*ends, ways.start_lengths, True, pixel_walls(arena), ways)
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
 def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
-    """The shortest path between two places, as a robot drives it.
+    """The shortest path between two places, as a robot drives it: past the home, unless that is the goal.
 
     Args:
         arena: Where.
@@ -93,15 +105,16 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
         ValueError: There is none.
     """
     ways, walls = ways_of(arena), pixel_walls(arena)
-    lengths = _lengths_to(arena, goal, ways)
+    past_home = goal != arena.home
+    lengths = _lengths_to(goal, True, walls, ways) if past_home else ways.home_lengths
     end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
     here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
     while here != end:
-        x, y, length = next_waypoint(*here, *end, lengths, walls, ways)
+        x, y, length = next_waypoint(*here, *end, lengths, past_home, walls, ways)
         if length == math.inf or len(path) > len(ways.waypoints) + 1:
             raise ValueError(
                 f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
-                f"{2 * CLEARANCE:g} mm wide"
+                f"{2 * CLEARANCE:g} mm wide{' and does not cross the home' if past_home else ''}"
             )
         here = Spot(x, y)
         path.append(goal if here == end else Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL))
@@ -109,7 +122,7 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
 
 
 def check_ways(arena: Arena) -> None:
-    """Complain unless a robot can drive from the start to every food object, and from there home.
+    """Complain unless a robot can drive from the start to every food object past the home, and from there home.
 
     Args:
         arena: One arena.
@@ -117,17 +130,28 @@ def check_ways(arena: Arena) -> None:
     Raises:
         ValueError: It cannot; the message says what cannot be reached, and where the arena is too narrow.
     """
-    ways, walls = ways_of(arena), pixel_walls(arena)
-    home_x, home_y = arena.home.x / MM_PER_PIXEL, arena.home.y / MM_PER_PIXEL
-    places = {"the start": arena.start, **{f"food {k + 1}": food for k, food in enumerate(arena.foods)}}
-    for name, place in places.items():
-        x, y = place[0] / MM_PER_PIXEL, place[1] / MM_PER_PIXEL
-        if next_waypoint(x, y, home_x, home_y, ways.home_lengths, walls, ways)[2] == math.inf:
-            raise ValueError(
-                f"{arena.name}: there is no way between {name} at ({place[0]:g}, {place[1]:g}) mm and the home at "
-                f"({arena.home.x:g}, {arena.home.y:g}) mm{_narrow_places(arena)}; allowed: passages that are "
-                f"{2 * CLEARANCE:g} mm wide or more (`khepera-forage arena show` draws them)"
-            )
+    ways = ways_of(arena)
+    foods = {f"food {k + 1}": food for k, food in enumerate(arena.foods)}
+    start = Point(arena.start.x, arena.start.y)
+    for name, place in {"the start": start, **foods}.items():
+        if not _has_way(arena, place, arena.home, ways.home_lengths, past_home=False):
+            raise _no_way(arena, name, place, "the home", arena.home, _narrow_places(arena))
+    for name, place in foods.items():
+        if not _has_way(arena, place, start, ways.start_lengths, past_home=True):
+            raise _no_way(arena, name, place, "the start", start, " that does not cross the home")
+
+
+def _has_way(arena: Arena, place: Point, goal: Point, lengths: Any, past_home: bool) -> bool:
+    ends = (place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
+    return next_waypoint(*ends, lengths, past_home, pixel_walls(arena), ways_of(arena))[2] < math.inf
+
+
+def _no_way(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, why: str) -> ValueError:
+    return ValueError(
+        f"{arena.name}: there is no way between {name} at ({place.x:g}, {place.y:g}) mm and {goal_name} at "
+        f"({goal.x:g}, {goal.y:g}) mm{why}; allowed: passages that are {2 * CLEARANCE:g} mm wide or more "
+        "(`khepera-forage arena show` draws them)"
+    )
 
 
 def too_narrow(arena: Arena) -> list[tuple[Point, ...]]:
@@ -175,59 +199,26 @@ def _shrunken_floor(arena: Arena) -> Any:
     return _floor(arena).buffer(-CLEARANCE, join_style="mitre", mitre_limit=_BLUNT)
 
 
-def _visibility_graph(arena: Arena) -> tuple[Any, Any]:
-    """Waypoints in mm, shape (n, 2), and the lengths of the shortest paths between them, shape (n, n)."""
+def _octagon(centre: Point, radius: float) -> Any:
+    """A regular octagon around a circle."""
     import shapely
-    from scipy.sparse.csgraph import shortest_path as shortest_lengths
 
-    region = _shrunken_floor(arena)
-    corners = [_inward_corners(part) for part in getattr(region, "geoms", [region])]
-    before, waypoints, after = np.concatenate(corners, axis=1)
-    count = len(waypoints)
-    first, second = np.triu_indices(count, 1)
-    # A shortest path touches each corner that it goes round: only such pairs can be part of one.
-    touches = [
-        _is_touched(waypoints[a], waypoints[b], before[a], after[a])
-        for a, b in ((first, second), (second, first))
-    ]
-    first, second = first[touches[0] & touches[1]], second[touches[0] & touches[1]]
-    lines = shapely.linestrings(np.stack([waypoints[first], waypoints[second]], axis=1))
-    allowed = region.buffer(_ROUNDING, join_style="mitre")
-    shapely.prepare(allowed)
-    seen = shapely.covers(allowed, lines)
-    graph = np.full((count, count), np.inf)
-    graph[first[seen], second[seen]] = shapely.length(lines[seen])
-    return waypoints, shortest_lengths(graph, directed=False)
+    return shapely.Point(centre).buffer(radius / math.cos(math.pi / 8), quad_segs=2)
 
 
-def _inward_corners(part: "Polygon") -> Any:
-    """The corners of a polygon, and of its holes, that point into it, with the corners before and after each.
+def _waypoints_of(floor: Any, past_home: Any, home: Any) -> Any:
+    """The waypoints of paths past the home, and of those into it, as of `inward_corners`."""
+    import shapely
 
-    Returns:
-        In mm, shape (3, corners, 2): the corners before, the corners themselves, and the corners after.
-    """
-    from shapely.geometry.polygon import orient
-
-    found = [np.zeros((3, 0, 2))]
-    turned = orient(part)
-    for ring in (turned.exterior, *turned.interiors):
-        here = np.asarray(ring.coords)[:-1]
-        before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
-        found.append(np.stack([before, here, after])[:, _cross(here - before, after - here) < 0])
-    return np.concatenate(found, axis=1)
+    into = inward_corners(floor)
+    return np.concatenate([inward_corners(past_home), into[:, shapely.contains_xy(home, into[1])]], axis=1)
 
 
-def _is_touched(place: Any, to: Any, before: Any, after: Any) -> Any:
-    """Whether lines from corners touch them: the sides that meet there are on the same side of the line."""
-    way = to - place
-    return _cross(way, before - place) * _cross(way, after - place) >= -_ROUNDING
+def _in_pixels(lengths: Any) -> tuple[float, ...]:
+    return tuple((lengths / MM_PER_PIXEL).ravel().tolist())
 
 
-def _cross(a: Any, b: Any) -> Any:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-
-
-def _lengths_to(arena: Arena, goal: Point, ways: Ways) -> list[float]:
+def _lengths_to(goal: Point, past_home: bool, walls: Any, ways: Ways) -> list[float]:
     lengths = [math.inf] * len(ways.waypoints)
-    find_lengths(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL, lengths, pixel_walls(arena), ways)
+    find_lengths(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL, lengths, past_home, walls, ways)
     return lengths

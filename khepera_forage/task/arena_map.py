@@ -16,6 +16,8 @@ class ArenaMap(NamedTuple):
         home_x: Centre of its home.
         home_y: Centre of its home.
         home_radius: Whole pixels.
+        start_x: Where training starts.
+        start_y: Where training starts.
         home_opening: Degrees from the home to the side on which it can be left and passed: to the middle of the floor,
             or, where walls stand between, to the first waypoint towards the start.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
@@ -30,6 +32,8 @@ class ArenaMap(NamedTuple):
     home_x: float
     home_y: float
     home_radius: int
+    start_x: float
+    start_y: float
     home_opening: float
     diagonal: int
     left: float

@@ -103,12 +103,12 @@ def _path_to(x: float, y: float, to_x: float, to_y: float, food: Any, lengths: A
         lengths: Of the shortest path from each waypoint to the food; changed in place if the food has moved.
         arena: The arena.
     """
-    if is_clear(x, y, to_x, to_y, arena.walls, arena.ways):
+    if is_clear(x, y, to_x, to_y, True, arena.walls, arena.ways):
         return length(to_x - x, to_y - y)
     if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, arena.walls, arena.ways)
+        find_lengths(to_x, to_y, lengths, True, arena.walls, arena.ways)
         food.lengths_x, food.lengths_y = to_x, to_y
-    return next_waypoint(x, y, to_x, to_y, lengths, arena.walls, arena.ways)[2]
+    return next_waypoint(x, y, to_x, to_y, lengths, True, arena.walls, arena.ways)[2]
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -130,7 +130,7 @@ def way_home(x: float, y: float, arena: ArenaMap) -> Way:
     """The way home from a place, in pixels."""
     if len(arena.ways.corners) == 0:
         return arena.home_x, arena.home_y, 0.0
-    return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, arena)
+    return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, False, arena)
 
 
 def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: ArenaMap) -> Way:
@@ -145,11 +145,11 @@ def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: Aren
     """
     if len(arena.ways.corners) == 0 or tracker.nearest < 0:
         return tracker.food_x, tracker.food_y, 0.0
-    return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], arena)
+    return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], True, arena)
 
 
-def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, arena: ArenaMap) -> Way:
-    way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, arena.walls, arena.ways)
+def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, past_home: bool, arena: ArenaMap) -> Way:
+    way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, past_home, arena.walls, arena.ways)
     # Without a path, such as for a robot that was pushed into a corner, the robot drives straight on.
     return way_x, way_y, (path if path < math.inf else 0.0)
 

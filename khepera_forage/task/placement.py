@@ -80,7 +80,7 @@ def draw_layout(
     """Draw a random start and random food places (5.4.1.1).
 
     The robot starts anywhere outside home, heading uniform. Food lies outside home, further from the robot than the
-    close threshold, where a gripper fits around it. From both places there is a way home.
+    close threshold, where a gripper fits around it. Both can be reached from home, and from one another past the home.
 
     Args:
         start: The `Start` record; changed in place.
@@ -104,7 +104,7 @@ def draw_layout(
             number += 3
             if not (_is_outside_home(start, RADIUS, floor) and _robot_is_free(start, _MARGIN, floor)):
                 continue
-            if not _has_way_home(start, arena):
+            if not _can_be_reached(start, arena):
                 continue
         if places_given:
             if layout_is_free(start, places, floor):
@@ -115,7 +115,7 @@ def draw_layout(
             place = places[placed]
             place.x, place.y = _draw_place(key, food_number, floor)
             food_number += 2
-            if _food_fits(place, places, placed, start, floor, decisions) and _has_way_home(place, arena):
+            if _food_fits(place, places, placed, start, floor, decisions) and _can_be_reached(place, arena):
                 placed += 1
                 if placed == len(places):
                     return True
@@ -186,11 +186,14 @@ def layout_is_free(start: Any, places: Any, floor: Floor) -> bool:
     return True
 
 
-def _has_way_home(place: Any, arena: ArenaMap) -> bool:
-    x, y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
-    ways = arena.ways
-    _, _, path = next_waypoint(x, y, arena.home_x, arena.home_y, ways.home_lengths, arena.walls, ways)
-    return bool(path < math.inf)
+def _can_be_reached(place: Any, arena: ArenaMap) -> bool:
+    """Whether there is a way home from a place, and one past the home between it and the start of training."""
+    x, y, ways = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, arena.ways
+    if len(ways.corners) == 0:
+        return True
+    home = next_waypoint(x, y, arena.home_x, arena.home_y, ways.home_lengths, False, arena.walls, ways)
+    start = next_waypoint(x, y, arena.start_x, arena.start_y, ways.start_lengths, True, arena.walls, ways)
+    return bool(max(home[2], start[2]) < math.inf)
 
 
 def _robot_is_free(start: Any, margin: float, floor: Floor) -> bool:

@@ -147,12 +147,13 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[20], (waypoints,), place_dtype),
         array_at(a[21], (waypoints * waypoints,), _FLOAT),
         array_at(a[22], (waypoints,), _FLOAT),
-        array_at(a[23], (1,), decisions_dtype),
+        array_at(a[23], (waypoints,), _FLOAT),
+        array_at(a[24], (1,), decisions_dtype),
     )
-    action = array_at(a[24], (1, numbers), _FLOAT)
-    begins = array_at(a[25], (1,), _FLAG)
-    start = array_at(a[26], (1,), start_dtype)
-    places = array_at(a[27], (foods,), place_dtype)
-    has_room = array_at(a[28], (1,), _FLAG)
+    action = array_at(a[25], (1, numbers), _FLOAT)
+    begins = array_at(a[26], (1,), _FLAG)
+    start = array_at(a[27], (1,), start_dtype)
+    places = array_at(a[28], (foods,), place_dtype)
+    has_room = array_at(a[29], (1,), _FLAG)
     block, advance = worlds_of(worlds, 0, 0), table[ADVANCE]
     has_room[0] = step_block(block, parameters, task, action, begins, start, places, advance)

@@ -44,6 +44,7 @@ class TaskParameters(NamedTuple):
         corners: `way_corner_dtype`, the corners that point into the floor, in pixels.
         waypoints: `place_dtype`, in pixels.
         way_lengths: Of the shortest paths between waypoints, shape (waypoints * waypoints,).
+        start_lengths: Of the shortest path from each waypoint to the start.
         home_lengths: Of the shortest path from each waypoint to the home.
         decisions: `decisions_dtype`, shape (1,).
     """
@@ -54,6 +55,7 @@ class TaskParameters(NamedTuple):
     corners: NDArray[Any]
     waypoints: NDArray[Any]
     way_lengths: NDArray[np.float64]
+    start_lengths: NDArray[np.float64]
     home_lengths: NDArray[np.float64]
     decisions: NDArray[Any]
 
@@ -109,7 +111,7 @@ def task_parameters(
         for name, value in known._asdict().items():
             if name not in ("walls", "ways"):
                 record[f"{prefix}_{name}"] = value
-    record["map_clearance"] = map_.ways.clearance
+    record["map_clearance"], record["map_berth"] = map_.ways.clearance, map_.ways.berth
     record["odds"] = odds
     record["limit"] = limit
     return TaskParameters(
@@ -119,6 +121,7 @@ def task_parameters(
         np.array(list(map(tuple, map_.ways.corners)), way_corner_dtype),
         np.array(list(map(tuple, map_.ways.waypoints)), place_dtype),
         np.array(map_.ways.lengths, np.float64),
+        np.array(map_.ways.start_lengths, np.float64),
         np.array(map_.ways.home_lengths, np.float64),
         np.array([tuple(values)], decisions_dtype),
     )
@@ -132,6 +135,8 @@ def arena_map(task: TaskParameters) -> ArenaMap:
         arena.map_home_x,
         arena.map_home_y,
         int(arena.map_home_radius),
+        arena.map_start_x,
+        arena.map_start_y,
         arena.map_home_opening,
         int(arena.map_diagonal),
         arena.map_left,
@@ -139,7 +144,17 @@ def arena_map(task: TaskParameters) -> ArenaMap:
         arena.map_right,
         arena.map_top,
         task.map_walls,
-        Ways(arena.map_clearance, task.corners, task.waypoints, task.way_lengths, task.home_lengths),
+        Ways(
+            arena.map_clearance,
+            arena.map_home_x,
+            arena.map_home_y,
+            arena.map_berth,
+            task.corners,
+            task.waypoints,
+            task.way_lengths,
+            task.start_lengths,
+            task.home_lengths,
+        ),
     )
 
 

@@ -84,13 +84,13 @@ decisions_dtype = np.dtype([(field.name, "f8") for field in fields(Decisions)])
 
 arena_dtype = np.dtype(
     [(f"map_{name}", "f8") for name in ArenaMap._fields if name not in ("walls", "ways")]
-    + [("map_clearance", "f8")]
+    + [("map_clearance", "f8"), ("map_berth", "f8")]
     + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
     + [("odds", "f8", (len(FoodType) - 1,))]
     + [("limit", "i8")]
 )
-"""`task.arena_map.ArenaMap` in pixels without its walls, with the clearance of its `Ways`; `Floor` in mm without its
-walls; odds of food types, and the step limit."""
+"""`task.arena_map.ArenaMap` in pixels without its walls, with the clearance and berth of its `Ways`; `Floor` in mm
+without its walls; odds of food types, and the step limit."""
 
 
 def task_dtype(lanes: int) -> np.dtype[Any]:
