@@ -17,7 +17,7 @@ from khepera_forage.geometry.walls import to_wall
 _NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 
-_BESIDE_HOME = 0.95
+_BESIDE_HOME = 0.85
 """The same share for a robot or food beside the home."""
 _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
@@ -138,6 +138,11 @@ def _crosses_home(x: float, y: float, dx: float, dy: float, squared: float, ways
     return aside < _BESIDE_HOME * min(length(home_x, home_y), length(home_x - dx, home_y - dy))
 
 
+def _is_in_home(point: Any, ways: Ways) -> bool:
+    """Whether a waypoint lies in the home or its berth; only the way home leads there."""
+    return length(point.x - ways.home_x, point.y - ways.home_y) < ways.berth
+
+
 def _distance(x: float, y: float, wall: Any) -> float:
     dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
     return length(dx, dy)
@@ -169,7 +174,8 @@ def next_waypoint(
         point = ways.waypoints[k]
         first = length(point.x - x, point.y - y)
         total = first + to_lengths[k]
-        if first > _REACHED and total < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
+        allowed = first > _REACHED and not (past_home and _is_in_home(point, ways))
+        if allowed and total < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
             best, best_x, best_y = total, point.x, point.y
     return best_x, best_y, best
 
@@ -190,7 +196,8 @@ def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, 
         lengths[a] = math.inf
     for b in range(count):
         point = ways.waypoints[b]
-        if is_clear(point.x, point.y, x, y, past_home, walls, ways):
+        allowed = not (past_home and _is_in_home(point, ways))
+        if allowed and is_clear(point.x, point.y, x, y, past_home, walls, ways):
             last = length(x - point.x, y - point.y)
             for a in range(count):
                 lengths[a] = min(lengths[a], ways.lengths[a * count + b] + last)
