@@ -199,7 +199,7 @@ def test_sequence_refuses_what_is_not_allowed(arguments: dict[str, object], mess
 @pytest.mark.parametrize("level", [-1, 1.5, "3", True])
 def test_generator_refuses_what_is_no_level(level: object) -> None:
     with pytest.raises(ValueError, match=f"level is {level!r}; allowed: a whole number of at least 0"):
-        procedural_arena(level)  # type: ignore[arg-type]
+        procedural_arena(level)
 
 
 CROWDED = replace(DIFFICULTIES["easy"], name="crowded", foods=16)
