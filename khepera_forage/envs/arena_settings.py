@@ -2,11 +2,13 @@
 
 from typing import Any
 
+from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.difficulty import Difficulty, checked_difficulty
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.family import FAMILY, step_limit
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
+from khepera_forage.sim.path_lengths import longest_path
 
 _THESIS = {CORRIDOR: {"foods": 1, "limit": 500}, RECTANGLE: {"foods": 2, "limit": 700}}
 """Of recalls (5.4)."""
@@ -17,17 +19,20 @@ def environment_name(arena: str) -> str:
     return "".join(word.capitalize() for word in arena.split("_"))
 
 
-def settings_of(arena: str) -> dict[str, Any]:
-    """The arguments of a recall environment of a named arena.
+def settings_of(arena: str | Arena) -> dict[str, Any]:
+    """The arguments of a recall environment of an arena.
 
     Args:
-        arena: One of `ARENAS`.
+        arena: One of `ARENAS`; or an arena of your own, whose step limit follows from its paths, as in the family.
 
     Raises:
         ValueError: Another name.
     """
+    if isinstance(arena, Arena):
+        foods = len(arena.foods)
+        return {"arena": arena, "foods": foods, "limit": step_limit(foods, longest_path(arena))}
     if arena not in ARENAS:
-        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(map(repr, ARENAS))}")
+        raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
     if arena in _THESIS:
         return {"arena": arena, **_THESIS[arena]}
     data = FAMILY[arena]
