@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -18,7 +19,7 @@ from khepera_forage.envs import paired_arenas_v1, paired_procedural_v1
 from khepera_forage.envs.arena_settings import environment_name, procedural_settings, settings_of
 from khepera_forage.envs.procedural import ProceduralEntryPoint
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
+from khepera_forage.sim.arenas.family import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 
 with warnings.catch_warnings():
@@ -94,7 +95,9 @@ def test_paired_environment_has_the_settings_of_its_arena() -> None:
     assert env.max_cycles == FAMILY["mixed_foods"].limit * 1.2
     other: Any = paired_arenas_v1.raw_env("corridor", max_cycles=70, num_learners=2)
     assert (other.max_cycles, other.arenas[0].name, len(other.arenas)) == (70, "corridor", 3)
-    with pytest.raises(ValueError, match="arena is 'circle'; allowed: 'corridor', 'rectangle', 't_maze'"):
+    with pytest.raises(
+        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
+    ):
         paired_arenas_v1.env(arena="circle")
 
 
@@ -119,7 +122,7 @@ def test_name_is_made_in_a_new_process_without_an_import() -> None:
 
 
 def test_settings_of_an_unknown_arena_are_an_error() -> None:
-    with pytest.raises(ValueError, match="arena is 'circle'; allowed: 'corridor'"):
+    with pytest.raises(ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor'"):
         settings_of("circle")
 
 
@@ -173,3 +176,11 @@ def test_procedural_environment_refuses_what_is_not_allowed(kwargs: dict[str, An
 def test_paired_procedural_environment_refuses_what_is_not_allowed() -> None:
     with pytest.raises(ValueError, match="split is 'dev'; allowed"):
         paired_procedural_v1.env(split="dev")
+
+
+def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> None:
+    for name, data in FAMILY.items():
+        arena = family_arena(name)
+        assert settings_of(arena) == {"arena": arena, "foods": len(data.foods), "limit": data.limit}
+    wide = replace(family_arena("many_foods"), foods=family_arena("many_foods").foods[:1])
+    assert settings_of(wide)["limit"] == step_limit(1, 1060)
