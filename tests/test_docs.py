@@ -13,6 +13,8 @@ import pytest
 import khepera_forage
 from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.policies.learners import LEARNERS
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.family import FAMILY
 from khepera_forage.task.decision_table import decision_table, markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -115,6 +117,43 @@ def test_compiled_example_steps_all_worlds() -> None:
     names = run_block("environments.md", 3)
     assert names["rewards"].shape == (256,)
     assert names["env"].unwrapped.backend == "compiled"
+
+
+def test_blocks_of_arenas_page_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    names = run_blocks("arenas.md")
+    assert names["arena"] == names["procedural_arena"](5, "hard")
+    (toml,) = re.findall(r"```toml\n(.*?)```", PAGES["arenas.md"], flags=re.DOTALL)
+    (tmp_path / "den.toml").write_text(toml, encoding="utf-8")
+    assert names["read_arena"]("den.toml") == names["den"]
+    names["env"].reset(seed=1)
+    names["training"].reset(seed=1)
+
+
+def test_arenas_page_has_the_family_and_the_difficulties() -> None:
+    rows = re.findall(
+        r"^\| `(khepera_forage/.+?)` \| `(\w+)`: .+? \| (\d+) x (\d+) \| (\d) \| (\d+) steps \|$",
+        PAGES["arenas.md"],
+        flags=re.MULTILINE,
+    )
+    assert [name for _, name, *_ in rows] == list(FAMILY)
+    for env_id, name, *numbers in rows:
+        own: Any = gym.make(env_id).unwrapped
+        assert own.arena.name == name
+        assert [*own.arena.bounds[2:], own.foods, own.limit] == [*map(int, numbers)]
+    for name, difficulty in DIFFICULTIES.items():
+        (row,) = re.findall(rf"^\| {name} \| (\d.+) \|$", PAGES["arenas.md"], flags=re.MULTILINE)
+        size, *counts, types, noise, limit = row.split(" | ")
+        (short, long), (narrow, wide) = difficulty.length, difficulty.width
+        assert size == f"{short} x {narrow} to {long} x {wide}"
+        ranges = (difficulty.notches, difficulty.partitions, difficulty.blocks)
+        texts = [f"{low}-{high}" if low < high else f"{low}" for low, high in ranges]
+        assert counts == [*texts, str(difficulty.most_walls), str(difficulty.foods)]
+        shares = [
+            f"{share:.0%} {food.lower()}".replace("%", " %") for food, share in difficulty.food_types.items()
+        ]
+        assert types == ", ".join(shares).replace("100 % ", "")
+        assert (float(noise), int(limit)) == (difficulty.noise, difficulty.limit)
 
 
 def test_example_of_training_page_has_two_learners() -> None:

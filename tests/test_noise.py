@@ -1,5 +1,6 @@
 """`Noise`: its two presets, its sources, and values that are refused."""
 
+import math
 from dataclasses import FrozenInstanceError, fields, replace
 from typing import Any
 
@@ -84,3 +85,24 @@ def test_value_below_1_is_refused_where_it_has_no_meaning(name: str) -> None:
 def test_noise_is_immutable() -> None:
     with pytest.raises(FrozenInstanceError):
         Noise.none().wheel_slip = 1.0  # type: ignore[misc]
+
+
+def test_scaled_noise_has_other_sizes_and_the_same_durations() -> None:
+    noise = Noise.laboratory()
+    half, double = noise.scaled(0.5), noise.scaled(2)
+    assert (half.wheel_slip, double.position_jitter) == (noise.wheel_slip / 2, noise.position_jitter * 2)
+    assert (half.proximity_floor, double.proximity_floor) == (3, 12)
+    assert half.loss_rate_food == noise.loss_rate_food / 2
+    for each in (half, double):
+        assert (each.loss_rounds, each.cable_loss_factor) == (noise.loss_rounds, noise.cable_loss_factor)
+    assert noise.scaled(1) == noise
+    assert noise.scaled(1e6).reversal_rate == 1
+    nothing = noise.scaled(0)
+    assert (nothing.loss_rounds, nothing.cable_loss_factor) == (noise.loss_rounds, noise.cable_loss_factor)
+    assert replace(nothing, loss_rounds=1, cable_loss_factor=1) == replace(Noise.none(), loss_rounds=1)
+
+
+@pytest.mark.parametrize("share", [-0.1, math.nan, math.inf])
+def test_share_of_noise_that_is_no_size_is_refused(share: float) -> None:
+    with pytest.raises(ValueError, match=f"share of noise is {share!r}; allowed: a finite number >= 0"):
+        Noise.laboratory().scaled(share)

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena_file import read_arena
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decision_text import VERSIONS, decisions_from_words
@@ -13,6 +15,8 @@ from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"
 """Value of `--lab` for the virtual laboratory."""
+ARENA_FILES = ".toml"
+"""Ending of the names of arena files."""
 MOST_EPISODES = 100_000
 
 
@@ -36,15 +40,36 @@ def add_episodes_argument(parser: argparse.ArgumentParser, default: int, help_te
 
 
 def add_arena_argument(parser: argparse.ArgumentParser) -> None:
-    """Add `--arena`: one of the thesis's arenas (3.1). None stands for the corridor, so that a choice can be told."""
-    parser.add_argument("--arena", choices=tuple(ARENAS), help=f"({CORRIDOR})")
+    """Add `--arena`: a name or a file. None stands for the corridor, so that a choice can be told."""
+    parser.add_argument(
+        "--arena",
+        metavar="NAME|FILE",
+        help=f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})",
+    )
+
+
+def arena_of(arguments: argparse.Namespace) -> str | Arena:
+    """The arena that `--arena` names: one of `ARENAS`, or the content of a file.
+
+    Raises:
+        ValueError: Another name, or a file with a mistake.
+        OSError: The file cannot be read.
+    """
+    arena = arguments.arena or CORRIDOR
+    if arena in ARENAS:
+        return str(arena)
+    if not arena.endswith(ARENA_FILES):
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}, or a file *{ARENA_FILES}")
+    return read_arena(arena)
 
 
 def add_food_type_argument(parser: argparse.ArgumentParser) -> None:
-    """Add `--food-type`: the type of all food objects."""
+    """Add `--food-type`: the type of all food objects. None stands for the types that the arena has."""
     *others, last = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
-    default = FoodType.PICKABLE.name
-    parser.add_argument("--food-type", default=default, help=f"{', '.join(others)} or {last} ({default})")
+    parser.add_argument(
+        "--food-type",
+        help=f"of all food: {', '.join(others)} or {last} ({FoodType.PICKABLE.name}; in mixed_foods all of them)",
+    )
 
 
 def add_num_learners_argument(parser: argparse.ArgumentParser, help_text: str) -> None:
@@ -105,7 +130,8 @@ def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where:
         ValueError: One of them was given.
     """
     for option in options:
-        if getattr(arguments, option.removeprefix("--").replace("-", "_")) not in (None, False):
+        value = getattr(arguments, option.removeprefix("--").replace("-", "_"))
+        if value is not None and value is not False:  # 0 is a value that was given
             raise ValueError(f"{option} has no effect here; allowed: {where}")
 
 

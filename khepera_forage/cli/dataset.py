@@ -27,6 +27,7 @@ from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.rollouts.training import train
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import FoodType
 
 FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
 EPISODES = 10
@@ -81,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
         seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
         parts = [Experience.load(path) for path in arguments.experience]
     else:
-        seed, procedure = arguments.seed, SIMULATED.format(food=arguments.food_type)
+        seed, procedure = arguments.seed, SIMULATED.format(food=arguments.food_type or FoodType.PICKABLE.name)
         parts = _recorded(arguments, decisions)
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(out)

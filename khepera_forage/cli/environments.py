@@ -3,32 +3,39 @@
 import argparse
 from typing import Any
 
-from khepera_forage.cli.arguments import VIRTUAL_LAB, decisions_of
+from khepera_forage.cli.arguments import VIRTUAL_LAB, arena_of, decisions_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.extras import require
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts import recall as recall_rollouts
+from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.named import ARENAS
-from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
 
 
 def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
-    """The paired corridors. In a laboratory, print its robots and its camera.
+    """Teacher and learners in copies of an arena. In a laboratory, print its robots and its camera.
 
     Args:
-        arguments: With `lab`, `num_learners`, `food_type` and `decision`.
+        arguments: With `lab`, `arena`, `num_learners`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    decisions, learners = decisions_of(arguments), arguments.num_learners or 1
+    decisions, learners, arena = decisions_of(arguments), arguments.num_learners or 1, arena_of(arguments)
     kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
     if arguments.lab is None:
-        return TrainingEnv(num_learners=learners, **kwargs)
-    world = _laboratory(arguments.lab, CORRIDOR, learners + 1, decisions)
+        return raw_env(arena, num_learners=learners, **kwargs)
+    world = _laboratory(arguments.lab, arena, learners + 1, decisions)
     try:
-        return TrainingEnv(num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
+        return raw_env(
+            _known(world.arenas[0]),
+            num_learners=len(world.markers) - 1,
+            noise=Noise.none(),
+            world=world,
+            **kwargs,
+        )
     except BaseException:
         world.close()
         raise
@@ -41,19 +48,23 @@ def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
         arguments: With `lab`, `arena`, `food_type` and `decision`.
         **kwargs: Further arguments of the environment.
     """
-    decisions, name = decisions_of(arguments), arguments.arena or CORRIDOR
-    kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
+    decisions, arena = decisions_of(arguments), arena_of(arguments)
+    kwargs = {"decisions": decisions, **kwargs}
+    if arguments.food_type is not None:
+        kwargs["food_types"] = arguments.food_type
     if arguments.lab is None:
-        return recall_rollouts.recall_env(name, **kwargs)
-    world = _laboratory(arguments.lab, name, 1, decisions)
+        return recall_rollouts.recall_env(arena, **kwargs)
+    world = _laboratory(arguments.lab, arena, 1, decisions)
     try:
-        arena = world.arenas[0]
-        if arena.name in ARENAS:
-            return recall_rollouts.recall_env(arena.name, world=world, **kwargs)
-        return BehavioursEnv(foods=len(arena.foods), world=world, **kwargs)
+        return recall_rollouts.recall_env(_known(world.arenas[0]), world=world, **kwargs)
     except BaseException:
         world.close()
         raise
+
+
+def _known(arena: Arena) -> str | Arena:
+    """The name of an arena of a laboratory, whose settings then apply; or an arena of the user's own."""
+    return arena.name if arena.name in ARENAS else arena
 
 
 def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
@@ -64,7 +75,7 @@ def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
         print(f"{clock.rounds} rounds, {clock.overruns} over their time{worst}")
 
 
-def _laboratory(lab: str, arena: str, robots: int, decisions: Decisions) -> World:
+def _laboratory(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> World:
     """Open the laboratory that `--lab` names; one robot means the one that forages in a recall.
 
     The decisions say how long rounds last and where start, food and home are, where the file leaves this open.

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from khepera_forage import __version__
 from khepera_forage.cli import compare, dataset, decisions, infer, recall, reproduce, train, watch
+from khepera_forage.cli.arena import command as arena
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
@@ -29,6 +30,7 @@ SUBCOMMANDS = (
     Subcommand(
         "recall", "let a trained learner, or the teacher, forage alone", recall.add_arguments, recall.run
     ),
+    Subcommand("arena", "list, draw and write arenas", arena.add_arguments),
     Subcommand("compare", "compare all learners, and yours with them", compare.add_arguments, compare.run),
     Subcommand(
         "watch",

@@ -7,6 +7,7 @@ from contextlib import closing
 from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
+    add_arena_argument,
     add_decision_argument,
     add_episodes_argument,
     add_food_type_argument,
@@ -39,10 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_episodes_argument(parser, 10, "complete training episodes, one file each")
     add_seed_argument(parser, "the same seed gives the same files")
     add_out_argument(parser, "experience", "folder for g1.csv, g2.csv, ... and attempts.csv")
+    add_arena_argument(parser)
     add_food_type_argument(parser)
     add_num_learners_argument(
         parser,
-        "learners, each in its own corridor; the first one records (1; with --lab FILE as many as it lists)",
+        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it lists)",
     )
     parser.add_argument(
         "--patience",
@@ -74,6 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     if is_real(arguments.lab):
         refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+        refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
     decisions = decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
         arguments.patience,

@@ -74,11 +74,12 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.phase == "training":
         refuse_ignored(
             arguments,
-            ["--experience", "--arena", "--allow-other-decisions", "--recover"],
+            ["--experience", "--allow-other-decisions", "--recover"],
             "with `watch recall`",
         )
         if is_real(arguments.lab):
             refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+            refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
     else:
         refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         check_policy_arguments(arguments)

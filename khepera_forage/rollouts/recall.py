@@ -8,6 +8,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 
+from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Policy
@@ -29,17 +30,20 @@ class RecallInterruptedError(ConnectionError):
 
 
 def recall_env(
-    arena: str, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
+    arena: str | Arena, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
-    """The recall environment of one of the thesis's arenas.
+    """The recall environment of an arena.
 
     Args:
-        arena: `corridor` or `rectangle`.
+        arena: One of `ARENAS`, or an arena of your own.
         noise: The laboratory's noise by default.
-        limit: Time limit in steps; the thesis's by default.
+        limit: Time limit in steps; that of the environment by default.
         **kwargs: Further arguments of the environment.
     """
-    return unwrapped_env(BehavioursEnv, f"{arena.capitalize()}-v1", noise, limit, **kwargs)
+    if isinstance(arena, Arena):
+        settings = settings_of(arena) if limit is None else {**settings_of(arena), "limit": limit}
+        return BehavioursEnv(noise=noise, **{**settings, **kwargs})
+    return unwrapped_env(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
 
 
 def unwrapped_env(

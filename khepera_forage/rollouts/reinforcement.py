@@ -16,11 +16,12 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 - registers the environments
+from khepera_forage.envs.arena_settings import environment_name
 from khepera_forage.envs.backends import COMPILED, check_backend
 from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
 from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
-from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
+from khepera_forage.sim.arenas.named import ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
 """From a number of environments to a vector environment that begins new episodes in the step that ends one."""
@@ -49,7 +50,7 @@ def recall_envs(arena: str = "corridor", wheels: bool = False, mode: str = "sync
     """A function that makes recall environments.
 
     Args:
-        arena: `corridor` or `rectangle`.
+        arena: One of `ARENAS`.
         wheels: Whether actions are motors, and not behaviours.
         mode: Gymnasium's `vectorization_mode`: `sync` or `async` on pymunk, `vector_entry_point` compiled.
         **kwargs: Other arguments of the environment.
@@ -90,7 +91,7 @@ def reinforce(
         make_env: Makes the environments, all in one. By default those of `arena` on `backend`.
         envs: How many; by default as many as the learner's settings say if compiled, 8 otherwise.
         watch: Called with the steps so far.
-        arena: `corridor` or `rectangle`.
+        arena: One of `ARENAS`.
         backend: `compiled`, or `pymunk`, which needs no numba and takes longer.
 
     Returns:
@@ -164,7 +165,7 @@ def vec_env(
         learner: Its actions, how long they hold, and in how many environments it trains.
         make_env: As for `reinforce`; so are the others.
         envs: How many.
-        arena: `corridor` or `rectangle`.
+        arena: One of `ARENAS`.
         backend: `compiled` or `pymunk`.
 
     Raises:
@@ -183,9 +184,9 @@ def vec_env(
 
 
 def _name(arena: str, wheels: bool) -> str:
-    if arena not in THESIS_ARENAS:
-        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(THESIS_ARENAS)}")
-    return f"khepera_forage/{arena.capitalize()}{'Wheels' if wheels else ''}-v1"
+    if arena not in ARENAS:
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
+    return f"khepera_forage/{environment_name(arena)}{'Wheels' if wheels else ''}-v1"
 
 
 @contextmanager

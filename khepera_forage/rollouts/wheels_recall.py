@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arena_settings import environment_name
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.recall import Callback, RecallInterruptedError, unwrapped_env
@@ -47,15 +48,15 @@ class WheelsRecall(NamedTuple):
 def recall_wheels_env(
     arena: str, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
 ) -> WheelsEnv:
-    """The recall environment of one of the thesis's arenas whose actions are motor commands.
+    """The recall environment of a named arena whose actions are motor commands.
 
     Args:
-        arena: `corridor` or `rectangle`.
+        arena: One of `ARENAS`.
         noise: The laboratory's noise by default.
-        limit: Time limit in steps; the thesis's by default.
+        limit: Time limit in steps; that of the environment by default.
         **kwargs: Further arguments of the environment.
     """
-    return unwrapped_env(WheelsEnv, f"{arena.capitalize()}Wheels-v1", noise, limit, **kwargs)
+    return unwrapped_env(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
 
 
 def recall_wheels(

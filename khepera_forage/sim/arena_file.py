@@ -44,6 +44,11 @@ class ArenaPlan(NamedTuple):
     foods: tuple[Point, ...]
     obstacles: tuple[tuple[Point, ...], ...] = ()
 
+    @classmethod
+    def of(cls, arena: Arena) -> "ArenaPlan":
+        """What the file of an arena says."""
+        return cls(*(getattr(arena, name) for name in cls._fields))
+
     def arena(self) -> Arena:
         """The arena.
 

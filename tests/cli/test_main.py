@@ -84,9 +84,31 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
             "--num-learners has no effect here; allowed: with `watch t",
         ),
         (
-            ["watch", "training", "--arena", "corridor"],
-            "--arena has no effect here; allowed: with `watch recall`",
+            ["train", "--lab", "lab.toml", "--arena", "corridor"],
+            "--arena has no effect here; allowed: without --lab",
         ),
+        (
+            ["recall", "--arena", "circle"],
+            "arena is 'circle'; allowed: corridor, rectangle, t_maze, l_room, doors, obstacles, many_foods, "
+            "mixed_foods, or a file *.toml",
+        ),
+        (["recall", "--arena", "missing.toml"], "No such file or directory: 'missing.toml'"),
+        (["arena", "show", "missing.toml"], "No such file or directory: 'missing.toml'"),
+        (["arena", "show", "circle"], "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
+        (
+            ["arena", "show", "doors", "--level", "0"],
+            "--level has no effect here; allowed: with the arena procedural",
+        ),
+        (
+            ["arena", "show", "doors", "--out", "doors.gif"],
+            "--out is 'doors.gif'; allowed: a name that ends in .png",
+        ),
+        (
+            ["arena", "show", "procedural", "--level", "-1"],
+            "--level: '-1'; allowed: a whole number of at least 0",
+        ),
+        (["arena", "show", "procedural", "--difficulty", "brutal"], "invalid choice: 'brutal'"),
+        (["arena", "write", "doors", "doors.txt"], "file is 'doors.txt'; allowed: a name that ends in .toml"),
         (["teach", "--pace", "nan"], "--pace: 'nan'; allowed: more than 0, at most 1000 rounds a second"),
     ],
 )

@@ -98,7 +98,7 @@ def test_registration_is_idempotent() -> None:
 
 def test_import_loads_no_heavy_package() -> None:
     code = "import khepera_forage, sys; print([m for m in sys.modules if m.split('.')[0] in %r])"
-    heavy = {"pymunk", "sklearn", "scipy", "matplotlib", "pygame", "cv2", "numba"}
+    heavy = {"pymunk", "sklearn", "scipy", "shapely", "matplotlib", "pygame", "cv2", "numba"}
     done = subprocess.run([sys.executable, "-c", code % heavy], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

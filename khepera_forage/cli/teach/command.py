@@ -14,11 +14,13 @@ from khepera_forage.cli.arguments import (
     add_food_type_argument,
     add_out_argument,
     add_seed_argument,
+    arena_of,
     decisions_of,
 )
 from khepera_forage.cli.teach.human_teacher import HumanTeacher
 from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
 from khepera_forage.cli.training_plan import PlannedFile, planned_files, require_new
+from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.extras import require
@@ -66,13 +68,13 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: An experience file is there already, or there is no display.
         ImportError: pygame is not installed.
     """
-    decisions, arena = decisions_of(arguments), arguments.arena or CORRIDOR
+    decisions, arena = decisions_of(arguments), arena_of(arguments)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     require_new(files, "choose another --out, or remove it first")
     require("teaching", "render")
     from khepera_forage.cli.teach.window import TeachingWindow
 
-    env = TrainingEnv(arena=arena, food_types=arguments.food_type, decisions=decisions)
+    env = raw_env(arena, food_types=arguments.food_type, decisions=decisions)
     with closing(env), closing(TeachingWindow()) as window:
         arguments.out.mkdir(parents=True, exist_ok=True)
         teacher = HumanTeacher(env, window, arguments.episodes, arguments.pace, arguments.hints)
@@ -104,7 +106,14 @@ def _teach(
         print("no episode is complete, so no file is kept")
         return
     print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, choices)}")
-    command = ["khepera-forage", "recall", "--arena", env.arenas[0].name, "--experience", *map(str, recorded)]
+    command = [
+        "khepera-forage",
+        "recall",
+        "--arena",
+        arguments.arena or CORRIDOR,
+        "--experience",
+        *map(str, recorded),
+    ]
     for assignment in arguments.decision:
         command += ["--decision", assignment]
     print(f"next: {shlex.join(command)}", flush=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from numbers import Real
 
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arenas.family import step_limit
@@ -71,7 +70,7 @@ class Difficulty:
             raise ValueError(f"difficulty {self.name!r}: foods is {self.foods!r}; allowed: 1 to {MOST_FOODS}")
         for name, least in (("most_walls", 4), ("longest_path", 0), ("noise", 0)):
             value = getattr(self, name)
-            if not (isinstance(value, Real) and least <= value < float("inf")):
+            if not (isinstance(value, int | float) and least <= value < float("inf")):
                 raise ValueError(
                     f"difficulty {self.name!r}: {name} is {value!r}; allowed: a number of at least {least}"
                 )

@@ -9,7 +9,7 @@ import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import overload
+from typing import SupportsIndex, overload
 
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.difficulty import Difficulty, checked_difficulty
@@ -98,12 +98,12 @@ class ProceduralArenas(Sequence[Arena]):
         return self.num_levels
 
     @overload
-    def __getitem__(self, index: int) -> Arena: ...
+    def __getitem__(self, index: SupportsIndex) -> Arena: ...
 
     @overload
     def __getitem__(self, index: slice) -> tuple[Arena, ...]: ...
 
-    def __getitem__(self, index: int | slice) -> Arena | tuple[Arena, ...]:
+    def __getitem__(self, index: SupportsIndex | slice) -> Arena | tuple[Arena, ...]:
         chosen = range(self.num_levels)[index]
         if isinstance(chosen, int):
             return procedural_arena(self.first_level + chosen, self.difficulty)
@@ -129,7 +129,7 @@ def _arena(name: str, walls: Corners, obstacles: Sequence[Corners], marks: Marks
     )
 
 
-def _whole_number(name: str, value: int, least: int) -> int:
+def _whole_number(name: str, value: SupportsIndex, least: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:

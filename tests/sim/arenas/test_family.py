@@ -11,9 +11,10 @@ from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.family import FAMILY, HOME_RADIUS, family_arena, step_limit
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.layout_checks import check_layout, check_seen
+from khepera_forage.sim.path_lengths import longest_path
 from khepera_forage.sim.ways import check_ways, too_narrow
 from khepera_forage.sim.world import Layout
-from tests.sim.arenas.floors import longest_path, usable_floor
+from tests.sim.arenas.floors import usable_floor
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
 everywhere = pytest.mark.parametrize("name", FAMILY)
@@ -62,8 +63,7 @@ def test_pair_is_in_the_camera_picture_with_room_on_its_marks(name: str) -> None
 
 @everywhere
 def test_longest_path_is_that_of_the_floor(name: str) -> None:
-    assert longest_path(family_arena(name)) <= FAMILY[name].longest_path
-    assert FAMILY[name].longest_path <= 1.1 * longest_path(family_arena(name))
+    assert FAMILY[name].longest_path == math.ceil(longest_path(family_arena(name)))
 
 
 def test_start_food_and_home_of_the_maze_and_the_rooms_are_out_of_sight() -> None:

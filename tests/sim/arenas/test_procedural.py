@@ -20,9 +20,10 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, check
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.layout_checks import check_layout, check_seen
+from khepera_forage.sim.path_lengths import longest_path
 from khepera_forage.sim.ways import check_ways, too_narrow
 from khepera_forage.sim.world import Layout
-from tests.sim.arenas.floors import longest_path, usable_floor
+from tests.sim.arenas.floors import usable_floor
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
@@ -199,7 +200,7 @@ def test_sequence_refuses_what_is_not_allowed(arguments: dict[str, object], mess
 @pytest.mark.parametrize("level", [-1, 1.5, "3", True])
 def test_generator_refuses_what_is_no_level(level: object) -> None:
     with pytest.raises(ValueError, match=f"level is {level!r}; allowed: a whole number of at least 0"):
-        procedural_arena(level)  # type: ignore[arg-type]
+        procedural_arena(level)
 
 
 CROWDED = replace(DIFFICULTIES["easy"], name="crowded", foods=16)

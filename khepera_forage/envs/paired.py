@@ -1,6 +1,6 @@
-"""The wrappers of the paired corridors, for all their versions: the order of calls and simultaneous actions."""
+"""What the modules of all paired environments share: wrappers, and the functions that PettingZoo calls."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from gymnasium.error import ResetNeeded
@@ -36,11 +36,27 @@ class CheckedActions(BaseParallelWrapper[str, Any, Any]):
         return super().step(checked)
 
 
-def wrapped(raw: TrainingEnv) -> AECEnv[str, Any, Any]:
-    """An environment that checks the order of calls; it checks actions itself."""
-    return OrderEnforcingWrapper(raw)
+AecMaker = Callable[..., AECEnv[str, Any, Any]]
+ParallelMaker = Callable[..., ParallelEnv[str, Any, Any]]
 
 
-def wrapped_parallel(raw: TrainingEnv) -> ParallelEnv[str, Any, Any]:
-    """The same with simultaneous actions. What a learner hears is then what the teacher did a round ago."""
-    return CheckedActions(aec_to_parallel(wrapped(raw)))
+def makers(raw_env: Callable[..., TrainingEnv]) -> tuple[AecMaker, ParallelMaker]:
+    """The functions `env` and `parallel_env` of a module.
+
+    Args:
+        raw_env: Makes the environment without wrappers; the functions have its arguments.
+
+    Returns:
+        `env`, which checks the order of calls (actions are checked by the environment itself), and `parallel_env` with
+        simultaneous actions. What a learner hears is in the latter what the teacher did a round ago.
+    """
+
+    def env(**kwargs: Any) -> AECEnv[str, Any, Any]:
+        """The environment with PettingZoo's usual wrappers; the arguments are those of `raw_env`."""
+        return OrderEnforcingWrapper(raw_env(**kwargs))
+
+    def parallel_env(**kwargs: Any) -> ParallelEnv[str, Any, Any]:
+        """The same with simultaneous actions. What a learner hears is then what the teacher did a round ago."""
+        return CheckedActions(aec_to_parallel(env(**kwargs)))
+
+    return env, parallel_env

@@ -1,0 +1,1 @@
+"""`khepera-forage arena`: list, draw and write arenas."""

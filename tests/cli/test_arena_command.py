@@ -1,0 +1,184 @@
+"""`khepera-forage arena`, and `--arena` of other commands: named arenas, files and procedural levels."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.cli.main import main
+from khepera_forage.envs.rendering import palette
+from khepera_forage.experience import Experience
+from khepera_forage.sim.arena_file import read_arena, write_arena
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.family import FAMILY, family_arena
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
+
+MAZE = family_arena("t_maze")
+DOORS = """\
+name = "narrow"
+walls = [[0, 0], [1000, 0], [1000, 500], [0, 500]]
+home = [850, 250]
+home_radius = 80
+start = [150, 250, 0]
+foods = [[300, 250]]
+obstacles = [[[480, 0], [520, 0], [520, 300], [480, 300]]]
+"""
+
+
+def pixels(path: Path) -> NDArray[np.uint8]:
+    image = pytest.importorskip("PIL.Image")
+    return np.asarray(image.open(path).convert("RGB"))
+
+
+def share(path: Path, colour: palette.Colour) -> float:
+    """Of the pixels of a picture, those of a colour."""
+    return float(np.mean(np.abs(pixels(path).astype(int) - colour).max(axis=2) < 30))
+
+
+def test_list_has_every_arena_and_difficulty(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["arena", "list"]) == 0
+    out = capsys.readouterr().out
+    names = [line.split()[0] for line in out.splitlines() if line]
+    assert names == ["arena", *ARENAS, "Procedural-v1", *DIFFICULTIES]
+    assert "TMaze-v1        1400 x  860        8     1    1000" in out
+
+
+@pytest.mark.parametrize("name", ARENAS)
+def test_named_arena_is_drawn(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    picture = tmp_path / "new" / "arena.png"
+    assert main(["arena", "show", name, "--out", str(picture)]) == 0
+    out, err = capsys.readouterr()
+    assert f"{picture}: {name}\n" in out
+    assert "longest way" in out
+    assert err == ""
+    assert share(picture, palette.FLOOR) > 0.1
+    assert share(picture, palette.HOME) > 0.001
+    assert share(picture, (0, 114, 178)) > 0.001  # paths
+    assert 600 <= pixels(picture).shape[1] <= 1300
+
+
+def test_procedural_level_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    options = ["--difficulty", "hard", "--level", str(LEVELS), "--out", str(tmp_path / "arena.png")]
+    assert main(["arena", "show", "procedural", *options]) == 0
+    out = capsys.readouterr().out
+    assert "arena.png: procedural_hard_1000000\n" in out
+    assert f"step limit {DIFFICULTIES['hard'].limit}" in out
+
+
+def test_arena_that_is_too_narrow_is_drawn_in_red_and_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("matplotlib")
+    path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
+    shares = []
+    for length in (300, 400):  # of the wall: leaves 200 mm and 100 mm
+        path.write_text(DOORS.replace("300], [480, 300", f"{length}], [480, {length}"))
+        status = main(["arena", "show", str(path), "--out", str(picture)])
+        shares.append(share(picture, (217, 95, 107)))  # red, seen through on the floor
+        out, err = capsys.readouterr()
+        assert status == (0 if length == 300 else 1)
+    assert shares[0] == 0
+    assert shares[1] > 0.001
+    assert "khepera-forage arena show: narrow: there is no way between" in err
+    assert err.count("\n") == 1
+    assert "longest way" not in out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[1000, 500], [0, 500]", "[0, 500], [1000, 500]", "narrow: walls cross or touch at (500, 250)"),
+        ("[150, 250, 0]", "[500, 250, 0]", "narrow: start at (500, 250) mm is inside a wall"),
+        ("[480, 300]]]", "[480, 300]], [[500, 50], [600, 50], [600, 90]]]", "narrow: obstacles [("),
+        ("[[0, 0], [1000, 0]", "[[-10, 0], [1000, 0]", "arenas reach from (-10, 0) to (1000, 500) mm; allowed"),
+    ],
+)  # fmt: skip
+def test_arena_that_is_not_allowed_is_drawn_and_refused(
+    old: str, new: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("matplotlib")
+    path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
+    assert old in DOORS
+    path.write_text(DOORS.replace(old, new))
+    assert main(["arena", "show", str(path), "--out", str(picture)]) == 1
+    out, err = capsys.readouterr()
+    assert err.startswith(f"khepera-forage arena show: {message}")
+    assert err.count("\n") == 1
+    assert out == f"{picture}: narrow\n"
+    assert share(picture, palette.FLOOR) > 0.1
+
+
+def test_file_with_a_mistake_is_not_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
+    path.write_text(DOORS.replace("home_radius", "radius"))
+    assert main(["arena", "show", str(path), "--out", str(picture)]) == 2
+    assert f"{path}: home_radius is missing" in capsys.readouterr().err
+    assert not picture.exists()
+
+
+def test_missing_matplotlib_is_reported_before_the_arena_is_read(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("khepera_forage.extras.find_spec", lambda name: None)
+    assert main(["arena", "show", "missing.toml"]) == 2
+    assert (
+        "khepera-forage arena show needs matplotlib: pip install 'khepera-forage[plots]'"
+        in capsys.readouterr().err
+    )
+
+
+def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in FAMILY:
+        path = tmp_path / f"{name}.toml"
+        assert main(["arena", "write", name, str(path)]) == 0
+        assert read_arena(path) == family_arena(name)
+    path = tmp_path / "level.toml"
+    assert main(["arena", "write", "procedural", str(path), "--level", "9"]) == 0
+    assert read_arena(path) == procedural_arena(9, "medium")
+    copy = tmp_path / "copy.toml"
+    assert main(["arena", "write", str(path), str(copy)]) == 0
+    assert copy.read_text() == path.read_text()
+    assert f"`khepera-forage arena show {copy}` draws it" in capsys.readouterr().out
+
+
+def test_written_arena_replaces_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("mine")
+    assert main(["arena", "write", "doors", str(path)]) == 2
+    assert "exists; choose another name" in capsys.readouterr().err
+    assert path.read_text() == "mine"
+
+
+# ---------------------------------------------------------------- --arena of other commands
+
+
+def test_recall_takes_a_named_arena_and_its_food_types(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "rows.csv"
+    assert main(["recall", "--arena", "mixed_foods", "--episodes", "1", "--out", str(out)]) == 0
+    assert "mixed_foods" in out.read_text()
+
+
+def test_recall_takes_an_arena_file(tmp_path: Path) -> None:
+    path, out = tmp_path / "mine.toml", tmp_path / "rows.csv"
+    write_arena(MAZE, path)
+    own, named = (
+        ["recall", "--arena", arena, "--episodes", "1", "--out", str(out)] for arena in (str(path), "t_maze")
+    )
+    texts = []
+    for arguments in (own, named):
+        assert main(arguments) == 0
+        texts.append(out.read_text())
+    assert texts[0] == texts[1]
+
+
+def test_train_records_in_the_arena(tmp_path: Path) -> None:
+    options = ["--arena", "t_maze", "--episodes", "1", "--out", str(tmp_path)]
+    assert main(["train", *options]) == 0
+    assert Experience.load(tmp_path / "g1.csv").arena == "t_maze"

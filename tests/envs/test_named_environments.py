@@ -1,0 +1,186 @@
+"""The environments of the family and of procedural arenas, by name."""
+
+import subprocess
+import sys
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pettingzoo
+import pytest
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.utils.env_checker import check_env
+
+import khepera_forage  # noqa: F401  (registers the environments)
+from khepera_forage import Noise
+from khepera_forage.envs import paired_arenas_v1, paired_procedural_v1
+from khepera_forage.envs.arena_settings import environment_name, procedural_settings, settings_of
+from khepera_forage.envs.procedural import ProceduralEntryPoint
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.family import FAMILY, family_arena, step_limit
+from khepera_forage.sim.arenas.procedural import ProceduralArenas
+
+with warnings.catch_warnings():
+    # PettingZoo's own test module imports one of its deprecated environments.
+    warnings.simplefilter("ignore", DeprecationWarning)
+    from pettingzoo.test import api_test, parallel_api_test
+
+everywhere = pytest.mark.parametrize("arena", FAMILY)
+
+
+def test_names_of_environments_are_those_of_arenas() -> None:
+    assert [environment_name(arena) for arena in ("corridor", *FAMILY)] == [
+        "Corridor",
+        "TMaze",
+        "LRoom",
+        "Doors",
+        "Obstacles",
+        "ManyFoods",
+        "MixedFoods",
+    ]
+    own = {env_id for env_id in gym.registry if env_id.startswith("khepera_forage/")}
+    families = [*map(environment_name, FAMILY), "Procedural"]
+    expected = {f"khepera_forage/{name}{kind}-v1" for name in families for kind in ("", "Wheels")}
+    for name in ("Corridor", "Rectangle"):
+        for kind in ("", "Wheels"):
+            expected |= {f"khepera_forage/{name}{kind}-{version}" for version in ("v0", "v1")}
+    assert own == expected
+    paired = {f"khepera_forage/Paired{name}-v1" for name in (*families, "Corridors")}
+    paired.add("khepera_forage/PairedCorridors-v0")
+    for registry in (pettingzoo.aec_registry, pettingzoo.parallel_registry):
+        assert {env_id for env_id in registry if env_id.startswith("khepera_forage/")} == paired
+
+
+@everywhere
+@pytest.mark.parametrize("kind", ["", "Wheels"])
+def test_environment_has_the_arena_and_its_settings(arena: str, kind: str) -> None:
+    env: Any = gym.make(f"khepera_forage/{environment_name(arena)}{kind}-v1", render_mode="rgb_array")
+    own = env.unwrapped
+    assert own.arena == family_arena(arena)
+    assert (own.foods, own.limit) == (len(FAMILY[arena].foods), FAMILY[arena].limit)
+    check_env(own)
+    assert EnvSpec.from_json(env.spec.to_json()).kwargs == env.spec.kwargs
+
+
+def test_settings_can_be_overridden() -> None:
+    env: Any = gym.make("khepera_forage/MixedFoods-v1", limit=50, food_types="PUSHABLE", foods=2).unwrapped
+    assert (env.limit, env.foods) == (50, 2)
+
+
+def test_mixed_foods_are_of_all_types() -> None:
+    env: Any = gym.make("khepera_forage/MixedFoods-v1").unwrapped
+    drawn = []
+    for seed in range(50):
+        env.reset(seed=seed)
+        drawn += [food.type for food in env.forager.tracker.foods]
+    shares = np.bincount(drawn, minlength=4)[1:] / len(drawn)
+    assert shares == pytest.approx([0.5, 0.25, 0.25], abs=0.12)
+
+
+@everywhere
+def test_paired_environment_passes_the_api_tests(arena: str) -> None:
+    name = f"khepera_forage/Paired{environment_name(arena)}-v1"
+    aec: Any = pettingzoo.make("aec", name, max_cycles=30)
+    api_test(aec, num_cycles=100)
+    parallel_api_test(pettingzoo.make("parallel", name, max_cycles=30), num_cycles=60)
+    assert aec.metadata["name"] == f"paired_{arena}_v1"
+    assert [each.bounds != aec.unwrapped.arenas[0].bounds for each in aec.unwrapped.arenas] == [False, True]
+    assert aec.unwrapped.arenas[0] == family_arena(arena)
+
+
+def test_paired_environment_has_the_settings_of_its_arena() -> None:
+    env: Any = paired_arenas_v1.raw_env("mixed_foods")
+    assert env.max_cycles == FAMILY["mixed_foods"].limit * 1.2
+    other: Any = paired_arenas_v1.raw_env("corridor", max_cycles=70, num_learners=2)
+    assert (other.max_cycles, other.arenas[0].name, len(other.arenas)) == (70, "corridor", 3)
+    with pytest.raises(
+        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
+    ):
+        paired_arenas_v1.env(arena="circle")
+
+
+def test_vector_environment_of_the_family_is_compiled() -> None:
+    pytest.importorskip("numba")
+    envs: Any = gym.make_vec("khepera_forage/Doors-v1", num_envs=2)
+    assert envs.unwrapped.backend == "compiled"
+    observations, infos = envs.reset(seed=3)
+    alone, _ = gym.make("khepera_forage/Doors-v1").reset(seed=4)
+    assert observations["robot_home_distance"][1] == alone["robot_home_distance"]
+    *_, infos = envs.step(infos["correct_behaviour"])
+    assert infos["steps"].tolist() == [1, 1]
+    envs.close()
+
+
+def test_name_is_made_in_a_new_process_without_an_import() -> None:
+    code = (
+        "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/TMaze-v1').reset(seed=1)[0])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "robot_home_distance" in done.stdout
+
+
+def test_settings_of_an_unknown_arena_are_an_error() -> None:
+    with pytest.raises(ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor'"):
+        settings_of("circle")
+
+
+# ---------------------------------------------------------------- procedural arenas
+
+
+@pytest.mark.parametrize("difficulty", DIFFICULTIES)
+def test_procedural_settings_are_those_of_the_difficulty(difficulty: str) -> None:
+    settings = procedural_settings(difficulty, "test", 5, 7)
+    chosen = DIFFICULTIES[difficulty]
+    assert settings["arena"] == ProceduralArenas(difficulty, "test", 5, 7)
+    assert (settings["foods"], settings["limit"]) == (chosen.foods, chosen.limit)
+    assert settings["food_types"] == chosen.food_types
+    assert settings["noise"] == Noise.laboratory().scaled(chosen.noise)
+
+
+def test_hard_levels_have_the_noise_of_the_laboratory() -> None:
+    assert procedural_settings("hard", "train", 1, 0)["noise"] == Noise.laboratory()
+
+
+def test_procedural_entry_point_passes_settings_on_and_lets_users_override_them() -> None:
+    made: list[dict[str, Any]] = []
+    entry_point = ProceduralEntryPoint(lambda **kwargs: made.append(kwargs))  # type: ignore[arg-type]
+    entry_point("easy", num_levels=3, limit=40, noise="none", backend="compiled")
+    (kwargs,) = made
+    assert kwargs == {
+        "arena": ProceduralArenas("easy", num_levels=3),
+        "foods": 1,
+        "limit": 40,
+        "food_types": {"PICKABLE": 1.0},
+        "noise": "none",
+        "backend": "compiled",
+    }
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "message"),
+    [
+        ({"difficulty": "brutal"}, "difficulty is 'brutal'; allowed: 'easy'"),
+        ({"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
+        ({"num_levels": 0}, "num_levels is 0; allowed"),
+        ({"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
+        ({"foods": 3}, "foods is 3; allowed here: none"),
+    ],
+)
+def test_procedural_environment_refuses_what_is_not_allowed(kwargs: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        gym.make("khepera_forage/Procedural-v1", **kwargs)
+
+
+def test_paired_procedural_environment_refuses_what_is_not_allowed() -> None:
+    with pytest.raises(ValueError, match="split is 'dev'; allowed"):
+        paired_procedural_v1.env(split="dev")
+
+
+def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> None:
+    for name, data in FAMILY.items():
+        arena = family_arena(name)
+        assert settings_of(arena) == {"arena": arena, "foods": len(data.foods), "limit": data.limit}
+    wide = replace(family_arena("many_foods"), foods=family_arena("many_foods").foods[:1])
+    assert settings_of(wide)["limit"] == step_limit(1, 1060)
