@@ -17,7 +17,11 @@ collect_ignore = [] if find_spec("stable_baselines3") else ["baselines"]
 
 # A suite that was started in the background may have been told to ignore what its tests send to robots' programs, and
 # programs inherit that.
-for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+for number, usual in (
+    (signal.SIGINT, signal.default_int_handler),
+    (signal.SIGHUP, signal.SIG_DFL),
+    (signal.SIGQUIT, signal.SIG_DFL),
+):
     if signal.getsignal(number) == signal.SIG_IGN:
         signal.signal(number, usual)
 

@@ -1,6 +1,5 @@
 """Teacher and learners in identical corridors, round by round (section 4.5, figure 4.3)."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,32 +10,19 @@ from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import (
-    FoodOdds,
-    arenas_of,
-    check_round_duration,
-    checked_arena,
-    checked_decisions,
-    food_odds,
-    timing_of,
-    whole_number,
-)
-from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.forager import Forager
+from khepera_forage.envs.paired_arenas import PairedArenas
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.forager_view import training_view
 from khepera_forage.envs.rendering.renderer import RENDER_MODES
 from khepera_forage.envs.rendering.screen import Screen
-from khepera_forage.envs.training_episode import TrainingEpisode
-from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
-from khepera_forage.sim.arena import Arena, Pose, copies
-from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
+from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
-from khepera_forage.task.states import Behaviour, FoodType, behaviour_number
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.task.states import Behaviour, behaviour_number
 
 TEACHER = "teacher_0"
 
@@ -70,10 +56,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     mm of the teacher's arena; those of the learners' arenas are the same ones at their offsets.
 
     ## Episode end
-    Terminated (complete, 5.3) when every robot has delivered its food, or knows it to be poisonous and has left it
-    with its arm up again, and is outside its home. Truncated after `max_cycles` rounds, when a learner has been
-    separated for `patience` rounds, or when a real robot or camera is lost: all robots are then stopped, and the last
-    observations repeated.
+    Terminated (complete, 5.3) when every robot has delivered its food, or left it as poisonous with its arm up again,
+    and is outside its home. Truncated after `max_cycles` rounds, after `patience` rounds of a learner's separation, or
+    when a real robot or camera is lost: all robots are then stopped, and the last observations repeated.
 
     ## Info
     Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
@@ -82,9 +67,9 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     ## Arguments
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
-    food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated
-    one, in whose arenas everything then takes place, one robot in each; give `noise=Noise.none()` with a real one,
-    so that its operator is asked for the marks themselves), `decisions` (a `Decisions`).
+    food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated one,
+    with an arena for each robot; give `noise=Noise.none()` with a real one, so that its operator puts everything on
+    the marks themselves), `decisions` (a `Decisions`).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
@@ -120,32 +105,14 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        if world is None:
-            world = PymunkWorld(
-                copies(checked_arena(arena, self.decisions), learners + 1),
-                (1,) + (2,) * learners,
-                noise,
-                timing=timing_of(self.decisions),
-            )
-        else:
-            check_round_duration(world, self.decisions)
-        self.world: World = world
-        self.arenas = arenas_of(world, learners + 1)
-        self._noise = checked_noise(noise)
-        self._odds = food_odds(food_types)
-        self._markers = tuple(world.markers)
-        self._maps = [arena_map_of(a) for a in self.arenas]
-        self._values = self.decisions.values()
+        self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions)
+        self.world, self.arenas = self._paired.world, self._paired.arenas
         self._key: int | None = None
-        self._episodes = 0
+        self._episode = -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
-        diagonal = self._maps[0].diagonal
-        low = np.array((0, 0, 0, ARM_RAISED, 0, 0, 0))
-        high = np.array((1, diagonal, len(FoodType) - 1, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
-        self.observation_spaces = {a: spaces.Box(low, high, (7,), np.int64) for a in self.possible_agents}
+        self.observation_spaces = {a: observation_box(self._paired.diagonal) for a in self.possible_agents}
         self.action_spaces = {a: spaces.Discrete(len(Behaviour)) for a in self.possible_agents}
-        self._index = {agent: i for i, agent in enumerate(self.possible_agents)}
         self._attempt: TrainingEpisode | None = None
 
     def observation_space(self, agent: str) -> spaces.Box:
@@ -159,7 +126,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     @property
     def home_radius(self) -> int:
         """Of every home, in pixels."""
-        return self._maps[0].home_radius
+        return self._paired.home_radius
 
     @property
     def foragers(self) -> list[Forager]:
@@ -180,19 +147,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         if seed is not None or self._key is None:
             self.np_random, _ = seeding.np_random(seed)
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
-            self._episodes = 0
-        key, episode = self._key, self._episodes
-        self._episodes += 1
-        marked = arenas_with_marks(self.arenas, options or {})
-        layout = training_layout(marked, self._noise, layout_key(key, episode))
-        self.world.reset(self.np_random.spawn(1)[0], layout)
-        count = len(marked[0].foods)
-        foragers = []
-        for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
-            tracker = tracker_of(layout.foods[i * count : (i + 1) * count], self._maps[i])
-            draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
-            foragers.append(Forager(robot, arena, self._markers[i], tracker, self._values))
-        self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self._values)
+            self._episode = -1
+        self._episode += 1
+        foragers = self._paired.start(self.np_random, self._key, self._episode, options or {})
+        self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self.decisions)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)
         self._cumulative_rewards = dict.fromkeys(self.agents, 0.0)
@@ -205,7 +163,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
-        return self._begun.observe(self._index[agent])
+        return self._begun.observe(self.possible_agents.index(agent))
 
     def step(self, action: int | None) -> None:
         """The selected agent's step; the last agent's ends the round.
@@ -223,7 +181,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         if self.terminations[agent] or self.truncations[agent]:
             self._was_dead_step(action)
             return
-        i = self._index[agent]
+        i = self.possible_agents.index(agent)
         attempt.actions[i] = behaviour_number(action, len(Behaviour), agent)
         self._cumulative_rewards[agent] = 0.0
         if i < len(attempt.foragers) - 1:
@@ -242,18 +200,13 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         Raises:
             ValueError: Not a learner, or its arena has no room there.
         """
-        i = self._index.get(agent, 0)
-        if i == 0:
-            raise ValueError(
-                f"agent {agent!r} cannot be resumed; allowed: {', '.join(self.possible_agents[1:])}"
-            )
-        pairing = self._begun.pairings[i]
-        x, y, degrees = pairing.teacher_x, pairing.teacher_y, pairing.teacher_orientation
+        learners = self.possible_agents[1:]
+        if agent not in learners:
+            raise ValueError(f"agent {agent!r} cannot be resumed; allowed: {', '.join(learners)}")
         try:
-            self.world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(degrees)))
+            self._begun.place_beside_teacher(self.possible_agents.index(agent))
         except LOST as lost:
             self._cut_short(lost)
-        pairing.separated_rounds = 0
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -276,12 +229,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self._cut_short(lost)
             return
         complete = attempt.complete
-        over = attempt.over(complete)
-        for i, agent in enumerate(self.agents):
-            self.rewards[agent] = rewards[i]
-            self.terminations[agent] = complete
-            self.truncations[agent] = over and not complete
-            self.infos[agent] = attempt.info(i, complete)
+        self.rewards = dict(zip(self.agents, rewards, strict=True))
+        self.terminations = dict.fromkeys(self.agents, complete)
+        self.truncations = dict.fromkeys(self.agents, attempt.over(complete) and not complete)
+        self.infos = {agent: attempt.info(i, complete) for i, agent in enumerate(self.agents)}
         if self.render_mode == "human":
             self.render()
 

@@ -1,15 +1,18 @@
 """One attempt at a training episode, round by round: what `TrainingEnv` wraps in PettingZoo's form (4.5, 5.3)."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import Forager, perceive_all
-from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
-from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step, has_done_its_part
 from khepera_forage.task.pairing import (
     Pairing,
@@ -19,8 +22,19 @@ from khepera_forage.task.pairing import (
     rounds_since_done,
     update_pairing,
 )
-from khepera_forage.task.states import Behaviour
-from khepera_forage.vision.scene import Scene
+from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+
+
+def observation_box(diagonal: int) -> spaces.Box:
+    """The space of what `TrainingEpisode.observe` returns.
+
+    Args:
+        diagonal: Of the arena, in pixels.
+    """
+    low = np.array((0, 0, 0, ARM_RAISED, 0, 0, 0))
+    high = np.array((1, diagonal, len(FoodType) - 1, ARM_DOWN, diagonal, Behaviour.WAIT, 1))
+    return spaces.Box(low, high, (7,), np.int64)
 
 
 class TrainingEpisode:
@@ -41,10 +55,10 @@ class TrainingEpisode:
     """
 
     def __init__(
-        self, world: World, foragers: Sequence[Forager], limit: int, patience: int, decisions: DecisionValues
+        self, world: World, foragers: Sequence[Forager], limit: int, patience: int, decisions: Decisions
     ) -> None:
         self._world = world
-        self._limit, self._patience, self._decisions = limit, patience, decisions
+        self._limit, self._patience, self._decisions = limit, patience, decisions.values()
         self.foragers = list(foragers)
         self.pairings = [Pairing() for _ in self.foragers]
         self.actions = [int(Behaviour.WAIT)] * len(self.foragers)
@@ -100,6 +114,17 @@ class TrainingEpisode:
         )
         self._since_done = rounds_since_done(self._since_done, done)
         return [episode.reward for episode in self._episodes]
+
+    def place_beside_teacher(self, i: int) -> None:
+        """Put a learner where the teacher is, in its own arena.
+
+        Raises:
+            ValueError: There is no room.
+        """
+        pairing = self.pairings[i]
+        x, y, degrees = pairing.teacher_x, pairing.teacher_y, pairing.teacher_orientation
+        self._world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(degrees)))
+        pairing.separated_rounds = 0
 
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:
         """A robot's info, in plain numbers."""

@@ -27,8 +27,8 @@ _PASSING = CLEARANCE - 7.5
 """mm at which a straight way must pass a corner: less, because the camera sees the robot beside its path."""
 _BERTH = 32.5
 """mm by which waypoints past the home lie outside it: a little more than a searching robot keeps (`task.steering`)."""
-_BLUNT = 1.5
-"""Waypoints at sharp corners lie at most this many clearances from them."""
+_BLUNT = 1.1
+"""Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
 
 @lru_cache(maxsize=1024)

@@ -7,7 +7,7 @@ import pytest
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow
 from tests.benchmarks.running import is_picture
-from tests.examples.running import refused, run_example
+from tests.examples.running import module_of, run_example
 
 pytest.importorskip("matplotlib")
 FOODS = (("corridor", 1), ("rectangle", 2))
@@ -30,7 +30,8 @@ def test_imitator_brings_food_home_in_both_arenas(tmp_path: Path) -> None:
     assert f"10 training episodes: corridor {shares[0]:>5}, rectangle {shares[1]:>5}" in printed
 
 
-def test_wrong_number_is_refused_in_one_line(tmp_path: Path) -> None:
-    assert "--recalls: '0'; allowed: a whole number of at least 1" in refused(
-        "imitation", tmp_path, "--recalls", "0"
-    )
+def test_wrong_number_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match=r"^2$"):
+        module_of("imitation").main(["--recalls", "0"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--recalls: '0'; allowed: a whole number of at least 1" in line

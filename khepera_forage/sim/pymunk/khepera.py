@@ -32,10 +32,9 @@ from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
 from khepera_forage.sim.pymunk.gripper import PymunkGripper
 from khepera_forage.sim.pymunk.nearby import discs_near, may_push
+from khepera_forage.sim.pymunk.wheels import add_wheels
 from khepera_forage.sim.world import Timing
 
-_TRACTION = 0.6 * MASS * 9810.0
-"""kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
 SUBSTEPS = 5
 """Physics steps a round, 20 ms each, where something is pushed."""
 FINE_TRAVEL = 0.8
@@ -76,14 +75,8 @@ class PymunkKhepera:
         shape = pymunk.Circle(self.body, RADIUS)
         shape.friction = 0.2
         shape.filter = layers.ROBOT
-        # The wheels are joints that give the body the wanted velocity as far as their traction reaches; what they
-        # hold on to is a body that never moves but has that velocity.
-        self._wheels = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        pull = pymunk.PivotJoint(self._wheels, self.body, (0, 0), (0, 0))
-        twist = pymunk.GearJoint(self._wheels, self.body, 0, 1)
-        pull.max_bias = twist.max_bias = 0
-        pull.max_force, twist.max_force = _TRACTION, _TRACTION * WHEEL_BASE / 2
-        space.add(self.body, shape, self._wheels, pull, twist)
+        space.add(self.body, shape)
+        self._wheels = add_wheels(space, self.body)
         self.gripper = PymunkGripper(space, self.body, parameters.finger_length, timing)
         self._duration = timing.round_duration
         self._pulses_a_round = SPEED_UNIT * self._duration / PULSE

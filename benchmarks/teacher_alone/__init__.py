@@ -1,0 +1,1 @@
+"""The forages and the page of `benchmarks/teacher.py`."""
