@@ -7,6 +7,7 @@ all shortest paths. `geometry.paths` looks them up in every round.
 
 import math
 from functools import lru_cache
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,8 +26,8 @@ CLEARANCE = FINGER_TIP + 5.0
 """mm from a waypoint's path to walls: a robot can turn there, with food in its gripper."""
 _PASSING = CLEARANCE - 7.5
 """mm at which a straight way must pass a corner: less, because the camera sees the robot beside its path."""
-_BERTH = 32.5
-"""mm by which waypoints past the home lie outside it: a little more than a searching robot keeps (`task.steering`)."""
+_BERTH = 20.0
+"""mm by which waypoints past the home lie outside it."""
 _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
@@ -155,7 +156,7 @@ def _no_way(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, 
 
 
 def too_narrow(arena: Arena) -> list[tuple[Point, ...]]:
-    """The parts of the floor in which a robot cannot turn and that separate others, or lead nowhere.
+    """Where a robot cannot turn: narrow passages between parts of the floor, and dead ends.
 
     Returns:
         Polygons in mm.
@@ -164,18 +165,15 @@ def too_narrow(arena: Arena) -> list[tuple[Point, ...]]:
 
     if not arena.corners:
         return []
-    region = _shrunken_floor(arena)
-    reached = region.buffer(CLEARANCE * (1.0 + 1e-6))
-    rest = _floor(arena).difference(reached)
-    # Corners of the floor that the robot's round outline leaves out are no passages.
-    parts = [part for part in getattr(rest, "geoms", [rest]) if _is_passage(part, reached)]
-    return [tuple(Point(x, y) for x, y in shapely.get_coordinates(part.exterior)[:-1]) for part in parts]
-
-
-def _is_passage(part: Any, reached: Any) -> bool:
-    pieces = getattr(reached, "geoms", [reached])
-    touched = sum(piece.distance(part) < 1.0 for piece in pieces)
-    return bool(touched != 1 or part.area > CLEARANCE**2)
+    floor, region = _floor(arena), _shrunken_floor(arena)
+    rest = floor.difference(region.buffer(CLEARANCE * (1.0 + 1e-6)))
+    # The rounded corners of the floor that remain are no dead ends.
+    narrow = [part for part in getattr(rest, "geoms", [rest]) if part.area > CLEARANCE**2]
+    for one, other in combinations(getattr(region, "geoms", [region]), 2):
+        across = shapely.shortest_line(one, other)
+        if floor.covers(across):
+            narrow.append(across.buffer(CLEARANCE / 2).intersection(floor))
+    return [tuple(Point(x, y) for x, y in shapely.get_coordinates(part.exterior)[:-1]) for part in narrow]
 
 
 def _narrow_places(arena: Arena) -> str:

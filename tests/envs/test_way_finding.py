@@ -2,15 +2,16 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
 
-from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.ways import shortest_path
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.sim.test_ways import BLOCK, CLOSED, DOOR, L_ROOM, WINDING
@@ -58,11 +59,11 @@ def test_robot_heads_for_the_corner_and_knows_the_length_of_its_path(backend: st
     env = make(L_ROOM, backend)
     env.reset(seed=0, options={"start": (150, 125, 0), "foods": [(575, 600)]})
     raw = env.unwrapped.forager.raw
-    (corner,) = arena_map_of(L_ROOM).ways.waypoints
-    assert (raw.food_way_x, raw.food_way_y) == (corner.x, corner.y)
-    to_corner = math.dist((raw.x, raw.y), (corner.x, corner.y))
-    path = to_corner + math.dist((corner.x, corner.y), (raw.food_x, raw.food_y))
-    assert raw.food_path == pytest.approx(path, abs=1.0)
+    robot, food = Point(raw.x * MM_PER_PIXEL, raw.y * MM_PER_PIXEL), Point(575, 600)
+    path = shortest_path(L_ROOM, robot, food)
+    assert (raw.food_way_x * MM_PER_PIXEL, raw.food_way_y * MM_PER_PIXEL) == pytest.approx(path[1])
+    length = sum(math.dist(a, b) for a, b in pairwise(path))
+    assert raw.food_path * MM_PER_PIXEL == pytest.approx(length, abs=5.0)
     assert raw.food_distance < raw.food_path - 10.0
     assert raw.home_path == raw.home_distance
 

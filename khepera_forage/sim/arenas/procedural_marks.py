@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from khepera_forage.geometry.walls import clearance, walls_of
-from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.robots.khepera import FOOD_RADIUS
 from khepera_forage.sim.arenas.draws import Draws
 from khepera_forage.sim.arenas.family import HOME_RADIUS
 from khepera_forage.sim.arenas.procedural_floor import Corners, NoRoomError
 
-CLEARANCE = 85.0
+CLEARANCE = 90.0
 """From the centre of a robot with food in its gripper to the walls, at least."""
-_HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 90.0
+_HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 95.0
 """From the centre of the home, and from start and food, to the walls."""
-_PAST_HOME = HOME_RADIUS + RADIUS
+_PAST_HOME = HOME_RADIUS + 30.0
 """From the centre of the home to a robot that drives past it."""
 _START_TO_HOME, _FOOD_TO_HOME = 400.0, HOME_RADIUS + FOOD_RADIUS + 80.0
 _FOOD_TO_START, _FOOD_SPACING = 280.0, 200.0
