@@ -60,7 +60,7 @@ def procedural_settings(
         "foods": chosen.foods,
         "limit": chosen.limit,
         "food_types": dict(chosen.food_types),
-        "noise": chosen.laboratory(),
+        "noise": chosen.scaled_noise(),
     }
 
 

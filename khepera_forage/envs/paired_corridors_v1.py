@@ -11,7 +11,7 @@ for agent in env.agent_iter():
 ```
 """
 
-from khepera_forage.envs.paired import makers
+from khepera_forage.envs.pettingzoo_makers import makers
 from khepera_forage.envs.training import TrainingEnv as raw_env  # noqa: N813 (PettingZoo's name)
 
 __all__ = ["env", "parallel_env", "raw_env"]

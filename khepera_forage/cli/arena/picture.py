@@ -21,6 +21,8 @@ _WIDTH, _HEIGHT = 8.0, 6.0
 _LEAST_WIDTH = 4.0
 _EDGES = 0.7
 """Inches beside the arena, for numbers and the legend."""
+_LINE = 0.25
+"""Inches of the legend's second line, which narrow pictures have."""
 _MARGIN = 30.0
 """mm beside the walls."""
 
@@ -38,7 +40,8 @@ def draw(plan: ArenaPlan, findings: Findings, path: Path) -> None:
     length, width = right - left + 2 * _MARGIN, top - bottom + 2 * _MARGIN
     scale = min((_WIDTH - _EDGES) / length, (_HEIGHT - 2 * _EDGES) / width)
     shown_width = max(_LEAST_WIDTH, length * scale + _EDGES)
-    figure = new_figure(shown_width, width * scale + 2 * _EDGES)
+    columns = 6 if shown_width > 6 else 3
+    figure = new_figure(shown_width, width * scale + 2 * _EDGES + (_LINE if columns == 3 else 0.0))
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.set_xlim(left - _MARGIN, right + _MARGIN)
@@ -53,7 +56,6 @@ def draw(plan: ArenaPlan, findings: Findings, path: Path) -> None:
         label = "too narrow" if k == 0 else None
         axes.fill(*_columns(part), color=_colour(palette.LOST), alpha=0.7, lw=0, zorder=2, label=label)
     axes.set_title(f"{plan.name}: not allowed" if findings.refusal else plan.name, fontsize=10)
-    columns = 6 if shown_width > 6 else 3
     figure.legend(loc="outside lower center", ncols=columns, frameon=False, fontsize=SMALL)
     save(figure, path)
 

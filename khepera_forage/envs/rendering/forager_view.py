@@ -109,7 +109,7 @@ def recall_view(
         limit=limit,
         score=info["score"],
         delivered=info["delivered"],
-        title=f"Recall in the {arena.name}",
+        title=f"Recall in the {arena.name.replace('_', ' ')}",
     )
 
 

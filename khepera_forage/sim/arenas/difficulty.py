@@ -80,7 +80,7 @@ class Difficulty:
         """Steps of an episode at most, by the rule of the family."""
         return step_limit(self.foods, self.longest_path)
 
-    def laboratory(self) -> Noise:
+    def scaled_noise(self) -> Noise:
         """The noise of the environments."""
         return Noise.laboratory().scaled(self.noise)
 

@@ -2,20 +2,22 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from khepera_forage.geometry.walls import clearance, walls_of
-from khepera_forage.robots.khepera import FOOD_RADIUS
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arenas.draws import Draws
 from khepera_forage.sim.arenas.family import HOME_RADIUS
 from khepera_forage.sim.arenas.procedural_floor import Corners, NoRoomError
 
-CLEARANCE = 90.0
+CLEARANCE = 85.0
 """From the centre of a robot with food in its gripper to the walls, at least."""
-_HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 95.0
+_HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 90.0
 """From the centre of the home, and from start and food, to the walls."""
-_PAST_HOME = HOME_RADIUS + 30.0
-"""From the centre of the home to a robot that drives past it."""
+_PAST_HOME = HOME_RADIUS + RADIUS, HOME_RADIUS + 50.0
+"""From the centre of the home to a robot that drives past it: at least, and as way finding leads it."""
+_MITRE: dict[str, Any] = {"join_style": "mitre", "mitre_limit": 1.5}
+"""Way finding keeps this many clearances from corners."""
 _START_TO_HOME, _FOOD_TO_HOME = 400.0, HOME_RADIUS + FOOD_RADIUS + 80.0
 _FOOD_TO_START, _FOOD_SPACING = 280.0, 200.0
 _TRIES = 60
@@ -74,9 +76,9 @@ def _can_be_passed(home: Mark, walls: Corners, obstacles: Sequence[Corners]) -> 
     """Whether a robot can drive from everywhere to everywhere, with the home in its way and without."""
     import shapely  # takes 0.1 s, which importing this package should not
 
-    floor = shapely.Polygon(walls).buffer(-CLEARANCE)
+    floor = shapely.Polygon(walls).buffer(-CLEARANCE, **_MITRE)
     if obstacles:
         shapes = [shapely.Polygon(corners) for corners in obstacles]
-        floor = floor.difference(shapely.union_all(shapely.buffer(shapes, CLEARANCE)))
-    around_home = floor.difference(shapely.Point(home).buffer(_PAST_HOME))
-    return bool(floor.geom_type == around_home.geom_type == "Polygon")
+        floor = floor.difference(shapely.union_all(shapely.buffer(shapes, CLEARANCE, **_MITRE)))
+    past_home = [floor.difference(shapely.Point(home).buffer(distance)) for distance in _PAST_HOME]
+    return all(region.geom_type == "Polygon" for region in (floor, *past_home))

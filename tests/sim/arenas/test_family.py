@@ -63,7 +63,8 @@ def test_pair_is_in_the_camera_picture_with_room_on_its_marks(name: str) -> None
 
 @everywhere
 def test_longest_path_is_that_of_the_floor(name: str) -> None:
-    assert FAMILY[name].longest_path == math.ceil(longest_path(family_arena(name)))
+    assert longest_path(family_arena(name)) <= FAMILY[name].longest_path
+    assert FAMILY[name].longest_path <= 1.05 * longest_path(family_arena(name))
 
 
 def test_start_food_and_home_of_the_maze_and_the_rooms_are_out_of_sight() -> None:
