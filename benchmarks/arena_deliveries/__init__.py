@@ -1,0 +1,1 @@
+"""The recalls and the page of `benchmarks/arenas.py`."""
