@@ -20,8 +20,8 @@ HOME_RADIUS = 100.0
 MOST_FOODS, MOST_OBSTACLES = 5, 3
 WIDTH = 230.0
 """Width of the arms of L, T and U at least, that of the thesis's corridor, mm."""
-PASSAGE = 100.0
-"""Between obstacles and walls at least, mm: a robot with food between its fingers passes."""
+PASSAGE = 180.0
+"""Between obstacles and walls at least, mm: a robot with food between its fingers can turn."""
 _MARGIN = 50.0
 """From the edge of the camera's picture to the arena, mm."""
 _TRIES = 1000
