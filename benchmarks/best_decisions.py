@@ -89,6 +89,8 @@ def simplified(
     Raises:
         ValueError: No finalist is admissible once more.
     """
+    size = max(given.replications // 2, 2)  # of a part, which is the work of one process
+    parts = max(given.replications // size, 1)
     with (
         Parallel(n_jobs=given.jobs, batch_size=1) as parallel,
         tqdm(desc="simpler sets", disable=not sys.stderr.isatty()) as progress,
@@ -100,7 +102,7 @@ def simplified(
                 delayed(simulated)(
                     decisions,
                     (given.seed, given.generations + 2, number, k),
-                    max(given.replications // 2, 2),
+                    size,
                     given.effort,
                 )
                 for k in range(parts)
@@ -108,14 +110,14 @@ def simplified(
             return judged(found, moments)
 
         def judge(decisions: Decisions, number: int) -> Judgement:
-            final = replicated(decisions, number, 2)
+            final = replicated(decisions, number, parts)
             return Judgement(final.misfit, final.outcome)
 
         for start in finalists:
             first = judge(start.decisions, 0)
             if math.isfinite(first.misfit):
-                chosen, trials = simplify(start.decisions, first.misfit, PRIOR, judge)
-                return start, replicated(chosen, len(trials) + 1, 4), trials
+                chosen, trials = simplify(start.decisions, first.misfit, PRIOR, judge, given.passes)
+                return start, replicated(chosen, len(trials) + 1, 2 * parts), trials
     raise ValueError(f"no finalist fits; the first one: {finalists[0].outcome}")
 
 
@@ -137,7 +139,10 @@ def arguments(given: Sequence[str] | None = None) -> Arguments:
         Count("population", 40, 4, "sets that live on"),
         Count("experiments", 20, 2, "replications of the thesis's design under each set"),
         Count("finalists", 40, 4, "sets that are replicated again"),
-        Count("replications", 200, 4, "replications of each finalist"),
+        Count("replications", 200, 2, "replications of each finalist"),
+        Count(
+            "passes", 3, 1, "times that every field of the best set is tried with a simpler value, at most"
+        ),
         Count("effort", 4, 1, "times as many forages in the check as in khepera-forage infer"),
     )
     return parse("best_decisions", __doc__, *counts, add=add_arguments, given=given)

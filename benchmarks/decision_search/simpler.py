@@ -9,8 +9,6 @@ from khepera_forage.thesis.inference.prior import Prior, possible_decisions
 
 TOLERANCE = 0.2
 """Misfit that a simpler set may have more than the set from which it began."""
-PASSES = 3
-"""Through all fields, at most."""
 
 
 class Judgement(NamedTuple):
@@ -44,24 +42,25 @@ class Trial(NamedTuple):
 
 
 def simplify(
-    start: Decisions, misfit: float, prior: Prior, judge: Callable[[Decisions, int], Judgement]
+    start: Decisions, misfit: float, prior: Prior, judge: Callable[[Decisions, int], Judgement], passes: int
 ) -> tuple[Decisions, list[Trial]]:
     """Give each field in turn the value of version 0.1, or a rounder one, unless the set then fits worse.
 
-    Fields are tried again, at most `PASSES` times, because one change can make room for another.
+    Fields are tried again, because one change can make room for another.
 
     Args:
         start: The best set.
         misfit: Its own, by the same judge.
         prior: Its ranges and rules are kept.
         judge: Takes a set and the number of the trial, from 1.
+        passes: Through all fields, at most.
 
     Returns:
         The simpler set, and all trials.
     """
     most = misfit + TOLERANCE
     current, trials = start, list[Trial]()
-    for _ in range(PASSES):
+    for _ in range(passes):
         before = current
         for name in prior.decisions:
             current = _simplify_field(current, name, prior, judge, most, trials)

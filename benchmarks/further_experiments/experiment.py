@@ -32,8 +32,8 @@ class Size(NamedTuple):
 
     @property
     def amounts(self) -> tuple[int, ...]:
-        """Numbers of training episodes after which a learner is tested: the thesis's numbers, up to `files`."""
-        return tuple(n for n in (1, 3, 5, 10) if n <= self.files)
+        """Numbers of training episodes after which a learner is tested: the thesis's numbers below `files`, and all."""
+        return (*(n for n in (1, 3, 5, 10) if n < self.files), self.files)
 
 
 class Trial(NamedTuple):

@@ -17,7 +17,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.task.states import Behaviour, StateVector
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import is_picture, read
-from tests.benchmarks.test_scripts import EXPERIMENTS
+from tests.benchmarks.test_scripts import EXPERIMENTS, SCRIPTS
 from tests.version_0_1 import VALUES
 
 WITHOUT_RECALLS = {"several_learners"}
@@ -97,10 +97,10 @@ def test_trainings_agree_with_themselves(out: Path) -> None:
 
 
 def test_variety_is_variety(out: Path) -> None:
-    """Three episodes of one set-up leave fewer different state vectors than three of several."""
+    """Two episodes of one set-up leave fewer different state vectors than two of several."""
     distinct = {
         condition: np.mean(
-            [int(row["distinct"]) for row in rows_of(out, "spatial_variety", condition=condition, amount="3")]
+            [int(row["distinct"]) for row in rows_of(out, "spatial_variety", condition=condition, amount="2")]
         )
         for condition in ("one set-up", "food moved", "start and food moved")
     }
@@ -118,10 +118,10 @@ def test_a_robot_with_another_arm_reading_cannot_use_the_teachers_program(out: P
 
 
 def test_state_labels_forage_exactly_as_the_teacher(out: Path) -> None:
-    """After three episodes: in one alone the single round of EXPLORE FOOD may not come up."""
+    """After two episodes: in one alone the single round of EXPLORE FOOD may not come up."""
     for arena in ("corridor", "rectangle"):
         teacher = rows_of(out, "alternatives", condition="teacher", arena=arena)
-        labels = rows_of(out, "alternatives", condition="state labels", arena=arena, amount="3")
+        labels = rows_of(out, "alternatives", condition="state labels", arena=arena, amount="2")
         for name in ("steps", "correct", "delivered"):
             assert [row[name] for row in labels] == [row[name] for row in teacher]
 
@@ -129,14 +129,16 @@ def test_state_labels_forage_exactly_as_the_teacher(out: Path) -> None:
 def test_alternatives_end_differently(out: Path) -> None:
     """Learners that use the same files differently end differently."""
     ends = {
-        name: tuple(row["steps"] for row in rows_of(out, "alternatives", condition=name, amount="3"))
+        name: tuple(
+            (row["steps"], row["correct"]) for row in rows_of(out, "alternatives", condition=name, amount="2")
+        )
         for name in ("as in the thesis", "highest confidence", "threshold 0.2", "until the goal, all vectors")
     }
     assert len(set(ends.values())) == len(ends)
 
 
 def test_only_the_experiments_given_are_run(quick_run: QuickRun) -> None:
-    out = quick_run("further_work", "--only", "spatial_variety", "--replications", "1", "--jobs", "1")
+    out = quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ()))
     assert {folder.name for folder in out.iterdir()} == {"spatial_variety"}
 
 

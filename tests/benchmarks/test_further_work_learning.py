@@ -201,7 +201,7 @@ def test_pages_have_a_summary(out: Path) -> None:
     for name in ("attribute_weights", "state_vector", "action_level"):
         page = (out / name / f"{name}.md").read_text(encoding="utf-8")
         summary = page.split("**In short:** ")[1].split("\n\n")[0]
-        assert "after 3 episodes" in summary.lower()
+        assert "after 2 episodes" in summary.lower()
         assert "nan" not in summary
 
 

@@ -1,6 +1,7 @@
 """`khepera-forage compare`: rows, tables and page agree, settings are compared, and a killed run is continued."""
 
 import math
+import shutil
 import subprocess
 import time
 from dataclasses import replace
@@ -155,10 +156,10 @@ def test_results_on_wheels_are_those_of_the_rows() -> None:
     assert "on wheels.** 1 of 2 learn to forage within 10,000 steps (80 %" in results_of(rows)
 
 
-def test_a_killed_run_is_continued(tmp_path: Path) -> None:
-    arguments = ["--only", "tree", "--seeds", "4", "--jobs", "1"]
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    quick("learners", whole, *arguments)
+def test_a_killed_run_is_continued(out: Path, tmp_path: Path) -> None:
+    """With the rows of a run that was not killed, which has the first two of the seeds."""
+    arguments = ["--only", "tree", "--seeds", "3", "--jobs", "1"]
+    killed = tmp_path / "killed"
     command = command_of("learners", "--quick", "--seed", "1", "--out", str(killed), *arguments)
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     rows = killed / "rows.csv"
@@ -167,15 +168,17 @@ def test_a_killed_run_is_continued(tmp_path: Path) -> None:
     process.kill()
     assert process.wait() == -9
     done = (rows.read_bytes().count(b"\n") - 1) // 4
-    assert 1 <= done < 4, "it was killed with work done, and with work to do"
+    assert 1 <= done < 3, "it was killed with work done, and with work to do"
     with rows.open("ab") as file:
         file.write(b"tree,7,1,corr")  # a line cut short, as a kill in the middle of a write leaves it
     printed = quick("learners", killed, *arguments)
-    assert f"{done} of 4 units are done already" in printed
-    assert f"{4 - done} units for 1 processes" in printed
-    assert timeless(rows) == timeless(whole / "rows.csv")
+    assert f"{done} of 3 units are done already" in printed
+    assert f"{3 - done} units for 1 processes" in printed
+    whole = [line for line in timeless(out / "rows.csv") if line.startswith("tree,")]
+    assert len(whole) == 8
+    assert timeless(rows)[1:9] == whole
     finished = rows.read_bytes()
-    assert "4 of 4 units are done already" in quick("learners", killed, *arguments)
+    assert "3 of 3 units are done already" in quick("learners", killed, *arguments)
     assert rows.read_bytes() == finished
 
 
@@ -236,9 +239,13 @@ def test_unavailable_backends_have_a_reason() -> None:
         assert unavailable(backend, None) == ("" if find_spec(backend) else missing)
 
 
-def test_tuning_compares_settings_over_other_seeds(tmp_path: Path) -> None:
-    quick("learners", tmp_path, "--tune", "--only", "dagger_tree", "--seeds", "1", "--jobs", "1")
-    table = read(tmp_path / "tuning/table_tuning.csv")
+@pytest.fixture(scope="module")
+def tuned(quick_run: QuickRun) -> Path:
+    return quick_run("learners", "--tune", "--only", "dagger_tree", "--seeds", "1")
+
+
+def test_tuning_compares_settings_over_other_seeds(tuned: Path) -> None:
+    table = read(tuned / "tuning/table_tuning.csv")
     settings = [line["settings"] for line in table]
     assert settings[0] == settings_of(LEARNERS["dagger_tree"])
     assert len(set(settings)) == len(settings) == 5
@@ -249,20 +256,19 @@ def test_tuning_compares_settings_over_other_seeds(tmp_path: Path) -> None:
         more = float(line["food delivered (%)"]) - float(table[0]["food delivered (%)"])
         assert float(line["more (points)"]) == pytest.approx(more)
     assert table[0]["more (points)"] == ""
-    seeds = {row["replication"] for row in read(tmp_path / "tuning/rows.csv")}
+    seeds = {row["replication"] for row in read(tuned / "tuning/rows.csv")}
     assert seeds == {"1000"}
-    page = (tmp_path / "tuning/tuning.md").read_text(encoding="utf-8")
+    page = (tuned / "tuning/tuning.md").read_text(encoding="utf-8")
     assert page.startswith("# Settings of the learners\n\n## Results\n\n4 other settings were compared. ")
     options = "--only dagger_tree --seeds 1 --recalls 1 --steps 1000 --seed 1 --quick"
     assert f"    khepera-forage compare --tune {options}\n" in page
 
 
-def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tmp_path: Path) -> None:
+def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tuned: Path, tmp_path: Path) -> None:
     assert "tuning/tuning.md" not in (out / "learners.md").read_text(encoding="utf-8")
-    arguments = ["--only", "dagger_tree", "--seeds", "1", "--jobs", "1"]
-    quick("learners", tmp_path, "--tune", *arguments)
-    quick("learners", tmp_path, *arguments)
-    page = (tmp_path / "learners.md").read_text(encoding="utf-8")
+    whole = shutil.copytree(tuned, tmp_path / "whole")
+    quick("learners", whole, "--only", "dagger_tree", "--seeds", "1", "--jobs", "1")
+    page = (whole / "learners.md").read_text(encoding="utf-8")
     assert "Result ([all settings](tuning/tuning.md)): 4 other settings were compared. " in page
 
 

@@ -38,7 +38,7 @@ class Script:
         options: Of its own.
         rows: Names of its row files.
         run: Arguments of the quick run that tests share.
-        small: Arguments of an even smaller run with the same rows on any number of processes; none if rows are times.
+        repeatable: Arguments of a quick run with the same rows on any number of processes; None if rows are times.
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
         runs: False if only its help is tested here, because a run needs the network or another script's results.
@@ -48,7 +48,7 @@ class Script:
     options: tuple[str, ...]
     rows: tuple[str, ...]
     run: tuple[str, ...] = ()
-    small: tuple[str, ...] = ()
+    repeatable: tuple[str, ...] | None = None
     page: str = ""
     needs: tuple[str, ...] = ()
     runs: bool = True
@@ -70,16 +70,25 @@ SCRIPTS = {
         subcommand="infer",
     ),
     "best_decisions": Script(
-        ("--start", "--generations", "--children", "--finalists", "--effort", "--jobs", "--fresh"),
+        (
+            "--start",
+            "--generations",
+            "--children",
+            "--finalists",
+            "--effort",
+            "--passes",
+            "--jobs",
+            "--fresh",
+        ),
         (),
         needs=("numba",),
         runs=False,
     ),
-    "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), small=("--forages", "2")),
+    "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), repeatable=()),
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
         ("trainings", "recalls"),
-        small=("--only", "spatial_variety", "--replications", "1"),
+        repeatable=("--only", "spatial_variety", "--replications", "1"),
         page="spatial_variety/spatial_variety.md",
     ),
     "kheperax": Script(
@@ -102,7 +111,7 @@ SCRIPTS = {
         ),
         ("rows",),
         run=LEARNERS_RUN,
-        small=LEARNERS_RUN,
+        repeatable=LEARNERS_RUN,
         subcommand="compare",
     ),
     "operations": Script(("--steps",), ("operations", "times"), needs=("numba",)),
@@ -110,7 +119,7 @@ SCRIPTS = {
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
         ("observations", "phantoms", "hole_layouts"),
-        small=("--scenes", "10", "--trainings", "2", "--rounds", "20"),
+        repeatable=(),
         needs=("cv2",),
     ),
     "virtual_lab": Script(
@@ -137,7 +146,9 @@ def available(*names: str) -> list[object]:
 
 
 all_scripts = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].runs)))
-same_rows = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].small)))
+same_rows = pytest.mark.parametrize(
+    "script", available(*(name for name in SCRIPTS if SCRIPTS[name].repeatable is not None))
+)
 
 
 def program(script: str) -> str:
@@ -205,21 +216,12 @@ def rows_of(script: str, out: Path) -> dict[str, list[str]]:
 
 
 @same_rows
-def test_rows_are_the_same_on_any_number_of_processes(
+def test_killed_run_is_continued_with_the_same_rows_by_two_processes(
     script: str, quick_run: QuickRun, tmp_path: Path
 ) -> None:
-    small = SCRIPTS[script].small
-    alone = quick_run(script, *small, "--jobs", "1")
-    quick(script, tmp_path / "two", *small, "--jobs", "2")
-    assert rows_of(script, alone) == rows_of(script, tmp_path / "two")
-    if script == "tracker":
-        assert (alone / "frame.png").read_bytes() == (tmp_path / "two" / "frame.png").read_bytes()
-
-
-@same_rows
-def test_a_run_that_was_killed_is_continued(script: str, quick_run: QuickRun, tmp_path: Path) -> None:
-    small = SCRIPTS[script].small
-    whole = quick_run(script, *small, "--jobs", "1")
+    """The run that tests share has one process."""
+    arguments = SCRIPTS[script].repeatable or ()
+    whole = quick_run(script, *arguments)
     shutil.copytree(whole, tmp_path / "killed")
     folder = page_of(script, tmp_path / "killed").parent
     page_of(script, tmp_path / "killed").unlink()
@@ -230,18 +232,20 @@ def test_a_run_that_was_killed_is_continued(script: str, quick_run: QuickRun, tm
     for name in SCRIPTS[script].rows:
         with (folder / f"{name}.csv").open("a", encoding="utf-8") as file:
             file.write("7,torn")  # as a kill in the middle of a write leaves it
-    printed = quick(script, tmp_path / "killed", *small, "--jobs", "2")
+    printed = quick(script, tmp_path / "killed", *arguments, "--jobs", "2")
     counts = re.findall(r"(\d+) of (\d+) units are done already", printed)
     assert [sum(map(int, part)) for part in zip(*counts, strict=True)] == [done, len(units) - 1]
     assert rows_of(script, whole) == rows_of(script, tmp_path / "killed")
     assert page_of(script, tmp_path / "killed").exists()
+    if script == "tracker":
+        assert (whole / "frame.png").read_bytes() == (tmp_path / "killed" / "frame.png").read_bytes()
 
 
 @same_rows
 def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> None:
-    small = SCRIPTS[script].small
-    out = quick_run(script, *small, "--jobs", "1")
-    told = refused(script, "--seed", "2", "--out", str(out), *small)
+    arguments = SCRIPTS[script].repeatable or ()
+    out = quick_run(script, *arguments)
+    told = refused(script, "--seed", "2", "--out", str(out), *arguments)
     assert told.startswith(f"{program(script)}: ")
     assert "made with seed '1', and this run has '2'; allowed: the same, another folder" in told
 

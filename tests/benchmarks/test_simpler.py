@@ -16,7 +16,7 @@ def test_simpler_set_keeps_only_changes_that_the_judge_asks_for() -> None:
             return Judgement(np.inf, "the teacher fails in the corridor")
         return Judgement(0.5 + 0.4 * abs(decisions.next_to_food - 14.4), "admissible")
 
-    simpler, trials = simplify(start, 0.5, PRIOR, judge)
+    simpler, trials = simplify(start, 0.5, PRIOR, judge, passes=3)
     assert simpler.differing(Decisions.v0_1()) == {"next_to_food": (14.0, 20.0)}
     tried = {(trial.name, trial.simpler): trial.accepted for trial in trials}
     assert tried[("next_to_food", 20.0)] is False, "not as good by more than the tolerance"

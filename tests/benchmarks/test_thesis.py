@@ -6,13 +6,16 @@ import pytest
 
 from tests.benchmarks.running import help_of, is_picture, quick, read
 
+ARGUMENTS = {"pymunk": ("--replications", "1"), "compiled": ()}
+"""On pymunk a replication takes seconds, and another one is made for the comparison with version 0.1."""
+
 
 @pytest.fixture(scope="module", params=["pymunk", "compiled"])
 def out(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     if request.param == "compiled":
         pytest.importorskip("numba")
     folder = tmp_path_factory.mktemp("run") / "thesis"
-    printed = quick("thesis", folder, "--backend", request.param)
+    printed = quick("thesis", folder, "--backend", request.param, *ARGUMENTS[request.param])
     (folder.parent / "printed").write_text(printed, encoding="utf-8")
     return folder
 

@@ -80,6 +80,13 @@ def test_rows_come_in_the_order_of_the_units(tmp_path: Path) -> None:
     assert (tmp_path / "units.csv").read_text() == "key,rows\nb,2;1\na,2;1\n"
 
 
+def test_two_processes_write_the_files_of_one(tmp_path: Path) -> None:
+    for jobs in "12":
+        walk(tmp_path / jobs, "dcba", "--jobs", jobs)
+    one, two = ({path.name: path.read_text() for path in (tmp_path / jobs).iterdir()} for jobs in "12")
+    assert one == two
+
+
 def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     walk(tmp_path, "c")
     assert walk(tmp_path, "abc") == list("aabbcc")

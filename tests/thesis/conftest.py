@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.thesis import report
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import (
@@ -18,7 +19,13 @@ REPLICATIONS = 6
 
 
 @pytest.fixture
-def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a report have no pictures, which take most of its time; those of `test_report.py` have them."""
+    monkeypatch.setattr(report, "save", lambda figure, path: None)
+
+
+@pytest.fixture
+def one_job(monkeypatch: pytest.MonkeyPatch, no_pictures: None) -> None:
     """Let a reproduction on compiled worlds have one job of one row of each kind."""
     monkeypatch.setattr(reproduction, "compiled_jobs", synthetic.one_row_jobs)
 

@@ -42,6 +42,7 @@ def test_comparison_has_a_share_of_the_replications(replications: int, expected:
     assert jobs == [Replication(0, i, LABORATORY, THESIS, V0_1) for i in range(expected)]
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     """The rows are those of a reproduction under version 0.1, which has no comparison itself."""
     pytest.importorskip("numba")
@@ -61,6 +62,7 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
         assert (first / name).read_bytes() == (second / name).read_bytes()
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_pymunk_compares_with_version_0_1_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("khepera_forage.thesis.reproduce.pymunk_jobs", synthetic.one_row_jobs)
     reproduce(0, 1, tmp_path, n_jobs=1, backend=PYMUNK, decisions=OTHER)
@@ -116,6 +118,7 @@ def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> No
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: list[RecallRow]) -> None:
     rows = synthetic.reproduction(5, np.random.default_rng(11))
     for name, v0_1_recalls in (("alone", []), ("beside", rows)):

@@ -66,6 +66,7 @@ def test_every_job_has_the_decisions(backend: str) -> None:
     assert {job.decisions for job in jobs} == {OTHER}
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_report_names_its_decisions(tmp_path: Path) -> None:
     rows = [recall(decisions=TEXT)]
     write_report(tmp_path, rows, [training(decisions=TEXT)], [], [], np.random.default_rng(0), resamples=10)
