@@ -277,6 +277,8 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             return
         complete = attempt.complete
         over = attempt.over(complete)
+        if over:
+            self.world.stop()
         for i, agent in enumerate(self.agents):
             self.rewards[agent] = rewards[i]
             self.terminations[agent] = complete
