@@ -53,13 +53,15 @@ def test_held_wheels_continue_with_the_next_command() -> None:
 
 
 def test_repeated_speeds_do_not_start_held_wheels() -> None:
-    """All replies are garbled: the speeds arrive, but are not confirmed, and are sent again and again."""
+    """The replies to speeds are garbled: the speeds arrive, but are not confirmed, and are sent again and again."""
     garbled = False
 
     def script(request: bytes, number: int) -> list[Action]:
         if request.startswith(b"D,"):
             speeds.append((time.monotonic(), request))
-        return [b"?\r\n"] if garbled else NumberedReplies({})(request, number)
+            if garbled:
+                return [0.08, b"?\r\n"]
+        return NumberedReplies({})(request, number)
 
     speeds: list[tuple[float, bytes]] = []
     with ScriptedRobot(script) as scripted, SerialKhepera(scripted.url) as robot:
