@@ -194,7 +194,7 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
         film = cv2.VideoWriter(
             str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False
         )
-        for _ in range(24):
+        for _ in range(60):
             film.write(virtual.frame_source.newest()[0])
         film.release()
         ports = virtual.port_urls
