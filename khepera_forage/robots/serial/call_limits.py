@@ -27,7 +27,7 @@ class CallLimits:
 
     A robot whose replies are lost or late drives on at its last speed. After `HOLD_AFTER`, or one timeout if that is
     longer, the wheels are therefore stopped, and again and again until the call is complete; requests that would turn
-    them are repeated as a stop meanwhile. The next command starts them again.
+    them are repeated as a stop meanwhile. The next command starts them again, or the same one once the robot replies.
 
     Args:
         client: The connection to the robot.
@@ -44,7 +44,7 @@ class CallLimits:
         self._hold_at = float("inf")
         self._hold_after = max(HOLD_AFTER, client.base_timeout)
         self._max_duration = max(MAX_DURATION, _MAX_TIMEOUTS * client.base_timeout)
-        self._holding = False
+        self._holding = self._resumed = False
         client.exchange.while_waiting = self._check
         client.replace_repeated = self._replaced
 
@@ -52,12 +52,14 @@ class CallLimits:
         """Begin a call."""
         now = time.monotonic()
         self._client.exchange.deadline = now + self._max_duration
-        self.resume()
+        self._holding = self._resumed = False
+        self._hold_at = now + self._hold_after
 
     def resume(self) -> None:
-        """Let requests turn the wheels again: the robot has replied since they were stopped."""
-        self._holding = False
-        self._hold_at = time.monotonic() + self._hold_after
+        """Let requests turn the wheels again, for one time-out and once in a call: the robot has replied."""
+        if not self._resumed:
+            self._holding, self._resumed = False, True
+            self._hold_at = time.monotonic() + self._client.timeout
 
     def _check(self) -> None:
         now = time.monotonic()

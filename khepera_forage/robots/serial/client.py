@@ -234,4 +234,5 @@ class _Attempt:
             if reply.command == request.command:
                 return reply
         self._sent = True
-        return self._exchange.single(request, patience)
+        # The wheels may have been stopped meanwhile.
+        return self._exchange.single(self._replace(self._request), patience)
