@@ -64,7 +64,8 @@ class ObservedTraining(TrainingEnv):
 
     Args:
         lab: The laboratory, with undisturbed lines.
-        faults: Of all lines in every round; there are none while the operator works.
+        faults: Of all lines in every round; there are none while the operator works. None leaves the lines as they
+            are.
         callback: Called after every round; an exception from it interrupts the training.
 
     Attributes:
@@ -72,7 +73,7 @@ class ObservedTraining(TrainingEnv):
     """
 
     def __init__(
-        self, lab: VirtualLaboratory, faults: Faults, callback: Callable[[], None] = lambda: None
+        self, lab: VirtualLaboratory, faults: Faults | None, callback: Callable[[], None] = lambda: None
     ) -> None:
         super().__init__(num_learners=len(lab.markers) - 1, world=lab, noise=Noise.none())
         self.records: list[AttemptRecord] = []
@@ -83,10 +84,12 @@ class ObservedTraining(TrainingEnv):
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt with a new record; see `TrainingEnv.reset`."""
         self.records.append(AttemptRecord())
-        self._disturb(Faults())
+        if self._wanted is not None:
+            self._disturb(Faults())
         super().reset(seed, options)
         self._truth = Truth(self._lab, self.foragers)
-        self._disturb(self._wanted)
+        if self._wanted is not None:
+            self._disturb(self._wanted)
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """Observe as in any training; what the learner hears is recorded and compared with the truth."""

@@ -85,35 +85,44 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(
             f"--patience is {arguments.patience}, --decision patience={decisions.patience}; allowed: one of them"
         )
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    files = planned_files(arguments.out, arguments.episodes, arguments.seed)
-    if arguments.continued:
-        files = unfinished(arguments.out, files, decisions)
-    else:
-        require_new(files, "--continue goes on after it, or choose another --out")
+    files = files_to_record(arguments)
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
         return 0
     with closing(training_env(arguments, patience=arguments.patience)) as env:
-        with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
-            _train(env, files, arguments, attempts)
+        try:
+            record(env, files, arguments)
+        except (OSError, KeyboardInterrupt):
+            print("the same command with --continue goes on from here", file=sys.stderr)
+            raise
         print_late_rounds(env)
     return 0
 
 
-def _train(
-    env: TrainingEnv,
-    files: list[PlannedFile],
-    arguments: argparse.Namespace,
-    attempts: RowWriter[TrainingRow],
-) -> None:
-    """Write one file for each complete episode and one row for each attempt."""
+def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
+    """The files of the training that are not complete; makes the folder.
+
+    Raises:
+        FileExistsError: A file is there, and the training is not continued.
+        ValueError: A file is of another seed or of other decisions.
+    """
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    files = planned_files(arguments.out, arguments.episodes, arguments.seed)
+    if arguments.continued:
+        return unfinished(arguments.out, files, decisions_of(arguments))
+    require_new(files, "--continue goes on after it, or choose another --out")
+    return files
+
+
+def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Namespace) -> None:
+    """Write one file for each complete episode, and one row for each attempt."""
     # An operator of real robots answers questions on the screen that a progress bar would use.
     hide_progress = arguments.lab is not None or not sys.stderr.isatty()
-    for number, path, seed in tqdm(files, unit="episode", disable=hide_progress):
-        experience, rows = training.train(
-            env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
-        )
-        print(
-            f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
-        )
+    with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
+        for number, path, seed in tqdm(files, unit="episode", disable=hide_progress):
+            experience, rows = training.train(
+                env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
+            )
+            print(
+                f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
+            )

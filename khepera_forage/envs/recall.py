@@ -165,6 +165,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             return self._observation(forager), -1.0 / self.limit, False, True, info
         end_step(episode, forager.tracker, self.limit)
         self._over = episode.terminated or episode.truncated
+        if self._over:
+            self.world.stop()
         if self.render_mode == "human":
             self.render()
         return (

@@ -229,9 +229,12 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
             self._cut_short(lost)
             return
         complete = attempt.complete
+        over = attempt.over(complete)
+        if over:
+            self.world.stop()
         self.rewards = dict(zip(self.agents, rewards, strict=True))
         self.terminations = dict.fromkeys(self.agents, complete)
-        self.truncations = dict.fromkeys(self.agents, attempt.over(complete) and not complete)
+        self.truncations = dict.fromkeys(self.agents, over and not complete)
         self.infos = {agent: attempt.info(i, complete) for i, agent in enumerate(self.agents)}
         if self.render_mode == "human":
             self.render()

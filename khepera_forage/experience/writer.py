@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Sequence
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -16,7 +15,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
-from khepera_forage.files import NamingFile
+from khepera_forage.files import write_all
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 
@@ -59,14 +58,16 @@ class ExperienceWriter:
         self.path = Path(path)
         self.count = 0
         try:
-            self._file = open(path, "wb" if overwrite else "xb")  # noqa: SIM115 - closed by close()
+            # Without a buffer, whose rest `close` would write a second time after an error.
+            self._file = open(path, "wb" if overwrite else "xb", buffering=0)  # noqa: SIM115 - closed by close()
         except FileExistsError:
             raise FileExistsError(f"{path} exists; overwrite=True replaces it") from None
         try:
             self._write(header_text(header))
         except OSError:
-            with suppress(OSError):  # closing writes what is left
-                self._file.close()
+            self._file.close()
+            if not overwrite:  # without a header, it would prevent the next recording at this path
+                self.path.unlink(missing_ok=True)
             raise
 
     def append(self, vector: Sequence[int], behaviour: int) -> None:
@@ -98,9 +99,7 @@ class ExperienceWriter:
                 os.fsync(self._file.fileno())
 
     def _write(self, text: str) -> None:
-        with NamingFile(self.path):
-            self._file.write(text.encode())
-            self._file.flush()
+        write_all(self._file, text.encode(), self.path)
 
     def __enter__(self) -> Self:
         return self

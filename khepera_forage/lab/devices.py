@@ -1,7 +1,9 @@
-"""Opening the devices of a laboratory: robots at their ports, and the camera."""
+"""The devices of a laboratory: robots at their ports, and the camera."""
 
-from contextlib import ExitStack
+from collections.abc import Callable
+from contextlib import ExitStack, closing
 
+from khepera_forage.lab.fresh_frames import FreshFrames
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -9,6 +11,9 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import FrameSource, VideoSource
+
+OpenSource = FrameSource | Callable[[], FrameSource] | None
+"""A source of frames, a function that opens one, or None for the camera of the settings."""
 
 
 def open_robots(settings: LabSettings) -> Fleet:
@@ -35,22 +40,80 @@ def open_robots(settings: LabSettings) -> Fleet:
     return Fleet(robots)
 
 
-def open_camera(
-    settings: LabSettings, source: FrameSource | None = None, calibration: Calibration | None = None
-) -> TrackedCamera:
-    """Open the camera with its tracker.
+def open_source(settings: LabSettings, source: OpenSource) -> FrameSource:
+    """The source of the frames: that of the settings, a given one, or what a given function opens.
+
+    Raises:
+        OSError: The camera cannot be opened.
+        ValueError: Its frames are not 4 : 3.
+    """
+    if source is None:
+        return VideoSource(settings.camera.source)
+    return source() if callable(source) else source
+
+
+class Devices:
+    """The robots and the camera, open.
 
     Args:
         settings: The laboratory's settings.
-        source: Source of the frames; by default the one of the settings.
+        source: As for `open_source`. A source itself is used again after a loss; others are opened again.
         calibration: Calibration of the frames; by default the one of the settings.
 
+    Attributes:
+        fleet: The robots.
+        camera: The camera with its tracker.
+        frames: The frames of the camera.
+
     Raises:
-        OSError: The camera or the calibration file cannot be opened.
+        OSError: A port or the camera cannot be opened, or the calibration cannot be read; as `RobotLost`, that a robot
+            does not reply.
         ValueError: The calibration is invalid.
     """
-    file = settings.camera.calibration
-    if calibration is None and file is not None:
-        calibration = Calibration.load(file)
-    tracker = Tracker(settings.tracker, calibration)
-    return TrackedCamera(VideoSource(settings.camera.source) if source is None else source, tracker)
+
+    def __init__(self, settings: LabSettings, source: OpenSource, calibration: Calibration | None) -> None:
+        self._source = source
+        file = settings.camera.calibration
+        self._calibration = (
+            Calibration.load(file) if calibration is None and file is not None else calibration
+        )
+        self.frames, self.camera = self._open_camera(settings)
+        try:
+            self.fleet = open_robots(settings)
+        except BaseException:
+            self.camera.close()
+            raise
+
+    def reopen(self, settings: LabSettings) -> None:
+        """Open all devices again after a loss, which the user has read about.
+
+        Raises:
+            OSError, ValueError: As for the class; call it again then.
+        """
+        self.fleet.close(report=False)
+        if self._source is None or callable(self._source):
+            self.camera.close()
+            self.frames, self.camera = self._open_camera(settings)
+        self.fleet = open_robots(settings)
+
+    def close(self) -> None:
+        """Stop the robots, and close all ports and the camera; a second call does nothing."""
+        with closing(self.camera):
+            self.fleet.close()
+
+    def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
+        tracker = Tracker(settings.tracker, self._calibration)
+        frames = FreshFrames(
+            open_source(settings, self._source),
+            tracker,
+            str(settings.camera.source),
+            settings.camera.oldest,
+            settings.period,
+            self._pulses,
+            lambda: self.fleet.stop(),
+        )
+        return frames, TrackedCamera(frames, tracker)
+
+    def _pulses(self) -> list[int]:
+        """The encoder counters of all robots."""
+        return [count for robot in self.fleet.robots for count in robot.sense()[1:3]]

@@ -1,25 +1,28 @@
 """Real Kheperas under a real overhead camera: the `World` of the thesis's experiments."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager
 from typing import Self
 
 import numpy as np
 
 from khepera_forage.lab.clock import Clock, WallClock
-from khepera_forage.lab.devices import open_camera, open_robots
+from khepera_forage.lab.devices import Devices, OpenSource
 from khepera_forage.lab.food_locator import FoodLocator
 from khepera_forage.lab.localisation import find_marker, pose_of
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost, Senses
+from khepera_forage.robots.serial import emergency_stop
+from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.video import CameraLost, FrameSource
+from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30
 """Rounds before a failed check goes back to the operator: a gripper takes two seconds to rise and open."""
@@ -35,14 +38,14 @@ class Laboratory:
     Args:
         settings: The contents of a `lab.toml`.
         operator: Places robots and food; a person at the command line by default.
-        source: Source of the frames; the camera of the settings by default.
+        source: Source of the frames, which then stays open after a loss, or a function that opens one, again after a
+            loss; the camera of the settings by default.
         calibration: Calibration of the frames; the one of the settings by default.
         clock: Ends the rounds; the wall clock by default.
 
     Attributes:
         arenas: The arena of every robot.
         markers: Number of holes of every robot's marker.
-        camera: The camera with its tracker.
         round_duration: Seconds of one round, the period of the settings.
         clock: Also counts the rounds that overran.
 
@@ -57,7 +60,7 @@ class Laboratory:
         settings: LabSettings,
         operator: Operator | None = None,
         *,
-        source: FrameSource | None = None,
+        source: OpenSource = None,
         calibration: Calibration | None = None,
         clock: Clock | None = None,
     ) -> None:
@@ -71,19 +74,18 @@ class Laboratory:
         self._ready = self._closed = False
         self._poses = [arena.start for arena in self.arenas]
         self._foods = FoodLocator((), self.arenas)
-        self._source, self._calibration = source, calibration
         self._lost = ""
-        self.camera = open_camera(settings, source, calibration)
-        try:
-            self._fleet = open_robots(settings)
-        except BaseException:
-            self.camera.close()
-            raise
+        self._devices = Devices(settings, source, calibration)
 
     @property
     def robots(self) -> Sequence[SerialKhepera]:
         """The robots, the teacher first."""
         return self._fleet.robots
+
+    @property
+    def camera(self) -> TrackedCamera:
+        """The camera with its tracker; another one after a loss."""
+        return self._devices.camera
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Let the operator place everything, and check the result by camera.
@@ -105,8 +107,9 @@ class Laboratory:
         while self._lost:
             self._operator(OperatorRequest(f"reconnect what was lost: {self._lost}", (), None))
             try:
-                self._reconnect()
-            except OSError as error:  # includes RobotLost, and a port or device that does not exist
+                self._devices.reopen(self.settings)
+                self._lost = ""
+            except (OSError, ValueError) as error:  # includes RobotLost, and a camera with other frames
                 self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
@@ -114,6 +117,7 @@ class Laboratory:
                 robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
             self._fleet.transmit()
             marks = tuple(self._mark(number, pose) for number, pose in enumerate(layout.starts))
+            self._devices.frames.forget()
             self._place(OperatorRequest("start of an episode", marks, layout.foods))
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
@@ -131,10 +135,11 @@ class Laboratory:
         if not self._ready:
             raise RuntimeError("advance() before reset(), or after a loss; call reset() first")
         with self._stopping():
+            self._devices.frames.begin_round()
             self._fleet.transmit()
             self.clock.wait()
             self._fleet.receive()
-            self._take_frame()
+            self.camera.expose()
             self._update_positions()
 
     def poses(self) -> tuple[Pose, ...]:
@@ -163,22 +168,21 @@ class Laboratory:
         check_apart(Layout((*others, pose), tuple(foods_on_floor)))
         with self._stopping():
             self._fleet.stop()
+            self._devices.frames.forget()
             self._place(OperatorRequest("pause and resume", (self._mark(robot, pose),), None))
             self._update_positions()
         self.clock.start()
 
     def stop(self) -> None:
-        """Stop the wheels of all robots that reply."""
-        with suppress(RobotLost):
-            self._fleet.stop()
+        """Stop the wheels of all robots; those that may still be moving are logged."""
+        emergency_stop.stop_and_log(self._fleet.robots, "at the end of the episode")
 
     def close(self) -> None:
         """Stop the robots and close all ports and the camera; a second call does nothing."""
         if self._closed:
             return
         self._closed, self._ready = True, False
-        with closing(self.camera):
-            self._fleet.close()
+        self._devices.close()
 
     def __enter__(self) -> Self:
         return self
@@ -186,14 +190,9 @@ class Laboratory:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _reconnect(self) -> None:
-        """Open all devices again after a loss."""
-        self._fleet.close()
-        if self._source is None:  # a source given by the caller stays open
-            self.camera.close()
-            self.camera = open_camera(self.settings, None, self._calibration)
-        self._fleet = open_robots(self.settings)
-        self._lost = ""
+    @property
+    def _fleet(self) -> Fleet:
+        return self._devices.fleet
 
     def _mark(self, number: int, pose: Pose) -> RobotMark:
         entry = self.settings.robots[number]
@@ -206,9 +205,13 @@ class Laboratory:
             yield
         except BaseException as error:
             self._ready = False
+            self._fleet.stop_all()
+            moving = [robot.port for robot in self.robots if not robot.stop_confirmed]
+            if moving:  # the same message tells it: a second one would be overlooked
+                message = f"{error}; {', '.join(moving)} may still be moving: switch it off"
+                error.args = (message,)
             if isinstance(error, RobotLost | CameraLost):
                 self._lost = str(error)
-            self.stop()
             raise
 
     def _place(self, request: OperatorRequest) -> None:
@@ -218,10 +221,14 @@ class Laboratory:
             self._operator(request)
             self.clock.start()
             for _ in range(CHECK_ROUNDS):
+                self._devices.frames.begin_round()
                 self.clock.wait()
                 self._fleet.receive()
                 # No track of a hand that passed through the picture may continue in a new episode.
-                self._take_frame(forget_tracks=new_episode)
+                if new_episode:
+                    self.camera.reset()
+                else:
+                    self.camera.expose()
                 errors = placement_errors(
                     self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
                 )
@@ -230,15 +237,6 @@ class Laboratory:
                 if not errors:
                     return
             request = request._replace(errors=errors)
-
-    def _take_frame(self, forget_tracks: bool = False) -> None:
-        if forget_tracks:
-            self.camera.reset()
-        else:
-            self.camera.expose()
-        age, oldest = self.camera.age, self.settings.camera.oldest
-        if age > oldest:
-            raise CameraLost(str(self.settings.camera.source), f"no frame for {oldest:g} s", age)
 
     def _update_positions(self) -> None:
         scene = self.camera.look()

@@ -41,7 +41,8 @@ class CameraSettings:
     Attributes:
         source: Any source of OpenCV: the number of a device, a file, a URL.
         calibration: A file written by `khepera-forage camera calibrate`; None for frames without distortion.
-        oldest: Largest allowed age of the newest frame in seconds; beyond it the camera counts as lost.
+        oldest: Seconds after which the camera counts as lost: the age of the newest frame, or the wait for one that
+            shows the scene of the present round.
     """
 
     source: int | str

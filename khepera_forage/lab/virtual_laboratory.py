@@ -1,7 +1,7 @@
 """A laboratory without hardware: the real driver and tracker, connected to a simulated world."""
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Self
@@ -30,6 +30,7 @@ from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.video import FrameSource
 
 
 class VirtualLaboratory(Laboratory):
@@ -54,12 +55,15 @@ class VirtualLaboratory(Laboratory):
         fault_seed: Seed of the faults.
         real_time: Whether to keep real time, with the wall clock.
         operator: Replaces `virtual_operator`; for example, a person who directs it.
+        camera: Opens the camera in front of the rendered frames, again after a loss; by default the laboratory takes
+            the rendered frames themselves.
 
     Raises:
         ValueError: A wrong number of faults.
 
     Attributes:
         simulation: The simulated world, with the true poses.
+        firmwares: The robots' firmwares, which outlast their lines.
         virtual_kheperas: The robots' ends of the serial lines.
         frame_source: Source of the rendered frames.
         virtual_operator: Places the simulated bodies.
@@ -78,6 +82,7 @@ class VirtualLaboratory(Laboratory):
         fault_seed: int = 0,
         real_time: bool = False,
         operator: Operator | None = None,
+        camera: Callable[[FrameSource], FrameSource] | None = None,
     ) -> None:
         noise = checked_noise(noise)
         appearance = CameraAppearance.laboratory() if appearance is None else appearance
@@ -90,7 +95,7 @@ class VirtualLaboratory(Laboratory):
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
-        self._firmwares = [
+        self.firmwares = [
             Firmware(body, self._lock, timing.round_duration) for body in self.simulation.robots
         ]
         self._renderer = FrameRenderer(
@@ -123,7 +128,7 @@ class VirtualLaboratory(Laboratory):
             super().__init__(
                 settings,
                 self.virtual_operator if operator is None else operator,
-                source=self.frame_source,
+                source=self.frame_source if camera is None else lambda: camera(self.frame_source),
                 calibration=calibration,
                 clock=SimulatedClock(
                     self._advance_simulation, WallClock(settings.period) if real_time else None
@@ -198,17 +203,17 @@ class VirtualLaboratory(Laboratory):
         with self._lock:
             for _ in range(self._rounds_per_period):
                 self.simulation.advance()
-                for firmware in self._firmwares:
+                for firmware in self.firmwares:
                     firmware.tick()
 
     def _attach(self) -> None:
-        for firmware, body in zip(self._firmwares, self.simulation.robots, strict=True):
+        for firmware, body in zip(self.firmwares, self.simulation.robots, strict=True):
             firmware.attach(body)
 
     def _open_lines(self, settings: LabSettings) -> LabSettings:
         """Open the lines that are not connected; returns the settings with the ports of all lines."""
         for i, (firmware, (baud, faults, rng)) in enumerate(
-            zip(self._firmwares, self._line_settings, strict=True)
+            zip(self.firmwares, self._line_settings, strict=True)
         ):
             if i == len(self.virtual_kheperas) or not self.virtual_kheperas[i].connected:
                 for disconnected in self.virtual_kheperas[i : i + 1]:

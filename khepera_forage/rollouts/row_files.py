@@ -5,10 +5,8 @@ bool is 1 or 0. Lines end with a line feed, and no field contains one, so that e
 """
 
 import csv
-import errno
 import io
 import math
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from decimal import InvalidOperation
@@ -16,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
 
-from khepera_forage.files import NamingFile
+from khepera_forage.files import write_all
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -58,10 +56,7 @@ class RowWriter(Generic[RowT]):
         self._write(b"".join(map(self._line_of, rows)))
 
     def _write(self, data: bytes) -> None:
-        with NamingFile(self._path):
-            written = self._file.write(data)
-            if written != len(data):  # what is left of a full disk
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        write_all(self._file, data, self._path)
 
     def _line_of(self, row: RowT) -> bytes:
         return _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])

@@ -191,27 +191,30 @@ def train(
             result = attempt(
                 env, attempt_seed, recorder.record, resume, callback, teacher=teacher, options=options
             )
-            recorder.close(complete=not result.lost)
+            rows.append(
+                TrainingRow(
+                    replication=replication,
+                    file=file,
+                    attempt=number,
+                    seed=attempt_seed,
+                    noise=noise,
+                    complete=result.complete,
+                    rounds=result.rounds,
+                    vectors=len(recorder.vectors),
+                    separations=result.separations,
+                    reason=result.reason,
+                    decisions=decisions_text(env.decisions),
+                )
+            )
+            # Before the closing line: a complete file without its row would never get one.
+            if on_attempt is not None:
+                on_attempt(rows[-1])
+            # Without the closing line unless complete: discarding the file may fail, or the process be killed before.
+            recorder.close(complete=result.complete)
         except BaseException:
+            env.world.stop()
             recorder.abort()
             raise
-        rows.append(
-            TrainingRow(
-                replication=replication,
-                file=file,
-                attempt=number,
-                seed=attempt_seed,
-                noise=noise,
-                complete=result.complete,
-                rounds=result.rounds,
-                vectors=len(recorder.vectors),
-                separations=result.separations,
-                reason=result.reason,
-                decisions=decisions_text(env.decisions),
-            )
-        )
-        if on_attempt is not None:
-            on_attempt(rows[-1])
         if result.complete:
             experience = Experience(
                 recorder.vectors, recorder.behaviours, arena, attempt_seed, decisions=env.decisions

@@ -110,6 +110,10 @@ class World(Protocol):
         """
         ...
 
+    def stop(self) -> None:
+        """Stop the wheels of all robots, as at the end of every episode."""
+        ...
+
     def close(self) -> None:
         """Stop the robots and let go of them; a second call does nothing."""
         ...

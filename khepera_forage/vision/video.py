@@ -100,17 +100,16 @@ class VideoSource:
         """The newest frame and its age in s, without waiting. The frame is shared between calls and read-only.
 
         Raises:
-            CameraLost: The video has ended, the device is gone, or no frame has arrived for `timeout` seconds.
-            ValueError: The frames changed their shape, or the source was closed.
+            CameraLost: The video has ended, the device is gone, no frame has arrived for `timeout` seconds, or the
+                frames changed their shape.
+            ValueError: The source was closed.
         """
         with self._changed:
             frame, age, end = self._frame, time.monotonic() - self._taken, self._end
         if self._closing.is_set():
             raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
-        if isinstance(end, CameraLost):
-            raise CameraLost(self._name, end.reason, age)
         if end is not None:
-            raise end
+            raise CameraLost(self._name, _reason(end), age) from end
         if age > self._timeout:
             raise CameraLost(self._name, f"no new frame within {self._timeout:g} s", age)
         assert frame is not None
@@ -137,7 +136,10 @@ class VideoSource:
             if self._frame is not None:
                 return
             end = self._end
-        raise end or CameraLost(self._name, f"opened, but no frame within {10 * self._timeout:g} s", None)
+        if isinstance(end, ValueError):
+            raise ValueError(f"camera {self._name} has {end}")
+        reason = f"opened, but no frame within {10 * self._timeout:g} s" if end is None else _reason(end)
+        raise CameraLost(self._name, reason, None) from end
 
     def _read(self, capture: "cv2.VideoCapture") -> None:
         """The thread's loop: read frames until the source ends or is closed."""
@@ -152,7 +154,7 @@ class VideoSource:
                 if not good:
                     reason = "the video has ended" if length > 0 else "it has no more frames"
                     raise CameraLost(self._name, reason, None)
-                frame = _grey(picture, self._name)  # type: ignore[arg-type] # uint8
+                frame = _grey(picture)  # type: ignore[arg-type] # uint8
                 with self._changed:
                     self._frame, self._taken = frame, time.monotonic()
                     self._changed.notify_all()
@@ -164,6 +166,17 @@ class VideoSource:
                 self._changed.notify_all()
         finally:
             capture.release()
+
+
+def _reason(error: Exception) -> str:
+    """What ended the frames, in one line."""
+    if isinstance(error, CameraLost):
+        return error.reason
+    return (
+        f"it has {error}"
+        if isinstance(error, ValueError)
+        else f"reading failed: {' '.join(str(error).split())}"
+    )
 
 
 def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
@@ -182,7 +195,7 @@ def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
     return capture
 
 
-def _grey(picture: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
+def _grey(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """A frame as 480 x 640 grey levels, read-only."""
     import cv2
 
@@ -190,8 +203,7 @@ def _grey(picture: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
     height, width = picture.shape[:2]
     if width * rows != height * columns:
         raise ValueError(
-            f"camera {name} has frames of {width} x {height}; allowed: {columns} x {rows}, or another size with the "
-            "aspect ratio 4 : 3"
+            f"frames of {width} x {height}; allowed: {columns} x {rows}, or another size with the aspect ratio 4 : 3"
         )
     if picture.ndim == 3:
         picture = picture[:, :, 0] if picture.shape[2] == 1 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)  # type: ignore[assignment]

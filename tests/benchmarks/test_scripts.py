@@ -94,6 +94,7 @@ SCRIPTS = {
     "kheperax": Script(
         ("--repeats", "--worlds", "--venv", "1.2 GB"), ("rows",), needs=("numba",), runs=False
     ),
+    "lab_faults": Script(("--series", "--jobs", "--fresh"), ("faults", "trainings"), needs=("serial", "cv2")),
     "learners": Script(
         (
             "--seeds",

@@ -9,6 +9,7 @@ import pytest
 from khepera_forage.cli.main import main
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from tests.limited_disk import largest_file
 
 
 @pytest.mark.parametrize("command", ["reproduce", "train", "teach", "recall", "watch"])
@@ -179,6 +180,27 @@ def test_interrupted_training_is_continued_with_the_same_result(
     assert "--recover" in capsys.readouterr().err
     assert main([*recall, interrupted, "--recover"]) == 0
     assert "rows kept" in capsys.readouterr().out
+
+
+def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    assert train(whole, "--episodes", "2") == 0
+    capsys.readouterr()
+    size = (whole / "g1.csv").stat().st_size
+    with largest_file(size - 10):  # not even the first episode fits
+        assert train(part, "--episodes", "2") == 2
+    assert capsys.readouterr().err == (
+        "the same command with --continue goes on from here\n"
+        f"khepera-forage train: [Errno 28] No space left on device: '{part / 'g1.csv'}'\n"
+    )
+    stored = (part / "g1.csv").read_bytes()
+    assert (whole / "g1.csv").read_bytes().startswith(stored)
+    assert train(part, "--episodes", "2", "--continue") == 0
+    assert (part / "g1.interrupted-1.csv").read_bytes() == stored
+    for name in ("g1.csv", "g2.csv", "attempts.csv"):
+        assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
 def test_training_of_another_seed_or_other_decisions_is_not_continued(

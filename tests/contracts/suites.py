@@ -154,7 +154,7 @@ class CameraContract:
 
 
 class WorldContract:
-    """`World`: reset, advance, robots, camera, place, close."""
+    """`World`: reset, advance, robots, camera, place, stop, close."""
 
     def test_reset_puts_robots_and_food_at_the_places_of_the_layout(self, stage: Stage) -> None:
         assert len(stage.world.robots) == len(stage.layout.starts) == len(stage.world.poses())
@@ -198,6 +198,15 @@ class WorldContract:
         stage.world.reset(np.random.default_rng(0), stage.layout)
         assert math.dist(stage.world.poses()[0][:2], stage.layout.starts[0][:2]) < 10
         assert len(stage.world.food_places()) == len(stage.layout.foods)
+
+    def test_stop_stops_the_wheels_until_the_next_command(self, stage: Stage) -> None:
+        stage.rounds(3, Motors(8, 8, 215, 200))
+        stage.world.stop()
+        before = stage.robot.sense()[1:3]
+        stage.world.advance()
+        assert stage.robot.sense()[1:3] == before
+        stage.rounds(1, Motors(8, 8, 215, 200))
+        assert stage.robot.sense()[1:3] != before
 
     def test_round_lasts_a_tenth_of_a_second_by_default(self, stage: Stage) -> None:
         assert stage.world.round_duration == 0.1

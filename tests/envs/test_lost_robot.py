@@ -21,6 +21,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
+from khepera_forage.rollouts.rows import TrainingRow
 from tests.version_0_1 import RECTANGLE, V0_1
 
 pytest.importorskip("serial")
@@ -76,6 +77,57 @@ def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: i
     env.reset(seed=2)
     rounds(env, 5)
     assert not any(env.truncations.values())
+
+
+def test_robots_stand_still_after_the_end_of_a_training_episode(pair: VirtualLaboratory) -> None:
+    env = TrainingEnv(max_cycles=6, world=pair, noise=Noise.none())
+    env.reset(seed=1)
+    rounds(env, 5)
+    assert not standing(pair)
+    rounds(env, 1)
+    assert env.truncations[TEACHER]
+    assert standing(pair)
+
+
+def test_robot_stands_still_after_the_end_of_a_recall(alone: VirtualLaboratory) -> None:
+    env = BehavioursEnv(world=alone, limit=4)
+    env.reset(seed=1)
+    truncated = False
+    while not truncated:
+        assert not env.step(0)[2]
+        truncated = env.step(0)[3]
+    assert standing(alone)
+
+
+@pytest.mark.parametrize("error", [OSError("disk full"), KeyboardInterrupt(), RuntimeError("of a policy")])
+def test_robots_stand_still_after_an_error_between_rounds(
+    pair: VirtualLaboratory, error: BaseException
+) -> None:
+    env = TrainingEnv(world=pair, noise=Noise.none())
+    count: list[int] = []
+
+    def fail() -> None:
+        count.append(1)
+        if len(count) == 8:
+            raise error
+
+    with pytest.raises(type(error)):
+        training.train(env, 1, callback=fail)
+    assert standing(pair)
+
+
+def test_episode_whose_row_cannot_be_written_is_incomplete(pair: VirtualLaboratory, tmp_path: Path) -> None:
+    """A complete file without its row in attempts.csv would never get one."""
+
+    def full(row: TrainingRow) -> None:
+        if row.complete:
+            raise OSError("no space left")
+
+    path = tmp_path / "g1.csv"
+    with pytest.raises(OSError, match="no space left"):
+        training.train(TrainingEnv(world=pair, noise=Noise.none()), 1, path=path, on_attempt=full)
+    with pytest.raises(ExperienceError, match="ends before its closing line"):
+        Experience.load(path)
 
 
 def test_pettingzoo_loop_ends_when_a_robot_is_lost(pair: VirtualLaboratory) -> None:

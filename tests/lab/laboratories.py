@@ -11,6 +11,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Pose, copies
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.video import FrameSource
 from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
@@ -36,7 +37,11 @@ class ClumsyOperator:
         self.lab.virtual_operator(self.errors.pop(0)(request) if self.errors else request)
 
 
-def quiet_laboratory(operator: ClumsyOperator | None = None, real_time: bool = False) -> VirtualLaboratory:
+def quiet_laboratory(
+    operator: ClumsyOperator | None = None,
+    real_time: bool = False,
+    camera: Callable[[FrameSource], FrameSource] | None = None,
+) -> VirtualLaboratory:
     lab = virtual_laboratory(
         CORRIDOR,
         2,
@@ -45,6 +50,7 @@ def quiet_laboratory(operator: ClumsyOperator | None = None, real_time: bool = F
         appearance=CameraAppearance.none(),
         operator=operator,
         real_time=real_time,
+        camera=camera,
     )
     if operator is not None:
         operator.lab = lab

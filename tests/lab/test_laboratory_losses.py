@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.devices import open_robots
@@ -16,7 +17,7 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.errors import LineTooSlow
 from khepera_forage.robots.virtual.faults import Faults
-from khepera_forage.vision.video import CameraLost
+from khepera_forage.vision.video import CameraLost, FrameSource
 from tests.lab.laboratories import (
     ARENAS,
     LAYOUT,
@@ -27,6 +28,22 @@ from tests.lab.laboratories import (
 from tests.version_0_1 import V0_1
 
 cv2 = pytest.importorskip("cv2")
+
+
+class FailingSource:
+    """Frames that a test can turn black."""
+
+    def __init__(self, frames: FrameSource) -> None:
+        self.frames, self.black, self.closed = frames, False, False
+
+    def newest(self) -> tuple[NDArray[np.uint8], float]:
+        if self.closed:
+            raise CameraLost("0", "closed", None)
+        frame, age = self.frames.newest()
+        return (frame // 32 if self.black else frame), age
+
+    def close(self) -> None:
+        self.closed = True
 
 
 def test_lost_robot_stops_all_and_is_reconnected_by_reset(lab: VirtualLaboratory) -> None:
@@ -56,6 +73,72 @@ def test_old_frame_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyP
     monkeypatch.undo()
     lab.reset(np.random.default_rng(1), LAYOUT)
     drive_all(lab)
+
+
+def test_camera_is_opened_again_after_a_loss() -> None:
+    opened: list[FailingSource] = []
+
+    def camera(frames: FrameSource) -> FrameSource:
+        opened.append(FailingSource(frames))
+        return opened[-1]
+
+    with quiet_laboratory(camera=camera) as lab:
+        lab.reset(np.random.default_rng(0), LAYOUT)
+        drive_all(lab)
+        opened[0].black = True
+        with pytest.raises(CameraLost, match="its picture shows nothing"):
+            lab.advance()
+        assert is_stopped(lab)
+        lab.reset(np.random.default_rng(1), LAYOUT)
+        assert [source.closed for source in opened] == [True, False]
+        drive_all(lab)
+
+
+def test_camera_with_other_frames_counts_as_lost_until_it_is_exchanged() -> None:
+    opened: list[FrameSource] = []
+
+    def camera(frames: FrameSource) -> FrameSource:
+        opened.append(frames)
+        if len(opened) == 2:
+            raise ValueError("camera 0 has frames of 640 x 360")
+        return FailingSource(frames)
+
+    with quiet_laboratory(camera=camera) as lab:
+        lab.reset(np.random.default_rng(0), LAYOUT)
+        lab.camera.close()
+        with pytest.raises(CameraLost, match="closed"):
+            lab.advance()
+        lab.reset(np.random.default_rng(1), LAYOUT)
+        reasons = [request.reason for request in lab.virtual_operator.requests]
+        assert reasons[1] == "reconnect what was lost: camera 0 has frames of 640 x 360"
+        drive_all(lab)
+
+
+def test_robot_that_cannot_be_stopped_is_named_in_the_same_message(
+    lab: VirtualLaboratory, caplog: pytest.LogCaptureFixture
+) -> None:
+    drive_all(lab)
+    lab.virtual_kheperas[1].interrupted = True
+    with pytest.raises(RobotLost) as lost:
+        lab.advance()
+    port = lab.settings.robots[1].port
+    assert str(lost.value).endswith(f"; {port} may still be moving: switch it off")
+    assert lab.firmwares[1].turning, "it is out of reach"
+    assert not lab.firmwares[0].turning
+    lab.virtual_kheperas[1].interrupted = False
+    lab.reset(np.random.default_rng(1), LAYOUT)
+    assert lab.virtual_operator.requests[0].reason == f"reconnect what was lost: {lost.value}"
+    assert caplog.messages == []
+    drive_all(lab)
+
+
+def test_robot_that_was_stopped_is_not_said_to_be_moving(lab: VirtualLaboratory) -> None:
+    drive_all(lab)
+    lab.stop()
+    lab.virtual_kheperas[1].interrupted = True
+    with pytest.raises(RobotLost) as lost:
+        lab.advance()
+    assert "moving" not in str(lost.value)
 
 
 def test_suspension_ends_the_episode_and_asks_the_operator(lab: VirtualLaboratory) -> None:
@@ -111,7 +194,7 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
         film = cv2.VideoWriter(
             str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False
         )
-        for _ in range(24):
+        for _ in range(60):
             film.write(virtual.frame_source.newest()[0])
         film.release()
         ports = virtual.port_urls

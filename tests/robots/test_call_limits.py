@@ -52,6 +52,31 @@ def test_held_wheels_continue_with_the_next_command() -> None:
         assert rig.wheel_pulses() == (50, 50)
 
 
+def test_repeated_speeds_do_not_start_held_wheels() -> None:
+    """The replies to speeds are garbled: the speeds arrive, but are not confirmed, and are sent again and again."""
+    garbled = False
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if request.startswith(b"D,"):
+            speeds.append((time.monotonic(), request))
+            if garbled:
+                return [0.08, b"?\r\n"]
+        return NumberedReplies({})(request, number)
+
+    speeds: list[tuple[float, bytes]] = []
+    with ScriptedRobot(script) as scripted, SerialKhepera(scripted.url) as robot:
+        garbled = True
+        begin = time.monotonic()
+        robot.drive(FORWARD)
+        with pytest.raises(RobotLost, match="received only"):
+            robot.transmit()
+        garbled = False
+        turning = [moment - begin for moment, request in speeds if request == b"D,5,5" and moment > begin]
+        assert turning
+        assert max(turning) < HOLD_AFTER + 0.3
+        assert speeds[-1][1] == b"D,0,0"
+
+
 def test_motion_by_a_single_request_is_sent_again_after_a_hold() -> None:
     """The first reply to the speeds is late: the wheels are stopped meanwhile."""
     late = [0.8]

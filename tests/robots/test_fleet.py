@@ -153,6 +153,18 @@ def test_stop_and_close_stop_all_robots() -> None:
             fleet.transmit()
 
 
+@pytest.mark.parametrize("report", [True, False])
+def test_close_reports_robots_that_do_not_confirm_once_or_not_at_all(
+    report: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    with make_fleet(2) as (rig, fleet):
+        run_rounds(rig, fleet, FORWARD)
+        rig.ports[0].faults = Faults(unplug=1.0)
+        fleet.close(report=report)
+        assert [rig.ports[0].url in message for message in caplog.messages] == [True] * report
+        assert rig.wheel_pulses(1) == (0, 0)
+
+
 def test_stop_names_robots_that_do_not_confirm() -> None:
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD)

@@ -5,6 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+import serial
 
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -126,3 +127,21 @@ def test_senses_are_correct_under_faults(name: str) -> None:
         assert all(occurred[fault] for fault in (RATES if name == "all" else [name]) if fault != "all")
         rig.ports[0].faults = Faults()
     assert rig.is_stopped()
+
+
+def test_write_timeout_is_a_lost_request_and_no_lost_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """pyserial reports it on a blocked port, and when the process was not scheduled for half a second."""
+    write, timeouts = serial.Serial.write, [True, False, True]
+
+    def slow(port: serial.Serial, data: bytes) -> int | None:
+        if timeouts:
+            if timeouts.pop():
+                write(port, data)
+            raise serial.SerialTimeoutException("Write timeout")
+        return write(port, data)
+
+    with make_rig() as rig, SerialKhepera(rig.url) as robot:
+        monkeypatch.setattr(serial.Serial, "write", slow)
+        run_rounds(rig, robot, FORWARD)
+        assert not timeouts
+        assert rig.wheel_pulses() == (50, 50)

@@ -143,3 +143,22 @@ def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
             runs.append((host.read_until(b"i,0\r\n"), khepera.fault_counts))
     assert runs[0] == runs[1]
     assert runs[0][0].endswith(b"i,0\r\n")
+
+
+def test_interrupted_line_loses_all_bytes_and_leaves_the_robot_driving(stage: Stage) -> None:
+    with (
+        VirtualKhepera(stage.firmware, baud=None) as khepera,
+        connected_host(khepera) as host,
+    ):
+        host.write(b"D,5,5\n")
+        assert host.readline() == b"d\r\n"
+        khepera.interrupted = True
+        host.timeout = SILENCE
+        host.write(b"D,0,0\n")
+        assert host.readline() == b""
+        assert stage.firmware.turning
+        khepera.interrupted = False
+        host.timeout = WAIT
+        host.write(b"D,0,0\n")
+        assert host.readline() == b"d\r\n"
+        assert not stage.firmware.turning

@@ -11,7 +11,7 @@ from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.rows import TEACHER
+from khepera_forage.rollouts.rows import TEACHER, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
 from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.task.decisions import Decisions
@@ -37,6 +37,21 @@ def test_training_without_a_complete_attempt_is_an_error_and_leaves_no_file(tmp_
     with pytest.raises(IncompleteTrainingError, match=f"none of {attempts} attempts"):
         train(TrainingEnv(max_cycles=2), np.random.SeedSequence(0), path=path)
     assert not path.exists()
+
+
+def test_attempt_whose_file_cannot_be_discarded_does_not_look_complete(tmp_path: Path) -> None:
+    """As when the disk is unmounted for a moment, or the process is killed before the file is deleted."""
+    folder, away = tmp_path / "experience", tmp_path / "away"
+    folder.mkdir()
+
+    def unmount(row: TrainingRow) -> None:
+        assert row.reason == "out of time"
+        folder.rename(away)
+
+    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
+        train(TrainingEnv(max_cycles=20), 1, path=folder / "g1.csv", on_attempt=unmount)
+    with pytest.raises(ExperienceError, match="ends before its closing line: 20 complete rows"):
+        Experience.load(away / "g1.csv")
 
 
 def test_arrays_of_several_files_are_those_of_their_sum() -> None:

@@ -205,6 +205,57 @@ def test_silent_network_camera_is_lost_after_the_timeout() -> None:
         assert threads() == []
 
 
+class Device:
+    """A camera device below OpenCV, whose frames can change their size, or fail with an error."""
+
+    def __init__(self) -> None:
+        self.height, self.broken = 480, False
+
+    def __call__(self, source: int) -> "Device":
+        return self
+
+    def isOpened(self) -> bool:  # noqa: N802 (OpenCV's name)
+        return True
+
+    def get(self, what: int) -> float:
+        return -1.0
+
+    def set(self, what: int, value: float) -> bool:
+        return False
+
+    def read(self) -> tuple[bool, NDArray[np.uint8]]:
+        time.sleep(0.01)
+        if self.broken:
+            raise cv2.error("assertion failed\n in retrieve")
+        return True, np.full((self.height, 640), 100, np.uint8)
+
+    def release(self) -> None: ...
+
+
+@pytest.fixture
+def device(monkeypatch: pytest.MonkeyPatch) -> Device:
+    device = Device()
+    monkeypatch.setattr(cv2, "VideoCapture", device)
+    return device
+
+
+def test_camera_that_changes_its_frames_is_lost(device: Device) -> None:
+    """As after a reset of its USB port; the laboratory opens a lost camera again."""
+    with VideoSource(0) as source:
+        device.height = 360
+        lost = lost_after(source, 5.0)
+    assert "camera 0: it has frames of 640 x 360; allowed: 640 x 480" in str(lost)
+    assert lost.age is not None
+
+
+def test_error_of_the_driver_loses_the_camera(device: Device) -> None:
+    with VideoSource(0) as source:
+        device.broken = True
+        assert "camera 0: reading failed: assertion failed in retrieve; " in str(lost_after(source, 5.0))
+    with pytest.raises(CameraLost, match="reading failed: assertion failed in retrieve; no frame ever came"):
+        VideoSource(0)
+
+
 def test_tracked_camera_on_a_video_file(tmp_path: Path) -> None:
     frame = np.full((480, 640), 100, np.uint8)
     draw_shapes(frame, ImagePose(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])

@@ -11,7 +11,7 @@ readings), and replies out of order, which do not occur on a serial line.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from khepera_forage.robots.khepera import RobotLost
@@ -53,6 +53,7 @@ class ProtocolClient:
         base_timeout: As the argument `timeout`.
         timeout: The same, or more on a line with a long latency.
         exchange: The line; the robot counts as lost after `exchange.deadline`.
+        replace_repeated: Called with a request before each try; returns what is sent.
 
     Raises:
         ValueError: A baud rate, timeout or number of tries that is not allowed.
@@ -77,6 +78,7 @@ class ProtocolClient:
         self.base_timeout = self.timeout = timeout
         self.tries = tries
         self.exchange = Exchange(port, baud)
+        self.replace_repeated: Callable[[Request], Request] = lambda request: request
 
     @property
     def transport(self) -> Transport:
@@ -166,7 +168,8 @@ class ProtocolClient:
             raise ValueError(
                 f"{request.command} cannot be requested here; allowed: commands that may be sent twice"
             )
-        statistics, attempt = self.transport.statistics, _Attempt(self.exchange, request, at_once)
+        statistics = self.transport.statistics
+        attempt = _Attempt(self.exchange, request, at_once, self.replace_repeated)
         sent_before, rejected, failed, silent = statistics.sent, 0, 0.0, 0.0
         while True:
             if self.exchange.interrupted():
@@ -212,13 +215,15 @@ class _Attempt:
     Each is preceded by a synchronisation request if a reply to the same command is pending.
     """
 
-    def __init__(self, exchange: Exchange, request: Request, at_once: bool) -> None:
-        self._exchange, self._request, self._at_once = exchange, request, at_once
+    def __init__(
+        self, exchange: Exchange, request: Request, at_once: bool, replace: Callable[[Request], Request]
+    ) -> None:
+        self._exchange, self._request, self._at_once, self._replace = exchange, request, at_once, replace
         self._sent = False
         """Whether all replies to this command that may still arrive belong to this request."""
 
     def __call__(self, patience: float) -> Reply | ErrorReply:
-        request = self._request
+        request = self._replace(self._request)
         if self._at_once:
             self._exchange.send_unanswered(request)
         sync = self._exchange.pending.sync_request(request)
@@ -229,4 +234,5 @@ class _Attempt:
             if reply.command == request.command:
                 return reply
         self._sent = True
-        return self._exchange.single(request, patience)
+        # The wheels may have been stopped meanwhile.
+        return self._exchange.single(self._replace(self._request), patience)

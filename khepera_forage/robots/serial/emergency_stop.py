@@ -47,6 +47,8 @@ _SUSPENSIONS = _available("SIGTSTP", "SIGTTIN", "SIGTTOU")
 _RESUMPTIONS = _available("SIGCONT")
 _TIMEOUT = 4.0
 """Seconds allowed for stopping all robots."""
+PORT_CLOSED = "when its port was closed"
+"""An occasion of `stop_and_log`."""
 _Handler = Callable[[int, FrameType | None], Any] | int | signal.Handlers | None
 
 

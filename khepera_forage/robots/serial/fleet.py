@@ -65,11 +65,22 @@ class Fleet:
         """
         _raise_any([error for _, error in emergency_stop.stop_all(self.robots)])
 
-    def close(self) -> None:
-        """Stop all robots in parallel, then close their ports; a second call does nothing."""
+    def stop_all(self) -> None:
+        """Stop all wheels, and raise no error: `stop_confirmed` of each robot has the result."""
         emergency_stop.stop_all(self.robots)
+
+    def close(self, report: bool = True) -> None:
+        """Stop all robots in parallel, then close their ports; a second call does nothing.
+
+        Args:
+            report: Whether to log the robots that do not confirm.
+        """
+        if report:
+            emergency_stop.stop_and_log(self.robots, emergency_stop.PORT_CLOSED)
+        else:
+            self.stop_all()
         for robot in self.robots:
-            robot.close()
+            robot.close(stop=False)
 
     def __enter__(self) -> Self:
         return self

@@ -7,12 +7,12 @@ from typing import Any, Self
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, Motors, Senses, applicable, check_finite
 from khepera_forage.robots.serial import emergency_stop
+from khepera_forage.robots.serial.call_limits import MOTION_COMMANDS, turns_wheels
 from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, DEFAULT_TRIES, ProtocolClient
 from khepera_forage.robots.serial.line_timing import LineTiming
 from khepera_forage.robots.serial.port_thread import Task
 from khepera_forage.robots.serial.protocol import Request
 from khepera_forage.robots.serial.robot_thread import RobotThread
-from khepera_forage.robots.serial.session import MOTION_COMMANDS, turns_wheels
 from khepera_forage.robots.serial.traffic import LineStatistics, Traffic
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
@@ -160,10 +160,15 @@ class SerialKhepera:
         """
         self.begin_stop().result(_STOP_TIMEOUT)
 
-    def close(self) -> None:
-        """Stop the wheels and close the port, even if the robot is lost; a second call does nothing."""
+    def close(self, stop: bool = True) -> None:
+        """Stop the wheels and close the port, even if the robot is lost; a second call does nothing.
+
+        Args:
+            stop: False for a robot that was just stopped.
+        """
         if not self._closed:
-            emergency_stop.stop_and_log((self,), "when its port was closed")
+            if stop:
+                emergency_stop.stop_and_log((self,), emergency_stop.PORT_CLOSED)
             self._release()
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:

@@ -6,7 +6,7 @@ Runs in the thread that owns the port.
 import time
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.serial.call_limits import CallLimits
+from khepera_forage.robots.serial.call_limits import STOP, CallLimits, turns_wheels
 from khepera_forage.robots.serial.client import ProtocolClient
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, LineTimer, LineTiming
@@ -16,17 +16,9 @@ from khepera_forage.robots.serial.sensor_reader import SensorReader
 MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 TOO_MANY_RESTARTS = "it restarts again and again"
-MOTION_COMMANDS = ("C", "D", "P")
-"""Position control, speed and pulse-width modulation of the wheels."""
 
 _PIPELINED_ROUNDS = 50
 """Rounds that are pipelined on a fast line after a late reply: late replies then do not add up."""
-_STOP = Request("D", (0, 0))
-
-
-def turns_wheels(request: Request) -> bool:
-    """Whether a request sets the wheels in motion."""
-    return request.command in MOTION_COMMANDS and (request.command == "C" or any(request.values))
 
 
 class Session:
@@ -69,9 +61,9 @@ class Session:
         timer = LineTimer(self._client)
         timer.request(Request("B"))
         if timer.is_late and self._period is not None:
-            self._client.exchange.send_unanswered(_STOP)
+            self._client.exchange.send_unanswered(STOP)
         else:
-            timer.request(_STOP)
+            timer.request(STOP)
             self.stop_confirmed = True
         self.timing = timer.finish()
         if self._period is not None:
@@ -157,7 +149,7 @@ class Session:
             self._sent_arm = self._sent_jaw = None
         for _ in range(MAX_RESTARTS):
             try:
-                self._client.request_at_once(_STOP)
+                self._client.request_at_once(STOP)
                 self._speeds = (0, 0)
                 self.stop_confirmed = True
                 return
@@ -199,6 +191,7 @@ class Session:
             reply = self._client.request(request)
             if not turns or self._limits.holds == holds:
                 return reply
+            self._limits.resume()
 
     def _record(self, request: Request, command: Motors) -> None:
         """Record that the robot has received a part of a command."""

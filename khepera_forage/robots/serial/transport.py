@@ -6,6 +6,7 @@ Discards garbled lines and recognises the restart banner.
 import time
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.framing import LineSplitter
@@ -63,12 +64,19 @@ class Transport:
         self._serial.close()
 
     def send(self, *requests: Request) -> bytes:
-        """Send requests; returns their bytes."""
+        """Send requests; returns their bytes.
+
+        A port that is blocked, or a process that is not scheduled, for longer than the port's time limit loses a
+        request like a disturbed line does: without its reply, it is sent again.
+        """
+        from serial import SerialTimeoutException
+
         data = b"".join(map(encode_request, requests))
         self.statistics.sent += len(requests)
         if self.on_traffic is not None:
             self.on_traffic(Traffic(True, data))
-        self._serial.write(data)
+        with suppress(SerialTimeoutException):
+            self._serial.write(data)
         return data
 
     def discard_input(self) -> None:

@@ -89,6 +89,11 @@ class Firmware:
             self._command = Motors(0, 0, senses.arm, JAW_OPEN if is_open else JAW_CLOSED)
             self._initialise()
 
+    @property
+    def turning(self) -> bool:
+        """Whether a wheel is commanded to turn."""
+        return any(self._command[:2])
+
     def handle(self, line: bytes) -> bytes:
         """Execute one request.
 

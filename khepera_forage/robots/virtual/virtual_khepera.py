@@ -43,6 +43,8 @@ class VirtualKhepera:
 
     Attributes:
         url: Argument of `serial.serial_for_url`: "/dev/pts/5" or "socket://127.0.0.1:40123".
+        interrupted: Whether all bytes are lost, in both directions, while the robot keeps its power supply and its last
+            command: a broken data wire, or a radio link out of range. May be set at any time.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class VirtualKhepera:
         self._firmware = firmware
         self._endpoint: Endpoint = PtyEndpoint() if tcp is None else TcpEndpoint(tcp)
         self.url = self._endpoint.url
+        self.interrupted = False
         self._splitter = LineSplitter()
         self._requests: deque[tuple[bytes, float]] = deque()
         self._replies: deque[tuple[bytes, float]] = deque()
@@ -161,7 +164,7 @@ class VirtualKhepera:
     def _send(self, reply: bytes) -> None:
         """Write a reply at the speed of the line."""
         if not self._byte_time:
-            self._endpoint.write(reply)
+            self._write(reply)
             return
         # Wait for times relative to the beginning of the reply, so that late wake-ups do not add up.
         begin = max(time.monotonic(), self._sent_until)
@@ -171,8 +174,12 @@ class VirtualKhepera:
             self._wait_until(begin + (sent + len(chunk)) * self._byte_time)
             if self._closing:
                 return
-            self._endpoint.write(chunk)
+            self._write(chunk)
         self._sent_until = begin + len(reply) * self._byte_time
+
+    def _write(self, data: bytes) -> None:
+        if not self.interrupted:
+            self._endpoint.write(data)
 
     def _wait_until(self, due: float) -> None:
         """Keep receiving until a time."""
@@ -185,7 +192,10 @@ class VirtualKhepera:
         if not ready or self._closing:
             return
         self._received_until = max(self._received_until, time.monotonic())
-        for byte in self._endpoint.read():
+        received = self._endpoint.read()
+        if self.interrupted:
+            return
+        for byte in received:
             self._received_until += self._byte_time
             lines = self._splitter.feed(bytes((byte,)))
             self._requests += ((line, self._received_until) for line in lines)

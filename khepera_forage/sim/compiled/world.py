@@ -221,6 +221,11 @@ class CompiledWorld:
             ahead, aside, food = record["grip_x"], record["grip_y"], self._bodies.foods[0, held]
             food["x"], food["y"] = pose.x + ahead * cos - aside * sin, pose.y + ahead * sin + aside * cos
 
+    def stop(self) -> None:
+        """Stop the robot's wheels."""
+        for robot in self.robots:
+            robot.stop()
+
     def close(self) -> None:
         """Stop the robot."""
         for robot in self.robots:

@@ -186,6 +186,11 @@ class PymunkWorld:
         check_apart(Layout((*starts, pose), foods))
         self.robots[robot].put(pose)
 
+    def stop(self) -> None:
+        """Stop the wheels of all robots."""
+        for robot in self.robots:
+            robot.stop()
+
     def close(self) -> None:
         """Stop the robots."""
         for robot in self.robots:

@@ -1,0 +1,104 @@
+"""The frames of the rounds: each taken in its round, of the scene as it is then."""
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.robots.khepera import PULSE
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.unusable_frames import is_well_exposed, why_unusable
+from khepera_forage.vision.video import CameraLost, FrameSource
+
+_HOLD_AFTER = 2
+"""Periods from the beginning of a round until the wheels are stopped for want of a frame."""
+_POLL = 0.002
+"""Seconds from one look at the source to the next."""
+_LEAST_TRAVEL = 5.0
+"""mm, one pixel: robots that have travelled farther cannot leave the picture as it was."""
+
+Frame = NDArray[np.uint8]
+
+
+class FreshFrames:
+    """A `FrameSource` that waits for a frame of the present round.
+
+    A frame is refused if it was taken before the round began, if it shows no scene (black, suddenly
+    overexposed), or if it is
+    the same as the last one, pixel by pixel, although a robot has travelled: the camera is then frozen. Experience is
+    therefore never recorded from an old picture. The wheels are stopped after two periods without a frame.
+
+    Args:
+        source: The source of the frames.
+        tracker: Used, but not changed.
+        name: Of the camera, for errors.
+        oldest: Seconds after which the camera counts as lost: the age of the newest frame, or the wait for a better
+            one.
+        period: Seconds of a round.
+        pulses: Returns the encoder counters of all wheels.
+        hold: Stops all wheels.
+    """
+
+    def __init__(
+        self,
+        source: FrameSource,
+        tracker: Tracker,
+        name: str,
+        oldest: float,
+        period: float,
+        pulses: Callable[[], Sequence[int]],
+        hold: Callable[[], None],
+    ) -> None:
+        self._source, self._tracker, self._name = source, tracker, name
+        self._oldest, self._hold_after = oldest, _HOLD_AFTER * period
+        self._pulses, self._hold = pulses, hold
+        self._round_begin = time.monotonic()
+        self._last: tuple[Frame, Sequence[int]] | None = None
+
+    def begin_round(self) -> None:
+        """Accept only frames taken from now on."""
+        self._round_begin = time.monotonic()
+
+    def forget(self) -> None:
+        """Forget the last frame: robots may have been carried, or exchanged."""
+        self._last = None
+
+    def newest(self) -> tuple[Frame, float]:
+        """A frame of this round, and its age in s.
+
+        Raises:
+            CameraLost: There is none for `oldest` seconds, or the source has no more frames.
+        """
+        begin, held = time.monotonic(), False
+        while True:
+            frame, age = self._source.newest()
+            reason = self._why_refused(frame, age)
+            if not reason:
+                return frame, age
+            now = time.monotonic()
+            if max(now - begin, age) > self._oldest:
+                raise CameraLost(self._name, reason, age)
+            if now - self._round_begin > self._hold_after and not held:
+                held = True
+                self._hold()
+            time.sleep(_POLL)
+
+    def close(self) -> None:
+        """Close the source; a second call does nothing."""
+        self._source.close()
+
+    def _why_refused(self, frame: Frame, age: float) -> str:
+        if age > time.monotonic() - self._round_begin:
+            return f"no frame for {self._oldest:g} s"
+        pulses = self._pulses()
+        if self._last is not None and np.array_equal(frame, self._last[0]):
+            farthest = max(abs(now - then) for now, then in zip(pulses, self._last[1], strict=True)) * PULSE
+            if farthest <= _LEAST_TRAVEL:
+                return ""
+            return f"its picture has not changed, although a robot has travelled {farthest:.0f} mm"
+        strict = self._last is not None and is_well_exposed(self._last[0])
+        reason = why_unusable(frame, self._tracker, strict)
+        if not reason:
+            self._last = frame, pulses
+        return reason and f"its picture {reason}"

@@ -1,0 +1,121 @@
+"""Frames of a round: old, frozen and empty ones are waited out, with the wheels stopped, or the camera is lost."""
+
+import time
+
+import numpy as np
+import pytest
+
+from khepera_forage.lab.fresh_frames import FreshFrames
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.video import CameraLost
+from tests.vision.scene_renderer import PAIR, Frame, render_frame, render_frames
+
+OLDEST, PERIOD = 0.2, 0.02
+BLACK = np.zeros((480, 640), np.uint8)
+SCENES = render_frames(PAIR, frames=3)
+for number, frame in enumerate(SCENES):
+    frame[0, 0] = number  # each differs from the others
+
+
+class Source:
+    """A source that returns its frames one after the other, each taken now, and the last one again and again."""
+
+    def __init__(self, *frames: Frame) -> None:
+        self.frames = list(frames)
+        self.age = 0.0
+
+    def newest(self) -> tuple[Frame, float]:
+        return self.frames.pop(0) if len(self.frames) > 1 else self.frames[0], self.age
+
+    def close(self) -> None: ...
+
+
+class Setting:
+    """Frames of a source, robots whose counters a test sets, and the number of times that wheels were stopped."""
+
+    def __init__(self, *frames: Frame) -> None:
+        self.source, self.pulses, self.stops = Source(*frames), [0, 0], 0
+        self.frames = FreshFrames(
+            self.source, Tracker(), "0", OLDEST, PERIOD, lambda: list(self.pulses), self.stop
+        )
+
+    def stop(self) -> None:
+        self.stops += 1
+
+    def next_round(self) -> Frame:
+        self.frames.begin_round()
+        return self.frames.newest()[0]
+
+
+def test_frame_of_the_round_is_taken_at_once() -> None:
+    setting = Setting(*SCENES)
+    assert [setting.next_round()[0, 0] for _ in SCENES] == [0, 1, 2]
+    assert setting.stops == 0
+
+
+def test_frame_from_before_the_round_is_not_taken() -> None:
+    setting = Setting(SCENES[0])
+    setting.source.age = 0.05
+    begin = time.monotonic()
+    setting.next_round()
+    assert time.monotonic() - begin >= 0.05, (
+        "the age stays the same, so that the frame is taken later and later"
+    )
+    assert setting.stops == 1, "after two periods"
+
+
+def test_old_frame_loses_the_camera() -> None:
+    setting = Setting(SCENES[0])
+    setting.source.age = OLDEST + 0.01
+    with pytest.raises(CameraLost, match=r"camera 0: no frame for 0\.2 s"):
+        setting.next_round()
+
+
+def test_empty_frames_are_left_out() -> None:
+    setting = Setting(SCENES[0], BLACK, BLACK, SCENES[1])
+    setting.next_round()
+    assert setting.next_round() is SCENES[1]
+
+
+def test_camera_that_shows_nothing_is_lost() -> None:
+    setting = Setting(SCENES[0], BLACK)
+    setting.next_round()
+    with pytest.raises(CameraLost, match="its picture shows nothing: all grey levels are 0 to 0"):
+        setting.next_round()
+    assert setting.stops == 1
+
+
+def test_picture_that_stays_the_same_while_robots_travel_loses_the_camera() -> None:
+    setting = Setting(SCENES[0])
+    setting.next_round()
+    setting.pulses = [0, 100]
+    with pytest.raises(CameraLost, match="has not changed, although a robot has travelled 8 mm"):
+        setting.next_round()
+    assert setting.stops == 1
+
+
+def test_picture_that_stays_the_same_while_robots_stand_is_accepted() -> None:
+    setting = Setting(SCENES[0])
+    for _ in range(3):
+        setting.next_round()
+    setting.pulses = [0, 100]
+    setting.frames.forget()
+    setting.next_round()
+    assert setting.stops == 0
+
+
+def test_picture_that_changes_again_is_accepted() -> None:
+    setting = Setting(SCENES[0], SCENES[0], SCENES[0], SCENES[1])
+    setting.next_round()
+    setting.pulses = [100, 0]
+    assert setting.next_round() is SCENES[1]
+
+
+def test_sudden_overexposure_loses_the_camera_and_constant_one_does_not() -> None:
+    bright = np.clip(render_frame(PAIR) * 2.0, 0, 255).astype(np.uint8)
+    always = Setting(bright)
+    always.next_round()
+    suddenly = Setting(SCENES[0], bright)
+    suddenly.next_round()
+    with pytest.raises(CameraLost, match=r"its picture is overexposed: .* reduce the camera's exposure"):
+        suddenly.next_round()
