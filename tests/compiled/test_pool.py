@@ -146,8 +146,7 @@ def test_teacher_forages_in_kernels_as_in_environments() -> None:
 
 def test_places_are_checked_in_the_arena_of_the_episode() -> None:
     """(520, 380) is free in the hall, outside the L-room, and in a block of the third arena."""
-    for make in (lambda: _one("pymunk"), lambda: _one("compiled"), lambda: _many(1)):
-        env = make()
+    for env in (_one("pymunk"), _one("compiled"), _many(1)):
         results = set()
         for seed in range(12):
             try:
@@ -170,9 +169,9 @@ def test_arenas_are_prepared_when_they_are_drawn() -> None:
 
     arenas = Lazy((HALL, L_ROOM, BLOCKS))
     arenas.diagonal = 2000.0  # type: ignore[attr-defined]
-    for make in (lambda: _one("pymunk", arena=arenas), lambda: _one("compiled", arena=arenas)):
+    for backend in ("pymunk", "compiled"):
         prepared.clear()
-        env = make()
+        env = _one(backend, arena=arenas)
         assert env.observation_space["robot_home_distance"].high == 400
         assert set(prepared) == {"hall"}
         seed = next(s for s in range(20) if arena_number(key_of(s), 0, 3) == 2)
@@ -228,6 +227,6 @@ def test_lists_begin_empty() -> None:
     ],
 )
 def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
-    for make in (lambda: _one("pymunk", arena=arenas), lambda: _one("compiled", arena=arenas)):
+    for backend in ("pymunk", "compiled"):
         with pytest.raises(ValueError, match=message):
-            make()
+            _one(backend, arena=arenas)

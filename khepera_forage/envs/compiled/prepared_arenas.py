@@ -181,7 +181,7 @@ class _Pieces:
         arrays = {name: growing.array for name, growing in self._arrays.items()}
         parameters, task = self._first
         return (
-            parameters._replace(**{name: arrays[name] for name in ("walls", "corners", "arenas")}),
+            parameters._replace(walls=arrays["walls"], corners=arrays["corners"], arenas=arrays["arenas"]),
             task._replace(
                 corners=arrays["way_corners"],
                 **{

@@ -215,7 +215,7 @@ def _put_wall(entry: Any, i: int, wall: Any) -> None:
 
 def pack_near_wall(near: Any, scratch: Any) -> int:
     """Pack the lanes with a wall near; returns their number."""
-    return pack(scratch.near_wall, scratch.lane, 0)
+    return int(pack(scratch.near_wall, scratch.lane, 0))
 
 
 @variant(pack_near_wall, several)
