@@ -17,7 +17,7 @@ import numpy as np
 from khepera_forage import counter_rng
 from khepera_forage.compilation import counter_rng as compiled_rng
 from khepera_forage.compilation.addresses import call_at
-from khepera_forage.envs.compiled import commands, parameters, perception, rules, worlds
+from khepera_forage.envs.compiled import commands, perception, prepared_arenas, rules, worlds
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.geometry import angles
 from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES
@@ -27,6 +27,7 @@ from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dty
 from khepera_forage.sim.compiled import broad_phase, camera, contact, drive, sensing, stepping, tracking
 from khepera_forage.sim.compiled.bodies import Bodies
 from khepera_forage.sim.compiled.parameters import Parameters
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from operation_counts.counters import ACCOUNT, CountingMath, CountingNumpy, Records
 
 PARTS: dict[str, tuple[Callable[..., Any], ...]] = {
@@ -124,10 +125,11 @@ def count_apart(episodes: int, seed: int) -> Counts:
 
 def count(episodes: int, seed: int) -> Counts:
     """Count episodes in this process, whose kernels are of no other use afterwards."""
-    *_, bodies, task = parameters.recall_parameters("corridor", 1, 500, None, None)
+    prepared = prepared_arenas.recall_arenas("corridor", 1, 500, None, None, DEFAULT_DECISIONS)
+    bodies, task = prepared.parameters, prepared.task
     keys = counter_rng.keys_of(np.arange(seed, seed + episodes, dtype=np.uint64))
     policies, taken = np.full(episodes, TEACHER), np.zeros(1, np.int64)
-    plan = rollout_kernel.Plan(keys, policies, taken, *map(_shared, as_records(None, None, 1)))
+    plan = rollout_kernel.Plan(keys, policies, (), taken, *map(_shared, as_records(None, None, 1)))
     recalls = np.zeros(episodes, outcome_dtype)
     collected, free = np.zeros((episodes, 1), np.bool_), np.ones(1, np.bool_)
     outcomes = rollout_kernel.Outcomes(_shared(recalls), _shared(np.zeros((episodes, 1, 2))), collected, free)

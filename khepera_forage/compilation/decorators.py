@@ -80,6 +80,27 @@ def stand_in(function: Callable[..., Any]) -> Callable[[_F], _F]:
     return register
 
 
+def variant(function: Callable[..., Any], applies: Callable[[Any], bool]) -> Callable[[_F], _F]:
+    """In compiled code, the decorated function replaces `function` for some types of the first argument.
+
+    Python always calls `function`.
+
+    Args:
+        function: What all other types compile to.
+        applies: Whether the decorated function is for this type, one of numba's, of the first argument.
+    """
+
+    def register(substitute: _F) -> _F:
+        names = ", ".join(substitute.__code__.co_varnames[: substitute.__code__.co_argcount])
+        first = names.partition(",")[0]
+        typing: dict[str, Any] = {"applies": applies, "substitute": substitute, "function": function}
+        exec(f"def typing({names}):\n    return substitute if applies({first}) else function\n", typing)
+        overload(function, jit_options=_INNER_INLINE, strict=False)(typing["typing"])
+        return substitute
+
+    return register
+
+
 class _Compilation(event.Listener):
     """What is special about the compilation of this package's functions.
 

@@ -34,10 +34,10 @@ def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues)
     return given_layout(arena, foods, {}, key, decisions)
 
 
-def no_room(arena: Arena, foods: int) -> ValueError:
-    """The error of an arena in which no random layout was found."""
+def no_room(name: str, foods: int) -> ValueError:
+    """The error of an arena with this name in which no random layout was found."""
     return ValueError(
-        f"{arena.name}: no room for a robot and {foods} food objects outside home; make the arena larger"
+        f"{name}: no room for a robot and {foods} food objects outside home; make the arena larger"
     )
 
 
@@ -63,7 +63,7 @@ def given_layout(
     if not draw_layout(
         start, places, key, floor_of(arena), arena_map_of(arena), decisions, has_start, has_places
     ):
-        raise no_room(arena, foods)
+        raise no_room(arena.name, foods)
     return _layout_of(start, places)
 
 

@@ -9,11 +9,11 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     check_round_duration,
-    checked_arena,
     checked_decisions,
     food_odds,
     timing_of,
@@ -50,7 +50,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def __init__(
         self,
-        arena: Arena | str = "corridor",
+        arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
         noise: Noise | str | None = None,
@@ -61,21 +61,21 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     ) -> None:
         self.decisions = checked_decisions(decisions)
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
+        self._noise = noise
+        self.world: World
         if world is None:
-            markers = (self.decisions.recall_marker,)
-            world = PymunkWorld(
-                [checked_arena(arena, self.decisions)], markers, noise, timing=timing_of(self.decisions)
-            )
+            self._pool: ArenaPool | None = ArenaPool(arena, self.decisions)
+            self._enter(self._pool[0])
         else:
             check_round_duration(world, self.decisions)
-        self.world: World = world
-        (self.arena,) = arenas_of(self.world, 1)
+            self._pool, self.world = None, world
+            (self.arena,) = arenas_of(self.world, 1)
+            self._map = arena_map_of(self.arena)
         self.foods = whole_number("foods", foods, 1)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
         self._odds = food_odds(food_types)
-        self._map = arena_map_of(self.arena)
         self._values = self.decisions.values()
         self._key: int | None = None
         self._episodes = 0
@@ -93,13 +93,18 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     @property
     def home_radius(self) -> int:
-        """Of the home, in pixels."""
+        """Of the home in the arena of the present episode, in pixels."""
         return self._map.home_radius
 
     @property
     def diagonal(self) -> int:
-        """Of the arena, in pixels."""
+        """Of the arena of the present episode, in pixels."""
         return self._map.diagonal
+
+    @property
+    def largest_diagonal(self) -> int:
+        """Of all arenas in which an episode may take place, in pixels."""
+        return self._map.diagonal if self._pool is None else self._pool.diagonal
 
     @property
     def forager(self) -> Forager:
@@ -127,9 +132,10 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
             self._episodes = 0
         key, episode = self._key, self._episodes
-        self.layout = given_layout(
-            self.arena, self.foods, options or {}, layout_key(key, episode), self._values
-        )
+        arena = self.arena if self._pool is None else self._pool[self._pool.number(key, episode)]
+        self.layout = given_layout(arena, self.foods, options or {}, layout_key(key, episode), self._values)
+        if arena is not self.arena:
+            self._enter(arena)
         self._episodes += 1
         self.world.reset(self.np_random.spawn(1)[0], self.layout)
         tracker = tracker_of(self.layout.foods, self._map)
@@ -191,6 +197,13 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """Stop the robot and close the window."""
         self.world.close()
         self._screen.close()
+
+    def _enter(self, arena: Arena) -> None:
+        """Let the coming episode take place in an arena, in a world of its own."""
+        self.arena, self._map = arena, arena_map_of(arena)
+        self.world = PymunkWorld(
+            [arena], (self.decisions.recall_marker,), self._noise, timing=timing_of(self.decisions)
+        )
 
     @abstractmethod
     def _motors(self, action: ActionT, forager: Forager) -> Motors:

@@ -148,6 +148,33 @@ def _distance(x: float, y: float, wall: Any) -> float:
     return length(dx, dy)
 
 
+def room_beside(x: float, y: float, to_x: float, to_y: float, past_home: bool, ways: Ways) -> float:
+    """How far both ends of a clear way may move before it comes too near to a corner, or the home; negative if it is.
+
+    A way whose ends move no further than this, and no further than to the next wall, stays clear: on its way to a wall
+    it would first touch a corner.
+
+    Args:
+        x: Of the one end.
+        y: Of the one end.
+        to_x: Of the other end.
+        to_y: Of the other end.
+        past_home: As for `is_clear`.
+        ways: What is prepared of the arena.
+    """
+    dx, dy = to_x - x, to_y - y
+    share = 1.0 / max(dx * dx + dy * dy, _REACHED)
+    nearest = math.inf
+    for k in range(len(ways.corners)):
+        off_x, off_y = to_wall(ways.corners[k].x, ways.corners[k].y, x, y, dx, dy, share)
+        nearest = min(nearest, off_x * off_x + off_y * off_y)
+    room = math.sqrt(nearest) - ways.clearance
+    if past_home:
+        off_x, off_y = to_wall(ways.home_x, ways.home_y, x, y, dx, dy, share)
+        room = min(room, length(off_x, off_y) - ways.berth)
+    return room
+
+
 def next_waypoint(
     x: float, y: float, to_x: float, to_y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways
 ) -> tuple[float, float, float]:
@@ -169,15 +196,32 @@ def next_waypoint(
     """
     if len(ways.corners) == 0 or is_clear(x, y, to_x, to_y, past_home, walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)
-    best, best_x, best_y = math.inf, to_x, to_y
-    for k in range(len(ways.waypoints)):
-        point = ways.waypoints[k]
-        first = length(point.x - x, point.y - y)
-        total = first + to_lengths[k]
-        allowed = first > _REACHED and not (past_home and _is_in_home(point, ways))
-        if allowed and total < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
-            best, best_x, best_y = total, point.x, point.y
-    return best_x, best_y, best
+    return waypoint_around(x, y, to_x, to_y, to_lengths, past_home, walls, ways)
+
+
+def waypoint_around(
+    x: float, y: float, to_x: float, to_y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways
+) -> tuple[float, float, float]:
+    """Where to drive next if the straight way is not clear: arguments and result as for `next_waypoint`."""
+    # Whether a way is clear takes longest to find out. So waypoints are tried from the shortest path on.
+    tried, last = -math.inf, -1
+    for _ in range(len(ways.waypoints)):
+        best, nearest = math.inf, -1
+        for k in range(len(ways.waypoints)):
+            point = ways.waypoints[k]
+            first = length(point.x - x, point.y - y)
+            total = first + to_lengths[k]
+            untried = total > tried or (total == tried and k > last)
+            allowed = first > _REACHED and not (past_home and _is_in_home(point, ways))
+            if allowed and untried and total < best:
+                best, nearest = total, k
+        if nearest < 0:
+            break
+        point = ways.waypoints[nearest]
+        if is_clear(x, y, point.x, point.y, past_home, walls, ways):
+            return point.x, point.y, best
+        tried, last = best, nearest
+    return to_x, to_y, math.inf
 
 
 def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, ways: Ways) -> None:

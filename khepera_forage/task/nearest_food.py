@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.paths import find_lengths, is_clear, next_waypoint
+from khepera_forage.geometry.paths import find_lengths, is_clear, waypoint_around
 from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import (
@@ -108,7 +108,7 @@ def _path_to(x: float, y: float, to_x: float, to_y: float, food: Any, lengths: A
     if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
         find_lengths(to_x, to_y, lengths, True, arena.walls, arena.ways)
         food.lengths_x, food.lengths_y = to_x, to_y
-    return next_waypoint(x, y, to_x, to_y, lengths, True, arena.walls, arena.ways)[2]
+    return waypoint_around(x, y, to_x, to_y, lengths, True, arena.walls, arena.ways)[2]
 
 
 def is_candidate(food: Any, held: bool) -> bool:

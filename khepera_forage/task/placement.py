@@ -22,6 +22,8 @@ _MARGIN = 5.0
 """mm that a random start keeps clear around body and gripper, and food beyond the close threshold."""
 _LAYOUTS = 1 << 48
 """First number of a key that is for layouts; devices of simulated worlds use the numbers below."""
+_ARENAS = 1 << 49
+"""First number of a key that is for arenas; 2**47 episodes need the numbers between it and `_LAYOUTS`."""
 _FOOD_NUMBERS = 1 << 20
 """First number of a layout's key that is for food."""
 TRIES = 200
@@ -43,6 +45,17 @@ class Place:
 
     x: float = 0.0
     y: float = 0.0
+
+
+def arena_number(key: Any, episode: Any, count: int) -> Any:
+    """Number of the arena of an episode of a world, counted from its seed, if there are `count` arenas.
+
+    Args:
+        key: Of the world. With an array of keys and one of episodes, both 64 bits without sign, all at once.
+        episode: Which of its episodes.
+        count: Number of arenas.
+    """
+    return random_bits(key, _ARENAS + episode) % count
 
 
 def layout_key(key: Any, episode: int) -> Any:

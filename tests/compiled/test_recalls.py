@@ -75,7 +75,8 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     batch = env.batch
     arithmetic = decisions.distance_arithmetic
     imitators = [
-        NearestNeighbourImitator(batch.diagonal, arithmetic=arithmetic).fit(*part) for part in experience
+        NearestNeighbourImitator(int(batch.diagonals[0]), arithmetic=arithmetic).fit(*part)
+        for part in experience
     ]
     observation, infos = env.reset(seed=seed)
     over = np.zeros(worlds, np.bool_)

@@ -102,7 +102,7 @@ def test_bodies_are_compiled_in_another_process_while_the_caller_compiles(
     address = stepping.advance_address(LANES, add, *EXAMPLE)
     assert address == stepping.advance_address(LANES, add, *EXAMPLE)
     (code,) = codes
-    compiled: list[int] = []
-    monkeypatch.setattr(stepping, "compile_advance", compiled.append)
+    compiled: list[tuple[int, bool]] = []
+    monkeypatch.setattr(stepping, "compile_advance", lambda *kind: compiled.append(kind))
     exec(code)
-    assert compiled == [LANES]
+    assert compiled == [(LANES, False)]

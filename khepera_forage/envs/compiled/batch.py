@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation.threads import BLOCKS_A_THREAD, share_out, threads_for
 from khepera_forage.counter_rng import key_of, keys_of
-from khepera_forage.envs.arguments import FoodOdds, whole_number
-from khepera_forage.envs.compiled.parameters import recall_parameters
+from khepera_forage.envs.arena_pool import Arenas
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.compiled.prepared_arenas import enter_arenas, recall_arenas
 from khepera_forage.envs.compiled.records import place_dtype, start_dtype
 from khepera_forage.envs.compiled.rounds import step_all
-from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds, kept
+from khepera_forage.envs.compiled.worlds import Worlds, kept
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
@@ -42,7 +43,7 @@ class CompiledBatch:
     def __init__(
         self,
         num_worlds: int,
-        arena: Arena | str = "corridor",
+        arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
         noise: Noise | str | None = None,
@@ -50,28 +51,32 @@ class CompiledBatch:
         decisions: Decisions | None = None,
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
-        self.arena, self.decisions, self._parameters, self._task = recall_parameters(
-            arena, foods, limit, noise, food_types, decisions
-        )
+        self.decisions = checked_decisions(decisions)
+        self._arenas = recall_arenas(arena, foods, limit, noise, food_types, self.decisions)
         self.foods, self.limit = foods, limit
         self._blocks = -(-self.num_worlds // LANES)
-        self.worlds = empty_worlds(self._blocks, self.foods, len(self._task.waypoints))
+        self.worlds = self._arenas.empty_worlds(self._blocks)
 
     @property
     def bytes_per_world(self) -> float:
         """Memory of a world, without what threads work in."""
-        return float(sum(array.nbytes for array in kept(self.worlds)) / self._blocks / LANES)
+        arrays = (*kept(self.worlds), *self.worlds.bodies.near)
+        return float(sum(array.nbytes for array in arrays) / self._blocks / LANES)
 
     @property
-    def diagonal(self) -> int:
-        """Of the arena, in pixels."""
-        return int(self._task.arena["map_diagonal"][0])
+    def arenas(self) -> list[Arena]:
+        """The arena in which each world is."""
+        return [self._arenas[index] for index in self._indices.tolist()]
 
     @property
-    def home(self) -> NDArray[np.float64]:
-        """x, y and radius of the home, in pixels."""
-        arena = self._task.arena[0]
-        return np.array((arena["map_home_x"], arena["map_home_y"], arena["map_home_radius"]))
+    def diagonals(self) -> NDArray[np.int64]:
+        """Of the arena in which each world is, in pixels."""
+        return self._of_arenas("map_diagonal").astype(np.int64)
+
+    @property
+    def homes(self) -> NDArray[np.float64]:
+        """x, y and radius of the home of each world, in pixels, shape (worlds, 3)."""
+        return np.stack([self._of_arenas(f"map_home_{name}") for name in ("x", "y", "radius")], axis=1)
 
     def seed(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
         """Seed some worlds, each with its own seed: it then has the episodes of a single environment with that seed.
@@ -98,20 +103,25 @@ class CompiledBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        given = as_records(*given_places(self.arena, self.foods, options or {}), self.foods)
+        indices = self._next_arenas(worlds)
+        for index in np.unique(indices).tolist():
+            places = given_places(self._arenas[index], self.foods, options or {})
+        given = as_records(*places, self.foods)
         # New episodes begin in blocks of their own, whose records are then copied to where they belong.
         blocks = -(-len(worlds) // LANES)
-        begun = empty_worlds(blocks, self.foods, len(self._task.waypoints))
+        begun = self._arenas.empty_worlds(blocks)
         new = np.arange(len(worlds))
         there, here = (new // LANES, new % LANES), (worlds // LANES, worlds % LANES)
         for name in ("key", "round"):
             begun.bodies.robots[name][there] = self.worlds.bodies.robots[name][here]
         begun.episodes["number"][there] = self.worlds.episodes["number"][here]
+        enter_arenas(begun, there, indices)
         lanes = blocks * LANES
         if not self._step(begun, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), *given):
-            raise no_room(self.arena, self.foods)
+            raise self._no_room(indices)
         for array, source in zip(kept(self.worlds), kept(begun), strict=True):
             _copy_worlds(array, here, source, there)
+        enter_arenas(self.worlds, here, indices)
 
     def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
         """One round in every world.
@@ -121,8 +131,12 @@ class CompiledBatch:
             waiting: Worlds that begin a new episode instead.
 
         Raises:
-            ValueError: The arena has no room for a new episode.
+            ValueError: An arena has no room for a new episode.
         """
+        new = np.flatnonzero(waiting)
+        if len(new) and self._arenas.several:
+            indices = self._next_arenas(new)  # may replace `worlds` by larger records
+            enter_arenas(self.worlds, (new // LANES, new % LANES), indices)
         lanes = self._blocks * LANES
         padded = np.zeros((lanes, *actions.shape[1:]))
         padded[: self.num_worlds] = actions
@@ -131,7 +145,7 @@ class CompiledBatch:
         if not self._step(
             self.worlds, padded.reshape(lanes, -1), begins, *as_records(None, None, self.foods)
         ):
-            raise no_room(self.arena, self.foods)
+            raise self._no_room(self._indices[new])
 
     def task(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
         """A field of the task's records, one number a world, as a fresh array of some type."""
@@ -157,6 +171,32 @@ class CompiledBatch:
         """`tracker_dtype`, one element a world; a view."""
         return self._over_worlds(self.worlds.trackers)
 
+    @property
+    def _indices(self) -> NDArray[np.int64]:
+        """Index of the arena in which each world is."""
+        near = self.worlds.bodies.near
+        return self._over_worlds(near.lists["arena"]) if near else np.zeros(self.num_worlds, np.int64)
+
+    def _of_arenas(self, name: str) -> NDArray[Any]:
+        """A field of the arena in which each world is, one number a world, as a fresh array."""
+        values: NDArray[Any] = self._arenas.task.arena[name]
+        return values[self._indices] if self._arenas.several else np.full(self.num_worlds, values[0])
+
+    def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Indices of the arenas of the next episodes of some worlds. There is then room for their records."""
+        if not self._arenas.several:
+            return np.zeros(len(worlds), np.int64)
+        here = (worlds // LANES, worlds % LANES)
+        keys, episodes = self.worlds.bodies.robots["key"][here], self.worlds.episodes["number"][here]
+        indices = self._arenas.next(keys, episodes)
+        self.worlds = self._arenas.with_room(self.worlds)
+        return indices
+
+    def _no_room(self, indices: NDArray[np.int64]) -> ValueError:
+        """The error of new episodes in arenas, one of which had no room."""
+        names = sorted({self._arenas[index].name for index in indices.tolist()})
+        return no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
+
     def _over_worlds(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.reshape(-1)[: self.num_worlds]
 
@@ -170,8 +210,19 @@ class CompiledBatch:
     ) -> bool:
         taken, free = np.zeros(1, np.int64), np.ones(1, np.bool_)
         threads = threads_for(len(worlds.tasks) // BLOCKS_A_THREAD)
-        common = (worlds, taken, free, self._parameters, self._task, actions, waiting, start, places)
-        share_out(step_all, threads, *common, advance_address(LANES, step_all, 0, *common, 0))
+        common = (
+            worlds,
+            taken,
+            free,
+            self._arenas.parameters,
+            self._arenas.task,
+            actions,
+            waiting,
+            start,
+            places,
+        )
+        address = advance_address(LANES, step_all, 0, *common, 0, several=self._arenas.several)
+        share_out(step_all, threads, *common, address)
         return bool(free[0])
 
 

@@ -4,7 +4,9 @@ from typing import Any
 
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
+from khepera_forage.envs.compiled.arena_maps import arena_maps, numbers_in
+from khepera_forage.envs.compiled.parameters import TaskParameters
+from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, applicable
 from khepera_forage.task.actions import decode_motors
 from khepera_forage.task.arena_map import ArenaMap
@@ -66,22 +68,27 @@ def drive(robot: Any, i: int, motors: Motors) -> None:
 
 
 @kernel
-def drive_behaviours(robot: Any, task: Any, parameters: TaskParameters) -> None:
+def drive_behaviours(worlds: Worlds, parameters: TaskParameters) -> None:
     """Command what the behaviour decided on commands, in every lane."""
-    arena, decisions = arena_map(parameters), parameters.decisions[0]
+    robot, task = worlds.bodies.robots, worlds.tasks
+    maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     for i in range(robot.x.shape[0]):
-        motors = command(int(task.behaviour[i]), raw_data_in(robot, task, i, arena), decisions)
+        motors = command(
+            int(task.behaviour[i]), raw_data_in(robot, task, i, numbers_in(maps, task, i)), decisions
+        )
         drive(robot, i, applicable(motors))
 
 
 @kernel
-def drive_actions(robot: Any, task: Any, actions: Any, parameters: TaskParameters) -> None:
+def drive_actions(worlds: Worlds, actions: Any, parameters: TaskParameters) -> None:
     """Command the motors of actions, one row of four numbers in -1..1 a lane.
 
     The behaviour is then the state where they are what the teacher would command, and WAIT elsewhere.
     """
-    arena, decisions = arena_map(parameters), parameters.decisions[0]
+    robot, task = worlds.bodies.robots, worlds.tasks
+    maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     for i in range(robot.x.shape[0]):
+        arena = numbers_in(maps, task, i)
         given = applicable(decode_motors(actions[i, 0], actions[i, 1], actions[i, 2], actions[i, 3]))
         right = applicable(command(int(task.state[i]), raw_data_in(robot, task, i, arena), decisions))
         same = (

@@ -71,6 +71,18 @@ class OneWorld:
         self.begins, self.has_room = np.zeros(1, np.bool_), np.ones(1, np.bool_)
         self.start, self.places = np.full(1, np.nan, start_dtype), np.full(foods, np.nan, place_dtype)
 
+    def enter(self, parameters: Parameters, task: TaskParameters) -> None:
+        """Let the coming episodes take place in another arena.
+
+        Args:
+            parameters: Of the bodies, with as many food objects as before.
+            task: Of the task.
+        """
+        self.parameters, self.task = parameters, task
+        lengths = np.zeros((1, 1, parameters.foods, len(task.waypoints)))
+        self.worlds = self.worlds._replace(food_lengths=lengths)
+        self.__dict__.pop("table", None)
+
     @cached_property
     def table(self) -> NDArray[np.int64]:
         """All that `_step_one` needs; valid in this process."""
@@ -83,9 +95,9 @@ class OneWorld:
             0,
         )
         arrays = (
-            *self.worlds.bodies,
+            *self.worlds.bodies[:5],
             *self.worlds[1:],
-            *self.parameters[1:],
+            *self.parameters[1:4],
             *self.task,
             self.action,
             self.begins,
@@ -121,6 +133,7 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[2], (1, 1, 2 * foods), _TRACK),
         array_at(a[3], (1,), _SCRATCH),
         array_at(a[4], (1, foods), _DETECTION),
+        (),
     )
     worlds = Worlds(
         blocks,
@@ -138,6 +151,7 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[13], (walls,), _WALL),
         array_at(a[14], (corners,), _CORNER),
         array_at(a[15], (1,), _CONSTANTS),
+        (),
     )
     task = TaskParameters(
         array_at(a[16], (1,), arena_dtype),

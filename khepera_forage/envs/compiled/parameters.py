@@ -6,14 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import inline
-from khepera_forage.envs.arguments import (
-    FoodOdds,
-    checked_arena,
-    checked_decisions,
-    food_odds,
-    timing_of,
-    whole_number,
-)
+from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
 from khepera_forage.envs.compiled.records import (
     arena_dtype,
     decisions_dtype,
@@ -61,30 +54,28 @@ class TaskParameters(NamedTuple):
 
 
 def recall_parameters(
-    arena: Arena | str,
+    arena: Arena,
     foods: int,
     limit: int,
     noise: Noise | str | None,
     food_types: FoodOdds,
-    decisions: Decisions | None = None,
+    decisions: Decisions,
     wheel_speed: float = 1.0,
-) -> tuple[Arena, Decisions, Parameters, TaskParameters]:
-    """The parameters of recalls, checked.
+) -> tuple[Parameters, TaskParameters]:
+    """The parameters of recalls in one arena, checked.
 
     Args:
-        arena: As for the environments.
+        arena: From an `ArenaPool`.
         foods: Food objects in each world, 1 to 16.
         limit: Steps after which an episode ends.
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
-        decisions: Ours by default.
+        decisions: Of the task.
         wheel_speed: Share of the commanded speed that wheels reach.
 
     Raises:
         ValueError: An argument out of range, or an arena that the camera does not see.
     """
-    decisions = checked_decisions(decisions)
-    arena = checked_arena(arena, decisions)
     check_seen([arena])
     if whole_number("foods", foods, 1) > MOST_FOODS:
         raise ValueError(f"foods is {foods!r}; allowed: 1 to {MOST_FOODS} in compiled worlds")
@@ -97,7 +88,7 @@ def recall_parameters(
         timing=timing_of(decisions),
     )
     task = task_parameters(arena, whole_number("limit", limit, 1), food_odds(food_types), decisions)
-    return arena, decisions, bodies, task
+    return bodies, task
 
 
 def task_parameters(

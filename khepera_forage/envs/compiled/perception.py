@@ -1,16 +1,18 @@
 """Perception in every world of a block: the food tracker, raw data, state vector and state."""
 
+import math
 from typing import Any
 
 import numpy as np
 
-from khepera_forage.compilation.decorators import inline, kernel
+from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
+from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
+from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.worlds import Worlds
-from khepera_forage.geometry.walls import to_wall
+from khepera_forage.geometry.paths import room_beside
+from khepera_forage.geometry.walls import clearance, to_wall
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
 from khepera_forage.task.perception import (
@@ -41,8 +43,8 @@ def remember_senses(robot: Any, task: Any) -> None:
 @kernel
 def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
     """Account for what one round has brought, by the rule of `task.food_tracking`."""
-    robot, task, arena = worlds.bodies.robots, worlds.tasks, arena_map(parameters)
-    decisions = parameters.decisions[0]
+    robot, task = worlds.bodies.robots, worlds.tasks
+    maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     for i in range(robot.x.shape[0]):
         before = _senses(task.presence_before[i], task.arm_before[i], task.jaw_before[i])
         after = _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i])
@@ -54,7 +56,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
             worlds.food_lengths[i],
             worlds.links[i],
             worlds.bodies.tracks[i],
-            arena,
+            map_in(maps, i),
             robot.marker_x[i],
             robot.marker_y[i],
             robot.marker_heading[i],
@@ -72,22 +74,11 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
 def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
     robot, task = worlds.bodies.robots, worlds.tasks
-    arena, decisions = arena_map(parameters), parameters.decisions[0]
-    lanes = robot.x.shape[0]
-    for i in range(lanes):
-        task.wall_squared[i] = np.inf
-    for k in range(arena.walls.shape[0]):
-        wall = arena.walls[k]
-        for i in range(lanes):
-            x, y = robot.marker_x[i], robot.marker_y[i]
-            dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
-            squared = dx * dx + dy * dy
-            nearer = squared < task.wall_squared[i]
-            task.wall_squared[i] = squared if nearer else task.wall_squared[i]
-            task.wall_x[i] = dx if nearer else task.wall_x[i]
-            task.wall_y[i] = dy if nearer else task.wall_y[i]
-    _find_ways(worlds, arena)
-    for i in range(lanes):
+    maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
+    _find_nearest_walls(maps, robot, task)
+    _find_ways(worlds, maps)
+    for i in range(robot.x.shape[0]):
+        arena = numbers_in(maps, task, i)
         raw = raw_data(
             _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i]),
             robot.marker_x[i],
@@ -119,13 +110,86 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
         task.state[i] = classify(vector, arena.home_radius, decisions).value
 
 
+def _find_nearest_walls(maps: Any, robot: Any, task: Any) -> None:
+    """The way from each robot to the nearest point of a wall, wall by wall."""
+    for i in range(robot.x.shape[0]):
+        task.wall_squared[i] = np.inf
+    for k in range(maps.walls.shape[0]):
+        wall = maps.walls[k]
+        for i in range(robot.x.shape[0]):
+            _keep_nearest(robot, task, i, wall)
+
+
+@variant(_find_nearest_walls, are_several)
+def _find_nearest_walls_world_by_world(maps: Any, robot: Any, task: Any) -> None:
+    for i in range(robot.x.shape[0]):
+        task.wall_squared[i] = np.inf
+        walls = map_in(maps, i).walls
+        for k in range(walls.shape[0]):
+            _keep_nearest(robot, task, i, walls[k])
+
+
 @inline
-def _find_ways(worlds: Worlds, arena: ArenaMap) -> None:
+def _keep_nearest(robot: Any, task: Any, i: int, wall: Any) -> None:
+    dx, dy = to_wall(robot.marker_x[i], robot.marker_y[i], wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+    squared = dx * dx + dy * dy
+    nearer = squared < task.wall_squared[i]
+    task.wall_squared[i] = squared if nearer else task.wall_squared[i]
+    task.wall_x[i] = dx if nearer else task.wall_x[i]
+    task.wall_y[i] = dy if nearer else task.wall_y[i]
+
+
+@inline
+def _find_ways(worlds: Worlds, maps: Any) -> None:
     """The ways home and to the nearest food."""
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
-        x, y = robot.marker_x[i], robot.marker_y[i]
-        home = way_home(x, y, arena)
-        food = way_to_food(x, y, worlds.trackers[i], worlds.food_lengths[i], arena)
+        x, y, arena, tracker = robot.marker_x[i], robot.marker_y[i], map_in(maps, i), worlds.trackers[i]
+        home, food = (arena.home_x, arena.home_y, 0.0), (tracker.food_x, tracker.food_y, 0.0)
+        if len(arena.ways.corners) > 0:
+            if not _stays_clear_home(task, i, x, y):
+                home = way_home(x, y, arena)
+                _keep_room_home(task, i, x, y, home, arena)
+            if tracker.nearest >= 0 and not _stays_clear_to_food(task, i, x, y, tracker):
+                food = way_to_food(x, y, tracker, worlds.food_lengths[i], arena)
+                _keep_room_to_food(task, i, x, y, food, tracker, arena)
         task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home
         task.food_way_x[i], task.food_way_y[i], task.food_path[i] = food
+
+
+@inline
+def _stays_clear_home(task: Any, i: int, x: float, y: float) -> bool:
+    """Whether the way home is certainly still clear."""
+    dx, dy, room = x - task.home_clear_x[i], y - task.home_clear_y[i], task.home_clear_room[i]
+    return bool(dx * dx + dy * dy < room * room)
+
+
+@inline
+def _keep_room_home(task: Any, i: int, x: float, y: float, way: Any, arena: Any) -> None:
+    way_x, way_y, path = way
+    # The way to a place without a path has that place as its waypoint, but no length.
+    clear = way_x == arena.home_x and way_y == arena.home_y and path > 0.0
+    room = 0.0
+    if clear:
+        room = min(room_beside(x, y, way_x, way_y, False, arena.ways), math.sqrt(task.wall_squared[i]))
+    task.home_clear_x[i], task.home_clear_y[i], task.home_clear_room[i] = x, y, max(0.0, room)
+
+
+@inline
+def _stays_clear_to_food(task: Any, i: int, x: float, y: float, tracker: Any) -> bool:
+    """Whether the way to the nearest food is certainly still clear."""
+    dx, dy, room = x - task.food_clear_x[i], y - task.food_clear_y[i], task.food_clear_room[i]
+    to_x, to_y = tracker.food_x - task.food_clear_to_x[i], tracker.food_y - task.food_clear_to_y[i]
+    return bool(max(dx * dx + dy * dy, to_x * to_x + to_y * to_y) < room * room)
+
+
+@inline
+def _keep_room_to_food(task: Any, i: int, x: float, y: float, way: Any, tracker: Any, arena: Any) -> None:
+    way_x, way_y, path = way
+    room = 0.0
+    if way_x == tracker.food_x and way_y == tracker.food_y and path > 0.0:
+        room = min(room_beside(x, y, way_x, way_y, True, arena.ways), math.sqrt(task.wall_squared[i]))
+        if room > 0.0:
+            room = min(room, clearance(way_x, way_y, arena.walls))
+    task.food_clear_x[i], task.food_clear_y[i], task.food_clear_room[i] = x, y, max(0.0, room)
+    task.food_clear_to_x[i], task.food_clear_to_y[i] = way_x, way_y

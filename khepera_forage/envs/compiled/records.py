@@ -22,6 +22,12 @@ TASK = (
     *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
+    # Where the robot and the food were when a way was found clear, and how far they may move before it is looked for
+    # again.
+    *("home_clear_x", "home_clear_y", "home_clear_room"),
+    *("food_clear_x", "food_clear_y", "food_clear_to_x", "food_clear_to_y", "food_clear_room"),
+    # Numbers of the arena's map, if worlds are in different arenas.
+    *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     # The state vector, and the state that it stands for.
     *("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance"),
     "state",
@@ -88,9 +94,12 @@ arena_dtype = np.dtype(
     + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
     + [("odds", "f8", (len(FoodType) - 1,))]
     + [("limit", "i8")]
+    + [(name, "i8") for name in ("first_wall", "walls", "first_corner", "corners")]
+    + [(name, "i8") for name in ("first_waypoint", "waypoints", "first_length")]
 )
 """`task.arena_map.ArenaMap` in pixels without its walls, with the clearance and berth of its `Ways`; `Floor` in mm
-without its walls; odds of food types, and the step limit."""
+without its walls; odds of food types, and the step limit. If worlds are in different arenas: which of all walls,
+corners and waypoints are this arena's, and where the lengths of its ways begin."""
 
 
 def task_dtype(lanes: int) -> np.dtype[Any]:

@@ -5,8 +5,9 @@ from typing import Any
 from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
+from khepera_forage.envs.compiled.arena_maps import arena_maps, floor_in, keep_numbers, map_in
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor
+from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
@@ -64,7 +65,11 @@ def begin_world(
         for k in range(places.shape[0]):
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
     drawn_key, values = layout_key(key, episode.number), task.decisions[0]
-    free = draw_layout(start, places, drawn_key, floor(task), arena_map(task), values, has_start, has_places)
+    near = worlds.bodies.near
+    ground, maps = floor_in(near, task, i), arena_maps(near, task)
+    keep_numbers(maps, worlds.tasks, i)
+    worlds.tasks.home_clear_room[i] = worlds.tasks.food_clear_room[i] = 0.0
+    free = draw_layout(start, places, drawn_key, ground, map_in(maps, i), values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)
     episode.number += 1
@@ -141,9 +146,9 @@ def step_block(
     if actions.shape[1] == 1:
         for i in range(robot.x.shape[0]):
             worlds.tasks.behaviour[i] = actions[i, 0]
-        drive_behaviours(robot, worlds.tasks, task)
+        drive_behaviours(worlds, task)
     else:
-        drive_actions(robot, worlds.tasks, actions, task)
+        drive_actions(worlds, actions, task)
     begin_steps(worlds)
     carry_out(worlds, parameters, task, advance)
     return free

@@ -10,12 +10,13 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import FoodOdds, timing_of
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, timing_of
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.envs.compiled.forager import CompiledForager
 from khepera_forage.envs.compiled.one_world import OneWorld
-from khepera_forage.envs.compiled.parameters import recall_parameters
+from khepera_forage.envs.compiled.parameters import TaskParameters, recall_parameters
 from khepera_forage.envs.compiled.records import TASK, episode_dtype, tracker_dtype
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_places, no_room
@@ -25,12 +26,15 @@ from khepera_forage.envs.rendering.forager_view import recall_view
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
 
+_MOST_PREPARED = 1_000
+"""Arenas whose parameters are kept, each of some 20 kB."""
 _STEPS, _CORRECT, _REWARD, _SCORE, _PENALTY, _TERMINATED, _TRUNCATED = map(
     episode_dtype.names.index,  # type: ignore[union-attr]
     ("steps", "correct", "reward", "score", "penalty", "terminated", "truncated"),
@@ -58,6 +62,9 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         decisions: Ours by default.
 
     Attributes:
+        arena: That of the present episode; before the first reset, the first one.
+        diagonal: Of that arena, in pixels.
+        home_radius: Of the home in that arena, in pixels.
         layout: Where everything stood at the last reset.
         world: The bodies and the camera as they are now; only the environment resets and advances them.
         confidence: Confidence level of each behaviour, shown beside the picture; a policy's owner may set it.
@@ -73,7 +80,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def __init__(
         self,
-        arena: Arena | str = "corridor",
+        arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
         noise: Noise | str | None = None,
@@ -81,21 +88,20 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         render_mode: str | None = None,
         decisions: Decisions | None = None,
     ) -> None:
-        self.arena, self.decisions, bodies, task = recall_parameters(
-            arena, foods, limit, noise, food_types, decisions
-        )
+        self.decisions = checked_decisions(decisions)
+        self._pool = ArenaPool(arena, self.decisions)
+        self.arena = self._pool[0]
+        self._options = foods, limit, noise, food_types, self.decisions
+        self._prepared: dict[Arena, tuple[Parameters, TaskParameters]] = {}
+        bodies, task = self._parameters_in(self.arena)
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.foods, self.limit = foods, limit
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        like = self._like(arena=self.arena, foods=foods, limit=limit, decisions=self.decisions)
-        self.diagonal, self.home_radius = like.diagonal, like.home_radius
+        like = self._like(arena=arena, foods=foods, limit=limit, decisions=self.decisions)
         self.action_space, self.observation_space = like.action_space, like.observation_space
-        self._home = np.array([task.arena[f"map_home_{name}"][0] for name in ("x", "y", "radius")])
         self._one_world = OneWorld(bodies, task, self._numbers)
-        self.world = CompiledWorld(
-            self.arena, noise, holes=self.decisions.recall_marker, timing=timing_of(self.decisions)
-        )
+        self._show_arena()
         self._read()
         self._seeded = False
         self._over = True
@@ -123,19 +129,24 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """
         super().reset(seed=seed)
         world = self._one_world
+        robot, episodes = world.worlds.bodies.robots, world.worlds.episodes
+        key, number = int(robot["key"][0, 0]), int(episodes["number"][0, 0])
+        new = seed is not None or not self._seeded
+        if new:
+            key, number = key_of(int(self.np_random.integers(2**62)) if seed is None else seed), 0
+        arena = self._pool[self._pool.number(key, number)]
         world.start[:], world.places[:] = as_records(
-            *given_places(self.arena, self.foods, options or {}), self.foods
+            *given_places(arena, self.foods, options or {}), self.foods
         )
-        if seed is not None or not self._seeded:
-            robot = world.worlds.bodies.robots
-            robot["key"] = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
-            robot["round"], world.worlds.episodes["number"] = 0, 0
+        if new:
+            robot["key"], robot["round"], episodes["number"] = key, 0, 0
         self._over = True
+        self._enter(arena)
         world.begins[0] = True
         world.step()
         world.begins[0] = False
         if not world.has_room[0]:
-            raise no_room(self.arena, self.foods)
+            raise no_room(self.arena.name, self.foods)
         self.world.show(world.worlds.bodies, world.parameters)
         self._seeded = True
         self._over = False
@@ -193,6 +204,33 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     @abstractmethod
     def _observation(self, task: Sequence[float]) -> Observation:
         """The observation, in fresh arrays, from the numbers of the task's record."""
+
+    def _parameters_in(self, arena: Arena) -> tuple[Parameters, TaskParameters]:
+        """The parameters in one arena, which are kept for its next episodes."""
+        if arena not in self._prepared:
+            if len(self._prepared) == _MOST_PREPARED:
+                self._prepared.clear()
+            self._prepared[arena] = recall_parameters(arena, *self._options)
+        return self._prepared[arena]
+
+    def _enter(self, arena: Arena) -> None:
+        """Let the coming episode take place in an arena."""
+        if arena != self.arena:
+            self.arena = arena
+            self._one_world.enter(*self._parameters_in(arena))
+            self._show_arena()
+
+    def _show_arena(self) -> None:
+        """Make what is known of the present arena that of the environment."""
+        record = self._one_world.task.arena[0]
+        self._home = np.array([record[f"map_home_{name}"] for name in ("x", "y", "radius")])
+        self.diagonal, self.home_radius = int(record["map_diagonal"]), int(record["map_home_radius"])
+        self.world = CompiledWorld(
+            self.arena,
+            self._options[2],
+            holes=self.decisions.recall_marker,
+            timing=timing_of(self.decisions),
+        )
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

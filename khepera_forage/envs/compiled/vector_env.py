@@ -10,12 +10,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, whole_number
 from khepera_forage.envs.backends import COMPILED, check_compiled
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.info import episode_info
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
 
 Observation = dict[str, NDArray[Any]]
@@ -49,7 +49,7 @@ class RecallVectorEnv(VectorEnv):
     def __init__(
         self,
         num_envs: int = 1,
-        arena: Arena | str = "corridor",
+        arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
         noise: Noise | str | None = None,

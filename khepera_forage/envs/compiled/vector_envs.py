@@ -30,12 +30,13 @@ class BehavioursVectorEnv(RecallVectorEnv):
 
     def _observation(self) -> Observation:
         presence, home, food_type, arm, food = (self.batch.task(name, np.int64) for name in VECTOR)
+        diagonals = self.batch.diagonals
         return {
             "object_presence": presence,
-            "robot_home_distance": np.minimum(home, self.batch.diagonal)[:, None],
+            "robot_home_distance": np.minimum(home, diagonals)[:, None],
             "food_type": food_type,
             "arms_height": arm[:, None],
-            "robot_food_distance": np.minimum(food, self.batch.diagonal)[:, None],
+            "robot_food_distance": np.minimum(food, diagonals)[:, None],
         }
 
 
@@ -66,6 +67,6 @@ class WheelsVectorEnv(RecallVectorEnv):
             "food_seen": task("food_seen", np.int64),
             "food": np.stack((task("food_x"), task("food_y")), axis=1),
             "food_type": task("food_type", np.int64),
-            "home": np.tile(self.batch.home, (self.num_envs, 1)),
+            "home": self.batch.homes,
             "wall": np.stack((task("wall_distance"), task("wall_bearing")), axis=1),
         }

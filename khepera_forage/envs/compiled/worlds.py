@@ -63,16 +63,17 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
     )
 
 
-def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES) -> Worlds:
+def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, near: Any = ()) -> Worlds:
     """Records for some blocks. Lanes that no world uses hold a robot at rest, far from anything.
 
     Args:
         blocks: How many.
         foods: Food objects in each world.
-        waypoints: Of the arena.
+        waypoints: Of the arena; the most if there are several.
         lanes: Worlds in a block.
+        near: From `near_walls.empty_lists`, if worlds are in different arenas.
     """
-    bodies = empty_bodies(blocks, foods, lanes)
+    bodies = empty_bodies(blocks, foods, lanes, near)
     robots = bodies.robots
     robots["x"] = robots["y"] = -1e6
     robots["cos"] = 1.0
@@ -100,5 +101,5 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES) ->
 
 
 def kept(worlds: Worlds) -> tuple[Any, ...]:
-    """All arrays that hold something between rounds."""
+    """All arrays that hold something between rounds, but for the lists of near walls, which can be made again."""
     return (*worlds.bodies[:3], *worlds[1:7])

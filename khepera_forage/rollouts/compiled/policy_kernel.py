@@ -6,6 +6,7 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import kernel
 from khepera_forage.counter_rng import random_bits
+from khepera_forage.envs.compiled.arena_maps import arena_maps, map_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
@@ -34,7 +35,7 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
         decisions: `decision_dtype`, one a lane; changed in place.
     """
     robot, known, values = worlds.bodies.robots, worlds.tasks, task.decisions[0]
-    diagonal = int(task.arena[0].map_diagonal)
+    maps = arena_maps(worlds.bodies.near, task)
     for i in range(robot.x.shape[0]):
         # States and behaviours correspond one to one (4.4.1).
         known.behaviour[i] = known.state[i]
@@ -48,6 +49,7 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
             elif decision.policy == WITHOUT_ORIENTING:
                 known.behaviour[i] = _SEARCH_FOR_FOOD if known.state[i] == _NEXT_TO_FOOD else known.state[i]
             else:
+                diagonal = map_in(maps, i).diagonal
                 known.behaviour[i] = _imitate(
                     known, i, diagonal, memories, decision, chance, values.distance_arithmetic
                 )

@@ -10,17 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation.threads import share_out, threads_for
 from khepera_forage.counter_rng import keys_of
-from khepera_forage.envs.arguments import FoodOdds, whole_number
+from khepera_forage.envs.arena_pool import Arenas
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.batch import as_records
-from khepera_forage.envs.compiled.parameters import recall_parameters
-from khepera_forage.envs.compiled.worlds import empty_worlds
+from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES, Memories
 from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, UNIFORM, WITHOUT_ORIENTING
 from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dtype
 from khepera_forage.rollouts.compiled.rollout_kernel import Outcomes, Plan, run_all
-from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
@@ -68,7 +67,7 @@ class Episodes(NamedTuple):
 
 
 def run_recalls(
-    arena: Arena | str,
+    arena: Arenas,
     memories: Memories | None,
     memory_of_episode: ArrayLike,
     seed: int | NDArray[np.int64] = 0,
@@ -101,9 +100,8 @@ def run_recalls(
     """
     memories = NO_MEMORIES if memories is None else memories
     policies = _checked_policies(memory_of_episode, len(memories.planes) - 1)
-    arena, _, parameters, task = recall_parameters(
-        arena, foods, limit, noise, food_types, decisions, wheel_speed
-    )
+    decisions = checked_decisions(decisions)
+    arenas = recall_arenas(arena, foods, limit, noise, food_types, decisions, wheel_speed)
     count = len(policies)
     outcomes = Outcomes(
         np.zeros(count, outcome_dtype),
@@ -113,15 +111,14 @@ def run_recalls(
     )
     # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
     threads = threads_for(-(-count // LANES))
-    plan = Plan(_keys(seed, count), policies, np.zeros(1, np.int64), *as_records(None, None, foods))
-    worlds, state = (
-        empty_worlds(threads, foods, len(task.waypoints)),
-        np.zeros((threads, LANES), decision_dtype),
-    )
-    common = (worlds, parameters, task, memories, plan, state, outcomes)
-    share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0))
+    keys, several = _keys(seed, count), arenas.several
+    indices = arenas.next(keys, np.zeros(count, np.int64)) if several else ()
+    plan = Plan(keys, policies, indices, np.zeros(1, np.int64), *as_records(None, None, foods))
+    worlds, state = arenas.empty_worlds(threads), np.zeros((threads, LANES), decision_dtype)
+    common = (worlds, arenas.parameters, arenas.task, memories, plan, state, outcomes)
+    share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0, several=several))
     if not outcomes.free[0]:
-        raise no_room(arena, foods)
+        raise no_room(arenas[0].name if not several else "an arena", foods)
 
     def whole(name: str) -> NDArray[np.int64]:
         values: NDArray[Any] = outcomes.recalls[name]
@@ -146,9 +143,7 @@ def run_recalls(
     )
 
 
-def run_teacher(
-    arena: Arena | str = "corridor", episodes: int = 4096, seed: int = 0, **kwargs: Any
-) -> Episodes:
+def run_teacher(arena: Arenas = "corridor", episodes: int = 4096, seed: int = 0, **kwargs: Any) -> Episodes:
     """Run recalls under the teacher.
 
     Args:

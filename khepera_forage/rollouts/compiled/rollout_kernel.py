@@ -13,6 +13,7 @@ from khepera_forage.envs.compiled.rounds import begin_steps, begin_world, carry_
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.policies.nearest_neighbour.memories import Memories
 from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, decide
+from khepera_forage.sim.compiled.near_walls import enter
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.task.food_tracking import is_collected
 
@@ -23,6 +24,7 @@ class Plan(NamedTuple):
     Attributes:
         keys: Of the world of each recall.
         policies: Of each recall: `TEACHER`, `UNIFORM`, or the number of a memory.
+        arenas: Of each recall, if worlds are in different arenas; otherwise an empty tuple.
         taken: A single number: how many all threads have started.
         start: `start_dtype`, shape (1,): not a number, since starts are random.
         places: `place_dtype`, shape (foods,): not a number, since places are random.
@@ -30,6 +32,7 @@ class Plan(NamedTuple):
 
     keys: Any
     policies: Any
+    arenas: Any
     taken: Any
     start: Any
     places: Any
@@ -70,7 +73,7 @@ def _run(
     while running > 0:
         decide(worlds, task, memories, decisions)
         begin_steps(worlds)
-        drive_behaviours(worlds.bodies.robots, worlds.tasks, task)
+        drive_behaviours(worlds, task)
         carry_out(worlds, parameters, task, advance)
         for i in range(lanes):
             if worlds.episodes[i].terminated or worlds.episodes[i].truncated:
@@ -96,6 +99,7 @@ def _start_next(
     counts = recall <= last
     robot.key[i] = plan.keys[min(recall, last)]
     robot.round[i] = 0
+    enter(worlds.bodies.near, i, plan.arenas, min(recall, last))
     worlds.episodes[i].number = 0
     worlds.episodes[i].terminated = worlds.episodes[i].truncated = False
     if not begin_world(worlds, i, parameters, task, plan.start, plan.places):

@@ -139,7 +139,7 @@ def _train(
             training += _next_attempts(teachers, learners, pairs, terms, keys, taken, records)
         say(shown, learning, pairs)
         record_vectors(learning.tasks, pairs, diagonal, records.vectors)
-        drive_behaviours(shown.bodies.robots, shown.tasks, teachers.task)
+        drive_behaviours(shown, teachers.task)
         carry_out(shown, teachers.parameters, teachers.task, advance)
         share_food_types(shown, learning)
         drive_learners(learning, pairs, learners.task)

@@ -94,6 +94,12 @@ class ProceduralArenas(Sequence[Arena]):
         """Number of the first level."""
         return SPLITS[self.split] + self.start_level
 
+    @property
+    def diagonal(self) -> float:
+        """Length of the diagonal of the largest arena that can be drawn, mm."""
+        largest = checked_difficulty(self.difficulty)
+        return math.hypot(largest.length[1], largest.width[1])
+
     def __len__(self) -> int:
         return self.num_levels
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import sequence
 from khepera_forage.compilation.threads import most_threads_for
+from khepera_forage.sim.compiled.near_walls import lists_of
 from khepera_forage.sim.compiled.records import (
     LANES,
     detection_dtype,
@@ -25,6 +26,7 @@ class Bodies(NamedTuple):
         tracks: `track_dtype`, shape (blocks, lanes, 2 * foods); of one block shape (lanes, 2 * foods).
         scratch: `scratch_dtype`, shape (threads,); of one block a record. It holds nothing between rounds.
         detections: `detection_dtype`, shape (threads, foods); of one block an array. It holds nothing between rounds.
+        near: `Near` if worlds are in different arenas, and otherwise an empty tuple.
     """
 
     robots: Any
@@ -32,10 +34,18 @@ class Bodies(NamedTuple):
     tracks: Any
     scratch: Any
     detections: Any
+    near: Any = ()
 
 
-def empty_bodies(blocks: int, foods: int, lanes: int = LANES) -> Bodies:
-    """Records for some blocks, and for all threads that may work on them."""
+def empty_bodies(blocks: int, foods: int, lanes: int = LANES, near: Any = ()) -> Bodies:
+    """Records for some blocks, and for all threads that may work on them.
+
+    Args:
+        blocks: How many.
+        foods: Food objects in each world.
+        lanes: Worlds in a block.
+        near: From `near_walls.empty_lists`, if worlds are in different arenas.
+    """
     threads = most_threads_for(blocks)
     return Bodies(
         np.zeros(blocks, robot_dtype(lanes)),
@@ -43,6 +53,7 @@ def empty_bodies(blocks: int, foods: int, lanes: int = LANES) -> Bodies:
         np.zeros((blocks, lanes, 2 * foods), track_dtype),
         np.zeros(threads, scratch_dtype(lanes)),
         np.zeros((threads, foods), detection_dtype),
+        near,
     )
 
 
@@ -55,4 +66,5 @@ def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
         bodies.tracks[block],
         bodies.scratch[thread],
         bodies.detections[thread],
+        lists_of(bodies.near, block),
     )

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.compilation.packing import pack, rounded_up
+from khepera_forage.compilation.packing import rounded_up
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
@@ -17,6 +17,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.broad_phase import GRIPPER_AHEAD, GRIPPER_RADIUS, PUSHED, SHOVED
 from khepera_forage.sim.compiled.gripper import finger_overlap, palm_overlap
+from khepera_forage.sim.compiled.near_walls import at, pack_near_wall
 
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
 _EXTENT = 94.0
@@ -42,26 +43,26 @@ def find_near(robot: Any, foods: Any, scratch: Any, walls: Any) -> None:
     for j in range(walls.shape[0]):
         x1, y1, ex, ey, share = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey, walls[j].share
         for i in range(lanes):
-            x, y = robot.x[i] - x1, robot.y[i] - y1
+            x, y, wall_x, wall_y = robot.x[i] - at(x1, i), robot.y[i] - at(y1, i), at(ex, i), at(ey, i)
             travel = scratch.travel[i]
-            t = min(1.0, max(0.0, (x * ex + y * ey) * share))
-            dx, dy = x - t * ex, y - t * ey
+            t = min(1.0, max(0.0, (x * wall_x + y * wall_y) * at(share, i)))
+            dx, dy = x - t * wall_x, y - t * wall_y
             reach = travel + (PUSHED if scratch.near_food[i] != 0.0 else RADIUS)
             body = dx * dx + dy * dy < reach * reach
             x += GRIPPER_AHEAD * robot.cos[i]
             y += GRIPPER_AHEAD * robot.sin[i]
-            t = min(1.0, max(0.0, (x * ex + y * ey) * share))
-            dx, dy = x - t * ex, y - t * ey
+            t = min(1.0, max(0.0, (x * wall_x + y * wall_y) * at(share, i)))
+            dx, dy = x - t * wall_x, y - t * wall_y
             reach = travel + GRIPPER_RADIUS
             near = body or dx * dx + dy * dy < reach * reach
             scratch.near_wall[i] = 1.0 if near else scratch.near_wall[i]
 
 
 @kernel
-def find_wall_contacts(robot: Any, scratch: Any, walls: Any, corners: Any) -> None:
+def find_wall_contacts(robot: Any, scratch: Any, near: Any, walls: Any, corners: Any) -> None:
     """Mark the worlds whose robot would touch a wall at the free end of the round."""
     lanes = robot.x.shape[0]
-    count = pack(scratch.near_wall, scratch.lane, 0)
+    count = pack_near_wall(near, scratch)
     for n in range(count):
         i = scratch.lane[n]
         scratch.near_x[n], scratch.near_y[n] = scratch.free_x[i], scratch.free_y[i]
@@ -72,9 +73,16 @@ def find_wall_contacts(robot: Any, scratch: Any, walls: Any, corners: Any) -> No
         scratch.near_grip_x[n], scratch.near_grip_y[n] = robot.grip_x[i], robot.grip_y[i]
         scratch.near_touches[n] = 0.0
     for j in range(walls.shape[0]):
-        x1, y1, ex, ey, share = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey, walls[j].share
-        nx, ny, offset = walls[j].normal_x, walls[j].normal_y, walls[j].offset
+        wall_x, wall_y, end_x, end_y = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey
+        inverse, wall_nx, wall_ny, wall_offset = (
+            walls[j].share,
+            walls[j].normal_x,
+            walls[j].normal_y,
+            walls[j].offset,
+        )
         for n in range(rounded_up(count, lanes)):
+            x1, y1, ex, ey, share = at(wall_x, n), at(wall_y, n), at(end_x, n), at(end_y, n), at(inverse, n)
+            nx, ny, offset = at(wall_nx, n), at(wall_ny, n), at(wall_offset, n)
             x, y = scratch.near_x[n], scratch.near_y[n]
             cos, sin = scratch.near_cos[n], scratch.near_sin[n]
             wide = half_gap(scratch.near_jaw[n]) + FINGER_THICKNESS
@@ -103,11 +111,11 @@ def find_wall_contacts(robot: Any, scratch: Any, walls: Any, corners: Any) -> No
                 scratch.near_touches[n] = 1.0
     for n in range(count):
         i = scratch.lane[n]
-        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n])
+        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n] * scratch.near_wall[i])
     for j in range(corners.shape[0]):
         x, y = corners[j].x, corners[j].y
         for i in range(lanes):
-            dx, dy = x - scratch.free_x[i], y - scratch.free_y[i]
+            dx, dy = at(x, i) - scratch.free_x[i], at(y, i) - scratch.free_y[i]
             cos, sin = scratch.free_cos[i], scratch.free_sin[i]
             u, v = dx * cos + dy * sin, dy * cos - dx * sin
             # Within a round a finger can pass a corner: all of its way counts.

@@ -11,6 +11,7 @@ import numpy as np
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import FOOD_RADIUS
+from khepera_forage.sim.compiled.near_walls import at, cable_anchors
 from khepera_forage.sim.compiled.numbers import (
     DRAW_FOOD,
     DRAW_MARKER,
@@ -46,15 +47,11 @@ def _is_lost(lost: float, chance: float, rate: float, end: float) -> float:
 
 
 @kernel
-def expose(robot: Any, foods: Any, constants: Any) -> None:
+def expose(robot: Any, foods: Any, near: Any, constants: Any) -> None:
     """Take one frame in every world of a block; in the first frame after a reset nothing is lost."""
     _expose_marker(robot, constants)
     jitter, rate, end = (constants[0].position_jitter, constants[0].loss_rate_food, constants[0].loss_end)
-    factor, anchor_x, anchor_y = (
-        constants[0].cable_loss_factor,
-        constants[0].anchor_x,
-        constants[0].anchor_y,
-    )
+    factor, (anchors_x, anchors_y) = constants[0].cable_loss_factor, cable_anchors(near, constants)
     lanes = robot.x.shape[0]
     for k in range(foods.shape[0]):
         food = foods[k]
@@ -65,6 +62,7 @@ def expose(robot: Any, foods: Any, constants: Any) -> None:
             x = food.x[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first), dither)
             y = food.y[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _FOOD_Y), dither >> _32)
             # The robot's cable is a straight line from the anchor to the middle of its marker.
+            anchor_x, anchor_y = at(anchors_x, i), at(anchors_y, i)
             to_x, to_y = robot.x[i] - anchor_x, robot.y[i] - anchor_y
             dx, dy = food.x[i] - anchor_x, food.y[i] - anchor_y
             t = min(1.0, max(0.0, (dx * to_x + dy * to_y) / max(to_x * to_x + to_y * to_y, 1e-9)))

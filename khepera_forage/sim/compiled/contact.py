@@ -25,6 +25,8 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.compiled.gripper import push_out, seen_from
 from khepera_forage.sim.compiled.jaw import move_jaw
+from khepera_forage.sim.compiled.near_walls import all_walls
+from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.pushing import push_food
 from khepera_forage.sim.compiled.walls import from_wall, gripper_behind, squared_from_wall
 from khepera_forage.sim.pymunk.khepera import SUBSTEPS as STEPS
@@ -40,32 +42,36 @@ half_gap = inline(half_gap)
 
 
 @kernel
-def move_in_contact(robot: Any, foods: Any, scratch: Any, walls: Any, corners: Any, constants: Any) -> None:
+def move_in_contact(robot: Any, foods: Any, scratch: Any, near: Any, parameters: Parameters) -> None:
     """Move the robots that touch something, step by step."""
+    constants = parameters.constants
     duration = constants[0].round_duration / STEPS
     jaw_step = constants[0].jaw_speed * constants[0].round_duration / STEPS
     for n in range(pack(scratch.touches, scratch.lane, 0)):
         i = scratch.lane[n]
         # Robots away from walls need not look at any.
-        near = walls[: walls.shape[0] if scratch.near_wall[i] != 0.0 else 0]
+        walls, corners = all_walls(near, parameters, i)
+        walls = walls[: walls.shape[0] if scratch.near_wall[i] != 0.0 else 0]
         late = scratch.lag[i] * STEPS
-        allowed = max(_TOLERATED, _overlap(robot, foods, i, near, corners))
+        allowed = max(_TOLERATED, _overlap(robot, foods, i, walls, corners))
         for step in range(STEPS):
             share = late if step == 0 else 0.0
             goes = scratch.forward[i] + share * (robot.last_forward[i] - scratch.forward[i])
             turns = scratch.turn[i] + share * (robot.last_turn[i] - scratch.turn[i])
             x, y, heading = robot.x[i], robot.y[i], robot.heading[i]
-            move_jaw(robot, foods, i, near, jaw_step)
+            move_jaw(robot, foods, i, walls, jaw_step)
             turn, forward = turns * duration, goes * duration
             cos, sin = cosine_sine(heading + turn / 2)
             _put(robot, i, x + forward * cos, y + forward * sin, heading + turn)
             moved = 1.0
             for _ in range(_REPEATS):
-                moved = _off_walls(robot, i, near, corners) + push_food(robot, foods, i, near, forward, turn)
+                moved = _off_walls(robot, i, walls, corners) + push_food(
+                    robot, foods, i, walls, forward, turn
+                )
                 if moved < _SETTLED:
                     break
                 forward = turn = 0.0
-            held_back = moved >= _SETTLED and _overlap(robot, foods, i, near, corners) > allowed
+            held_back = moved >= _SETTLED and _overlap(robot, foods, i, walls, corners) > allowed
             if held_back:
                 _put(robot, i, x, y, heading)
             if step == STEPS - 1:

@@ -21,12 +21,15 @@ class Parameters(NamedTuple):
         walls: `wall_dtype`, one record a wall.
         corners: `corner_dtype`, one record a corner that points into the floor.
         constants: `constants_dtype`, shape (1,). Kernels read them at run time: another value compiles nothing.
+        arenas: `arena_dtype`, one record an arena, if worlds are in different ones: walls and corners are then those
+            of all arenas. Otherwise an empty tuple.
     """
 
     foods: int
     walls: NDArray[Any]
     corners: NDArray[Any]
     constants: NDArray[Any]
+    arenas: Any = ()
 
 
 def parameters_of(

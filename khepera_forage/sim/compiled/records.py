@@ -48,7 +48,7 @@ _SCRATCH = (
     *("near_x", "near_y", "near_cos", "near_sin", "near_jaw"),
     *("near_from_x", "near_from_y", "near_held", "near_grip_x", "near_grip_y", "near_touches"),
     # Lanes with an obstacle in range of the infra-reds, packed (sensing).
-    *("ahead", "aside", "along", "across", "reading"),
+    *("ahead", "aside", "along", "across", "share", "reading"),
     *("in_range", "in_range_arm_down"),
     "marked",  # marks of lanes within one kernel
 )
@@ -77,6 +77,14 @@ wall_dtype = np.dtype(
 
 corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """A corner of walls that points into the floor."""
+
+arena_dtype = np.dtype(
+    [
+        *((name, "i8") for name in ("first_wall", "walls", "first_corner", "corners")),
+        *((name, "f8") for name in ("anchor_x", "anchor_y")),
+    ]
+)
+"""One of several arenas: which of all walls and corners are its own, and the point from which the cable hangs."""
 
 track_dtype = np.dtype(
     [
@@ -111,6 +119,28 @@ def robot_dtype(lanes: int) -> np.dtype[Any]:
 def food_dtype(lanes: int) -> np.dtype[Any]:
     """One food object in each world of a block."""
     return np.dtype(_over(lanes, _FOOD))
+
+
+def lists_dtype(lanes: int) -> np.dtype[Any]:
+    """In which of several arenas each world of a block is, and what its lists of near walls are made for."""
+    return np.dtype(
+        [
+            *((name, "i8", (lanes,)) for name in ("arena", "listed_arena", "walls", "corners")),
+            # Where the robot was, and how far it may move from there, mm.
+            *_over(lanes, ("x", "y", "range")),
+            *_over(lanes, ("anchor_x", "anchor_y")),  # the point from which the cable hangs
+        ]
+    )
+
+
+def near_wall_dtype(lanes: int) -> np.dtype[Any]:
+    """One entry in the list of near walls of each world of a block: the fields of `wall_dtype`."""
+    return np.dtype(_over(lanes, wall_dtype.names or ()))
+
+
+def near_corner_dtype(lanes: int) -> np.dtype[Any]:
+    """One entry in the list of near corners of each world of a block: the fields of `corner_dtype`."""
+    return np.dtype(_over(lanes, corner_dtype.names or ()))
 
 
 def scratch_dtype(lanes: int) -> np.dtype[Any]:

@@ -14,6 +14,7 @@ from khepera_forage.robots.proximity import RESPONSE_AT_RANGE as AT_RANGE
 from khepera_forage.robots.proximity import RESPONSE_GAIN as GAIN
 from khepera_forage.robots.proximity import RESPONSE_OFFSET as OFFSET
 from khepera_forage.sim.compiled.gripper import in_barrier
+from khepera_forage.sim.compiled.near_walls import at, packed_share
 from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper
 
 _DRAWS = np.uint64(DRAWS)
@@ -60,7 +61,7 @@ def cast(robot: Any, foods: Any, scratch: Any, walls: Any) -> None:
         wall = walls[j]
         nx, ny, offset = wall.normal_x, wall.normal_y, wall.offset
         for i in range(lanes):
-            off = abs(nx * robot.x[i] + ny * robot.y[i] - offset)
+            off = abs(at(nx, i) * robot.x[i] + at(ny, i) * robot.y[i] - at(offset, i))
             _mark(robot, scratch, i, off < REACH)
         visible = pack(scratch.in_range, scratch.lane, 0)
         count = pack(scratch.in_range_arm_down, scratch.lane, visible)
@@ -100,11 +101,12 @@ def _cast_wall(robot: Any, scratch: Any, wall: Any, visible: int, count: int) ->
     for n in range(count):
         i = scratch.lane[n]
         cos, sin = robot.cos[i], robot.sin[i]
-        dx, dy = x1 - robot.x[i], y1 - robot.y[i]
+        dx, dy, wall_x, wall_y = at(x1, i) - robot.x[i], at(y1, i) - robot.y[i], at(ex, i), at(ey, i)
         scratch.ahead[n] = dx * cos + dy * sin
         scratch.aside[n] = dy * cos - dx * sin
-        scratch.along[n] = ex * cos + ey * sin
-        scratch.across[n] = ey * cos - ex * sin
+        scratch.along[n] = wall_x * cos + wall_y * sin
+        scratch.across[n] = wall_y * cos - wall_x * sin
+    (shares,) = packed_share(share, scratch, count)
     for sensor in range(8):
         reached = visible if sensor < _FRONT else count
         forward, left = _SENSORS[sensor, 0], _SENSORS[sensor, 1]
@@ -112,7 +114,7 @@ def _cast_wall(robot: Any, scratch: Any, wall: Any, visible: int, count: int) ->
         for n in range(rounded_up(reached, lanes)):
             along, aside = scratch.along[n], scratch.across[n]
             dx, dy = scratch.ahead[n] - forward, scratch.aside[n] - left
-            t = min(1.0, max(0.0, -(dx * along + dy * aside) * share))
+            t = min(1.0, max(0.0, -(dx * along + dy * aside) * at(shares, n)))
             scratch.reading[n] = _reading(dx + t * along, dy + t * aside, axis, across, 0.0)
         _keep_largest(robot, scratch, sensor, reached)
 

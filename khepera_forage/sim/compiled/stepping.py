@@ -16,7 +16,9 @@ from khepera_forage.sim.compiled.broad_phase import find_food_contacts, find_nea
 from khepera_forage.sim.compiled.camera import expose
 from khepera_forage.sim.compiled.contact import move_in_contact
 from khepera_forage.sim.compiled.drive import begin_round, move_freely, predict
+from khepera_forage.sim.compiled.near_walls import Near, empty_lists, list_walls, near_walls
 from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
+from khepera_forage.sim.compiled.records import arena_dtype
 from khepera_forage.sim.compiled.sensing import cast, end_round, measure
 from khepera_forage.sim.compiled.tracking import track
 from khepera_forage.sim.world import Timing
@@ -33,20 +35,22 @@ def advance_block(bodies: Bodies, parameters: Parameters) -> None:
         parameters: What is the same in all worlds.
     """
     robot, foods, scratch = bodies.robots, bodies.foods, bodies.scratch
-    walls, corners, constants = parameters.walls, parameters.corners, parameters.constants
+    near, constants = bodies.near, parameters.constants
     for i in range(robot.x.shape[0]):
         robot.round[i] += _ONE
     begin_round(robot, foods, scratch, constants)
+    list_walls(near, robot, scratch, parameters)
+    walls, corners = near_walls(near, parameters)
     find_near(robot, foods, scratch, walls)
     predict(robot, scratch, constants)
-    find_wall_contacts(robot, scratch, walls, corners)
+    find_wall_contacts(robot, scratch, near, walls, corners)
     find_food_contacts(robot, foods, scratch)
     move_freely(robot, scratch, constants)
-    move_in_contact(robot, foods, scratch, walls, corners, constants)
+    move_in_contact(robot, foods, scratch, near, parameters)
     end_round(robot, foods)
     cast(robot, foods, scratch, walls)
     measure(robot, constants)
-    expose(robot, foods, constants)
+    expose(robot, foods, near, constants)
     track(robot, foods, bodies.tracks, bodies.detections, constants)
 
 
@@ -73,15 +77,16 @@ def advance_all(bodies: Bodies, parameters: Parameters, threads: int = 1) -> Non
         threads: How many work on them.
     """
     common = (bodies, np.zeros(1, np.int64), parameters)
-    address = advance_address(bodies.tracks.shape[1], _advance_blocks, 0, *common, 0)
+    lanes, several = bodies.tracks.shape[1], bool(bodies.near)
+    address = advance_address(lanes, _advance_blocks, 0, *common, 0, several=several)
     share_out(_advance_blocks, threads, *common, address)
 
 
-_addresses: dict[int, int] = {}
-"""Of `advance_block` in this process, by number of lanes."""
+_addresses: dict[tuple[int, bool], int] = {}
+"""Of `advance_block` in this process, by number of lanes, and whether worlds are in several arenas."""
 
 
-def advance_address(lanes: int, caller: Any, *arguments: Any) -> int:
+def advance_address(lanes: int, caller: Any, *arguments: Any, several: bool = False) -> int:
     """Address of `advance_block`, which every entrance that advances worlds takes as an argument.
 
     If it must be compiled first, another process does that while this one compiles the caller.
@@ -90,27 +95,36 @@ def advance_address(lanes: int, caller: Any, *arguments: Any) -> int:
         lanes: Worlds in a block.
         caller: The entrance.
         *arguments: All its arguments, with any number for the address.
+        several: Whether worlds are in several arenas.
     """
-    if lanes not in _addresses:
-        example = _example(lanes)
+    kind = lanes, several
+    if kind not in _addresses:
+        example = _example(*kind)
         if not is_on_disk(advance_block, example):
-            with meanwhile(f"from {__name__} import compile_advance; compile_advance({lanes})"):
+            with meanwhile(f"from {__name__} import compile_advance; compile_advance{kind}"):
                 compile_for(caller, arguments)
-        _addresses[lanes] = address_of(advance_block, example)
-    return _addresses[lanes]
+        _addresses[kind] = address_of(advance_block, example)
+    return _addresses[kind]
 
 
-def compile_advance(lanes: int) -> None:
-    """Compile `advance_block` for blocks of some lanes, and keep it on disk."""
-    compile_for(advance_block, _example(lanes))
+def compile_advance(lanes: int, several: bool) -> None:
+    """Compile `advance_block`, and keep it on disk.
+
+    Args:
+        lanes: Worlds in a block.
+        several: Whether worlds are in several arenas.
+    """
+    compile_for(advance_block, _example(lanes, several))
 
 
-def _example(lanes: int) -> tuple[Bodies, Parameters]:
+def _example(lanes: int, several: bool) -> tuple[Bodies, Parameters]:
     """The records of one block, and parameters; only their types matter."""
     walls = Point(0, 0), Point(300, 0), Point(300, 300), Point(0, 300)
     arena = Arena("example", walls, Point(200, 200), 50.0, Pose(50, 50, 0.0), (Point(50, 200),))
-    bodies = empty_bodies(1, 1, lanes)
+    bodies = empty_bodies(1, 1, lanes, empty_lists(1, lanes, 1, 1) if several else ())
     block = Bodies(
-        bodies.robots[0], bodies.foods[0], bodies.tracks[0], bodies.scratch[0], bodies.detections[0]
+        *(bodies.robots[0], bodies.foods[0], bodies.tracks[0], bodies.scratch[0], bodies.detections[0]),
+        Near(*(part[0] for part in bodies.near)) if several else (),
     )
-    return block, parameters_of(arena, 1, holes=1, timing=Timing(1.0, 1.0, 1.0))
+    parameters = parameters_of(arena, 1, holes=1, timing=Timing(1.0, 1.0, 1.0))
+    return block, parameters._replace(arenas=np.zeros(1, arena_dtype) if several else ())
