@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     check_round_duration,
-    checked_arena,
     food_odds,
     timing_of,
 )
@@ -28,17 +28,17 @@ class PairedArenas:
 
     Args:
         robots: The teacher and its learners.
-        arena: The teacher's, or its name.
+        arena: The teacher's, or its name, or a sequence of arenas: each attempt then takes place in one of them.
         noise: Of the devices, and of the operator who puts robots and food on their marks.
         food_types: Odds of the types of food; corresponding food of all arenas is of one type.
         world: Another world than the simulated one, with an arena for each robot; its arenas are then used.
         decisions: Of the task.
 
     Attributes:
-        world: As given, or simulated.
+        world: As given, or simulated; with several arenas, that of the present attempt.
         arenas: One for each robot, the teacher's first.
         home_radius: Of every home, in pixels.
-        diagonal: Of every arena, in pixels.
+        diagonal: Of every arena, in pixels; with several arenas, the largest.
 
     Raises:
         ValueError: An argument is not allowed, or the world does not fit.
@@ -47,29 +47,40 @@ class PairedArenas:
     def __init__(
         self,
         robots: int,
-        arena: Arena | str,
+        arena: Arenas,
         noise: Noise | str | None,
         food_types: FoodOdds,
         world: World | None,
         decisions: Decisions,
     ) -> None:
-        if world is None:
-            world = PymunkWorld(
-                copies(checked_arena(arena, decisions), robots),
-                (1,) + (2,) * (robots - 1),
-                noise,
-                timing=timing_of(decisions),
-            )
-        else:
-            check_round_duration(world, decisions)
-        self.world: World = world
-        self.arenas = arenas_of(world, robots)
-        self._maps = [arena_map_of(a) for a in self.arenas]
-        self.home_radius, self.diagonal = self._maps[0].home_radius, self._maps[0].diagonal
-        self._markers = tuple(world.markers)
+        self._robots, self._decisions = robots, decisions
         self._noise = checked_noise(noise)
         self._odds = food_odds(food_types)
         self._values = decisions.values()
+        self._pool: ArenaPool | None = None
+        self._number = 0
+        if world is None:
+            self._pool = ArenaPool(arena, decisions)
+            self._enter(self._simulated(self._pool[0]))
+            self.diagonal = self._pool.diagonal
+        else:
+            check_round_duration(world, decisions)
+            self._enter(world)
+            self.diagonal = self._maps[0].diagonal
+
+    def _simulated(self, arena: Arena) -> PymunkWorld:
+        """A world with a copy of an arena for each robot, the teacher with the marker of one hole."""
+        markers = (1,) + (2,) * (self._robots - 1)
+        return PymunkWorld(
+            copies(arena, self._robots), markers, self._noise, timing=timing_of(self._decisions)
+        )
+
+    def _enter(self, world: World) -> None:
+        self.world: World = world
+        self.arenas = arenas_of(world, self._robots)
+        self._maps = [arena_map_of(a) for a in self.arenas]
+        self.home_radius = self._maps[0].home_radius
+        self._markers = tuple(world.markers)
 
     def start(
         self, rng: np.random.Generator, key: int, episode: int, options: Mapping[str, Any]
@@ -88,6 +99,11 @@ class PairedArenas:
         Raises:
             ValueError: Options that are unknown or place something off the free floor.
         """
+        if self._pool is not None:
+            number = self._pool.number(key, episode)
+            if number != self._number:
+                self._enter(self._simulated(self._pool[number]))
+                self._number = number
         marked = arenas_with_marks(self.arenas, options)
         layout = training_layout(marked, self._noise, layout_key(key, episode))
         self.world.reset(rng.spawn(1)[0], layout)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
 from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.paired_arenas import PairedArenas
@@ -89,7 +90,7 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self,
         num_learners: int = 1,
         max_cycles: int = 600,
-        arena: Arena | str = "corridor",
+        arena: Arenas = "corridor",
         noise: Noise | str | None = None,
         food_types: FoodOdds = None,
         patience: int | None = None,
@@ -106,7 +107,6 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
         self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions)
-        self.world, self.arenas = self._paired.world, self._paired.arenas
         self._key: int | None = None
         self._episode = -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
@@ -122,6 +122,16 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def action_space(self, agent: str) -> spaces.Discrete[np.int64]:
         """The space of every agent's actions."""
         return self.action_spaces[agent]
+
+    @property
+    def world(self) -> World:
+        """As given, or simulated; with several arenas, that of the present attempt."""
+        return self._paired.world
+
+    @property
+    def arenas(self) -> tuple[Arena, ...]:
+        """The arenas of the world, the teacher's first."""
+        return self._paired.arenas
 
     @property
     def home_radius(self) -> int:
