@@ -224,7 +224,7 @@ def _pack_near_wall(near: Any, scratch: Any) -> int:
     lanes = scratch.lane.shape[0]
     for i in range(lanes):
         scratch.lane[i] = i
-    return lanes
+    return int(lanes)
 
 
 def packed_share(value: Any, scratch: Any, count: int) -> tuple[Any]:
