@@ -17,7 +17,7 @@ from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1 << 14)
 def arena_map_of(arena: Arena) -> ArenaMap:
     """What a robot knows of an arena from the beginning, in pixels."""
     x1, y1, x2, y2 = arena.bounds
@@ -39,7 +39,7 @@ def arena_map_of(arena: Arena) -> ArenaMap:
     )
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1 << 14)
 def floor_of(arena: Arena) -> Floor:
     """The floor of an arena, in mm."""
     return Floor(*arena.bounds, arena.home.x, arena.home.y, arena.home_radius, arena.wall_records)

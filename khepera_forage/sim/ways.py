@@ -32,7 +32,7 @@ _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1 << 14)
 def ways_of(arena: Arena) -> Ways:
     """The ways through an arena, in pixels; `NO_WAYS` if no corner points into its floor."""
     corners = arena.corners
