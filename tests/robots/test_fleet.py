@@ -103,6 +103,25 @@ def test_slow_robot_holds_the_others() -> None:
         assert rig.wheel_pulses(1) == (50, 50), "the command was kept"
 
 
+def test_robot_that_is_done_after_the_hold_is_held_too() -> None:
+    """On a busy computer two robots reply late, one of them only a little."""
+    with make_fleet(2) as (rig, fleet):
+        run_rounds(rig, fleet, FORWARD, 2)
+        rig.ports[0].interrupted = True
+        rig.ports[1].faults = Faults(delay=1.0, lateness=(0.15, 0.15))
+        received = threading.Thread(target=fleet.receive)
+        received.start()
+        time.sleep(0.1)
+        rig.ports[1].faults = Faults()
+        end, stopped = time.monotonic() + 0.8, False
+        while time.monotonic() < end:
+            stopped = stopped or not rig.firmwares[1].turning
+            time.sleep(0.002)
+        rig.ports[0].interrupted = False
+        received.join()
+        assert stopped
+
+
 def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
     """While requests to one robot are repeated, the other robot is stopped."""
 

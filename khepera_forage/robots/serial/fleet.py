@@ -118,6 +118,8 @@ class Fleet:
                 continue
             robot = pending.pop(task)
             if task.error is None:
+                if held and pending:  # it is done after the others were held
+                    robot.begin_hold()
                 continue
             if not isinstance(task.error, Exception):
                 raise task.error
