@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
+from numba import types as types
 from numba.core import event
 from numba.extending import overload, register_jitable
 

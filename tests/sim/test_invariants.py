@@ -23,7 +23,7 @@ WITH_BLOCK = Arena(
     home_radius=100.0,
     start=Pose(500.0, 150.0, 3.0),
     foods=(Point(200.0, 120.0),),
-    obstacles=((Point(250, 120), Point(310, 130), Point(280, 190)),),
+    obstacles=((Point(40, 40), Point(100, 60), Point(60, 110)),),
 )
 COMMANDS = st.tuples(
     st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),

@@ -2,9 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from numba import types
-
-from khepera_forage.compilation.decorators import variant
+from khepera_forage.compilation.decorators import types, variant
 from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.sim.compiled.near_walls import several

@@ -64,6 +64,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     Attributes:
         arena: That of the present episode; before the first reset, the first one.
         diagonal: Of that arena, in pixels.
+        largest_diagonal: Of all arenas in which an episode may take place, in pixels.
         home_radius: Of the home in that arena, in pixels.
         layout: Where everything stood at the last reset.
         world: The bodies and the camera as they are now; only the environment resets and advances them.
@@ -90,6 +91,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     ) -> None:
         self.decisions = checked_decisions(decisions)
         self._pool = ArenaPool(arena, self.decisions)
+        self.largest_diagonal = self._pool.diagonal
         self.arena = self._pool[0]
         self._options = foods, limit, noise, food_types, self.decisions
         self._prepared: dict[Arena, tuple[Parameters, TaskParameters]] = {}

@@ -14,9 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
-
-from khepera_forage.compilation.decorators import inline, kernel, variant
+from khepera_forage.compilation.decorators import inline, kernel, types, variant
 from khepera_forage.compilation.packing import pack
 from khepera_forage.sim.broad_phase import PUSHED
 from khepera_forage.sim.compiled.parameters import Parameters
