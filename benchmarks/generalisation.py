@@ -25,7 +25,7 @@ from khepera_forage.sim.arenas.family import FAMILY
 
 COUNTS = (
     Count("seeds", 10, 1, "replications, each with training and test arenas of its own", adds_units=True),
-    Count("recalls", 4, 1, "recalls of each learner in each arena, in each replication"),
+    Count("recalls", 2, 1, "recalls of each learner in each arena, in each replication"),
     Count("levels", 2, 1, "test arenas of each difficulty in each replication"),
 )
 NAMED = (*THESIS_LIMITS, *FAMILY)

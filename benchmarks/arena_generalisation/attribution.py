@@ -11,19 +11,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_generalisation.decision_table import Decider
 from arena_generalisation.learning import CORRIDOR_DIAGONAL
 from arena_generalisation.rows import AS_IT_IS, WrongDecisions
 from arena_generalisation.trainings import Training
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
-from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.policies.nearest_neighbour.brute_force import distinct_vectors
+from khepera_forage.policies.nearest_neighbour.distance import STATE_WIDTH, attribute_distances
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
-from khepera_forage.task.states import State, StateVector, classify
+from khepera_forage.task.states import NUM_BEHAVIOURS, State, StateVector, classify
 
 CORRIDORS_DIAGONAL = "corridor's diagonal"
 CHANGES = (AS_IT_IS, *StateVector._fields, CORRIDORS_DIAGONAL)
+_KEPT = np.column_stack((np.ones(STATE_WIDTH), 1.0 - np.eye(STATE_WIDTH)))
+"""Weights of the attributes, one column for each change but the last."""
 _HOME, _FOOD = (StateVector._fields.index(name) for name in ("robot_home_distance", "robot_food_distance"))
 
 
@@ -64,13 +66,15 @@ def wrong_decisions(
         replication: For the rows.
     """
     arena_map = arena_map_of(checked_arena(visits.arena, DEFAULT_DECISIONS))
-    judged = _judge(visits, training, arena_map.home_radius)
+    judged, memory = _judge(visits, training, arena_map.home_radius), _Memory.of(training)
+    changed = np.array(
+        [
+            memory.right_with_changes(vector, state, arena_map.diagonal)
+            for vector, state in zip(visits.vectors, judged.states.tolist(), strict=True)
+        ]
+    )
     rows = []
-    for change in CHANGES:
-        right = judged.right
-        if change != AS_IT_IS:
-            levels = _changed(change, training, arena_map.diagonal).levels(visits.vectors)
-            right = levels[np.arange(len(levels)), judged.states]
+    for change, right in zip(CHANGES, changed.T, strict=True):
         for state in np.unique(judged.states).tolist():
             own = judged.states == state
             times, before, after = visits.times[own], judged.right[own], right[own]
@@ -103,8 +107,24 @@ def _judge(visits: Visits, training: Training, home_radius: float) -> _Judged:
     )
 
 
-def _changed(change: str, training: Training, diagonal: int) -> Decider:
-    """The imitator with a change to its distance."""
-    weights = tuple(int(name != change) for name in StateVector._fields)
-    own = CORRIDOR_DIAGONAL if change == CORRIDORS_DIAGONAL else diagonal
-    return Decider(WeightedImitator(own, weights).fit(training.vectors, training.behaviours), sample=True)
+class _Memory(NamedTuple):
+    """The distinct experience vectors of an imitator, and how often each was heard with each behaviour."""
+
+    rows: NDArray[np.float64]
+    votes: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, training: Training) -> "_Memory":
+        return cls(
+            *distinct_vectors(training.vectors.astype(np.float64), training.behaviours, NUM_BEHAVIOURS)
+        )
+
+    def right_with_changes(self, vector: NDArray[np.int64], state: int, diagonal: int) -> tuple[float, ...]:
+        """The confidence in the right behaviour with each change to the distance (4.6.1, 4.6.2)."""
+        own, corridors = (
+            attribute_distances(self.rows, vector, scale) for scale in (diagonal, CORRIDOR_DIAGONAL)
+        )
+        distances = np.column_stack((own @ _KEPT, corridors.sum(axis=1)))
+        # Sums of whole numbers: equal distances are equal exactly.
+        votes = (distances == distances.min(axis=0)).T @ self.votes
+        return tuple((votes[:, state] / votes.sum(axis=1)).tolist())
