@@ -13,7 +13,16 @@ from arena_generalisation.kernel_recalls import recall_memories
 from arena_generalisation.learning import QUERYING, fitted, imitating_learners, in_arena, queried
 from arena_generalisation.recall_arenas import RecallArena, named_arenas, procedural_arenas
 from arena_generalisation.rows import IMITATOR, ArenaRecalls, WrongDecisions
-from arena_generalisation.trainings import CORRIDOR, HALF, MOVED, VARIED, WHOLE, Training, trainings
+from arena_generalisation.trainings import (
+    CORRIDOR,
+    HALF,
+    MOVED,
+    VARIED,
+    WHOLE,
+    Training,
+    corridor_trainings,
+    varied_trainings,
+)
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.policies.learners import FromVectors
@@ -84,8 +93,10 @@ class Replication(NamedTuple):
 
     def _run(self) -> list[ArenaRecalls | WrongDecisions]:
         choices, places, drawing = np.random.SeedSequence(self.seed, spawn_key=(0, self.number)).spawn(3)
-        trained = trainings(self.seed, self.number, STRAIGHT)
-        by_path = trainings(self.seed, self.number, PATH)
+        trained = corridor_trainings(self.seed, self.number)
+        size = len(trained[CORRIDOR].vectors)
+        trained |= varied_trainings(self.seed, self.number, size, STRAIGHT)
+        by_path = {CORRIDOR: trained[CORRIDOR], **varied_trainings(self.seed, self.number, size, PATH)}
         contestants = self._contestants(trained, int(choices.generate_state(1)[0]) % 2**31)
         arenas = self._arenas()
         seeds = places.generate_state(self.size.recalls).tolist()
@@ -93,12 +104,11 @@ class Replication(NamedTuple):
         recall_all(batches, table, np.random.default_rng(drawing))
         rows: list[ArenaRecalls | WrongDecisions] = []
         variants = {name: trained[name] for name in (HALF, MOVED, WHOLE)}
-        paths = {name: by_path[name] for name in (CORRIDOR, VARIED, WHOLE)}
         for arena, batch in zip(arenas, batches, strict=True):
             foods = int(batch.not_poisonous[: len(seeds)].sum())
             rows += self._recalls(arena, batch, contestants)
             rows += recall_memories(arena, variants, seeds, foods, self.number, STRAIGHT, bounds=True)
-            rows += recall_memories(arena, paths, seeds, foods, self.number, PATH, bounds=False)
+            rows += recall_memories(arena, by_path, seeds, foods, self.number, PATH, bounds=False)
             for number, contestant in enumerate(contestants):
                 if contestant.name == IMITATOR:
                     decider = int(batch.deciders[number * len(seeds)])

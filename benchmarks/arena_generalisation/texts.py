@@ -42,7 +42,7 @@ def answer(found: Analysis) -> str:
     random = interval(found.delivered(RANDOM, CORRIDOR, group=NAMED), 0)
     varied = interval(found.delivered(IMITATOR, VARIED, group=NAMED), 0)
     return (
-        "After reading this page you know how much of what is learned in one arena is of use in others.\n\n"
+        "After reading this page you can say how much of what is learned in one arena is of use in others.\n\n"
         '**The thesis asks whether imitation works in "any kind of environment" (4.9, 5.5).** Its imitator, trained in '
         f"the corridor, delivers {home} % of the food there and {family} % in the arenas of the family (the teacher: "
         f"{teacher} %; random behaviours: {random} %). At rising procedural difficulty it delivers "

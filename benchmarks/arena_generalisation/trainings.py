@@ -15,7 +15,7 @@ from khepera_forage.envs.layouts import random_layout
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.thesis import CORRIDOR as CORRIDOR_ARENA
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES, Decisions
 from khepera_forage.task.placement import layout_key
 
 EPISODES = 10
@@ -51,40 +51,44 @@ class Training(NamedTuple):
         return Training(*(part[mask] for part in self))
 
 
-def trainings(seed: int, replication: int, decisions: Decisions) -> dict[str, Training]:
-    """The experience of one replication, by the names in `TRAININGS`.
+def corridor_trainings(seed: int, replication: int) -> dict[str, Training]:
+    """The experience of one replication in the corridor, by name.
 
-    `VARIED` has as many vectors as `CORRIDOR`, drawn at random from those of `WHOLE`.
+    The corridor has no corner to drive around: straight distances and those along the path are the same.
 
     Args:
         seed: Of the whole run.
-        replication: Its number, from 0. Replications have training levels of their own.
-        decisions: Of the training; others change nothing else.
+        replication: Its number, from 0.
     """
-    seeds = np.random.SeedSequence(seed, spawn_key=(1, replication))
-    corridor_seeds, place_seeds, varied_seeds, drawing = seeds.spawn(4)
-    corridor = _joined([_episode(CORRIDOR_ARENA, key, decisions) for key in _keys(corridor_seeds)])
-    places = _places(int(place_seeds.generate_state(1)[0]), decisions)
-    moved = [
-        _episode(CORRIDOR_ARENA, key, decisions, options=next(places))
-        for key in _keys(place_seeds.spawn(1)[0])
-    ]
-    levels = [_training_levels(name, replication) for name in DIFFICULTIES]
-    whole = _joined(
-        [
-            _first_complete(levels[k % len(levels)], key, decisions)
-            for k, key in enumerate(_keys(varied_seeds))
-        ]
-    )
-    size = min(len(corridor.vectors), len(whole.vectors))
-    drawn = np.random.default_rng(drawing).choice(len(whole.vectors), size, replace=False)
+    same, other = np.random.SeedSequence(seed, spawn_key=(1, replication)).spawn(2)
+    corridor = _joined([_episode(CORRIDOR_ARENA, key, DEFAULT_DECISIONS) for key in _keys(same)])
+    places = _places(int(other.generate_state(1)[0]))
+    keys = _keys(other.spawn(1)[0])
+    moved = [_episode(CORRIDOR_ARENA, key, DEFAULT_DECISIONS, options=next(places)) for key in keys]
     return {
         HALF: corridor.chosen(corridor.episodes < EPISODES // 2),
         CORRIDOR: corridor,
         MOVED: _joined(moved),
-        VARIED: whole.chosen(np.sort(drawn)),
-        WHOLE: whole,
     }
+
+
+def varied_trainings(seed: int, replication: int, size: int, decisions: Decisions) -> dict[str, Training]:
+    """The experience of one replication in varied arenas, by name.
+
+    Args:
+        seed: Of the whole run.
+        replication: Its number, from 0. Replications have training levels of their own.
+        size: Vectors of `VARIED` at most, drawn at random from those of `WHOLE`.
+        decisions: Of the training; others change nothing else.
+    """
+    episodes, drawing = np.random.SeedSequence(seed, spawn_key=(2, replication)).spawn(2)
+    levels = [_training_levels(name, replication) for name in DIFFICULTIES]
+    whole = _joined(
+        [_first_complete(levels[k % len(levels)], key, decisions) for k, key in enumerate(_keys(episodes))]
+    )
+    number = len(whole.vectors)
+    drawn = np.random.default_rng(drawing).choice(number, min(size, number), replace=False)
+    return {VARIED: whole.chosen(np.sort(drawn)), WHOLE: whole}
 
 
 def training_arenas(replication: int, number: int) -> list[RecallArena]:
@@ -137,11 +141,11 @@ def _joined(episodes: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]]) -> 
     )
 
 
-def _places(seed: int, decisions: Decisions) -> Iterator[dict[str, Any]]:
+def _places(seed: int) -> Iterator[dict[str, Any]]:
     """Start and food of one training episode in the corridor after another, at random as in recalls."""
-    corridor, key = checked_arena(CORRIDOR_ARENA, decisions), key_of(seed)
+    corridor, key = checked_arena(CORRIDOR_ARENA, DEFAULT_DECISIONS), key_of(seed)
     for number in count():
-        layout = random_layout(corridor, 1, layout_key(key, number), decisions.values())
+        layout = random_layout(corridor, 1, layout_key(key, number), DEFAULT_VALUES)
         start = layout.starts[0]
         yield {"start": (start.x, start.y, math.degrees(start.heading)), "foods": layout.foods}
 
