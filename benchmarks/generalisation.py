@@ -13,7 +13,6 @@ import sys
 import numpy as np
 from arena_generalisation import page
 from arena_generalisation.analysis import Analysis
-from arena_generalisation.recall_arenas import THESIS_LIMITS
 from arena_generalisation.replication import Replication, Size
 from arena_generalisation.rows import ArenaRecalls, WrongDecisions
 
@@ -21,14 +20,13 @@ from khepera_forage.experiments.arguments import Count, parse
 from khepera_forage.experiments.page import finish
 from khepera_forage.experiments.processes import collect
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.named import ARENAS
 
 COUNTS = (
     Count("seeds", 10, 1, "replications, each with training and test arenas of its own", adds_units=True),
     Count("recalls", 2, 1, "recalls of each learner in each arena, in each replication"),
-    Count("levels", 2, 1, "test arenas of each difficulty in each replication"),
+    Count("levels", 1, 1, "test arenas of each difficulty in each replication"),
 )
-NAMED = (*THESIS_LIMITS, *FAMILY)
 QUICK_NAMED, QUICK_DIFFICULTIES = ("corridor", "rectangle", "t_maze", "mixed_foods"), ("easy", "medium")
 TABLES = {ArenaRecalls: "recalls", WrongDecisions: "wrong_decisions"}
 
@@ -40,7 +38,7 @@ def main() -> int:
     size = Size(
         recalls,
         levels,
-        QUICK_NAMED if given.quick else NAMED,
+        QUICK_NAMED if given.quick else ARENAS,
         QUICK_DIFFICULTIES if given.quick else tuple(DIFFICULTIES),
     )
     rows = collect(given, [Replication(given.seed, number, size) for number in range(seeds)], TABLES)

@@ -1,19 +1,14 @@
-"""The arenas in which learners forage: those of the thesis, the named family, and procedural test arenas."""
+"""The arenas in which learners forage: those of the thesis, the named family, and procedural arenas."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from khepera_forage.envs.arguments import FoodOdds
-from khepera_forage.noise import Noise
+from khepera_forage.envs.arena_settings import procedural_settings, settings_of
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
-from khepera_forage.sim.arenas.procedural import ProceduralArenas
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 
 THESIS, NAMED = "thesis", "named"
 """Groups of arenas; the others are difficulties."""
-THESIS_LIMITS = {"corridor": (1, 500), "rectangle": (2, 700)}
-"""Food objects and steps (5.4)."""
 
 
 class RecallArena(NamedTuple):
@@ -23,57 +18,46 @@ class RecallArena(NamedTuple):
         name: Of the arena.
         group: `THESIS`, `NAMED` or a difficulty.
         arena: As for the environments.
-        foods: Number of food objects.
-        limit: Steps of a recall at most.
-        food_types: Odds of food types.
-        noise: Of the devices.
+        arguments: What environments, compiled batches and compiled recalls take beside the arena.
     """
 
     name: str
     group: str
     arena: Arena | str
-    foods: int
-    limit: int
-    food_types: FoodOdds
-    noise: Noise
+    arguments: Mapping[str, Any]
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What environments, compiled batches and compiled recalls take beside the arena."""
-        names = ("foods", "limit", "food_types", "noise")
-        return {name: getattr(self, name) for name in names}
+    def limit(self) -> int:
+        """Steps of a recall at most."""
+        return int(self.arguments["limit"])
 
 
 def named_arenas(names: Sequence[str]) -> list[RecallArena]:
     """Arenas of the thesis and of the family.
 
     Args:
-        names: Keys of `THESIS_LIMITS` or `FAMILY`.
+        names: As for `settings_of`.
     """
-    found = []
-    for name in names:
-        if name in THESIS_LIMITS:
-            foods, limit = THESIS_LIMITS[name]
-            found.append(RecallArena(name, THESIS, name, foods, limit, None, Noise.laboratory()))
-        else:
-            known, arena = FAMILY[name], family_arena(name)
-            settings = (len(known.foods), known.limit, known.food_types, Noise.laboratory())
-            found.append(RecallArena(name, NAMED, arena, *settings))
-    return found
+    return [
+        _recall_arena(name, THESIS if name in THESIS_ARENAS else NAMED, settings_of(name)) for name in names
+    ]
 
 
 def procedural_arenas(difficulty: str, split: str, first: int, levels: int) -> list[RecallArena]:
     """Some levels of a difficulty.
 
     Args:
-        difficulty: A key of `DIFFICULTIES`.
+        difficulty: A name of `DIFFICULTIES`.
         split: `train` or `test`.
         first: First level, counted from the first one of the split.
         levels: How many.
     """
-    known = DIFFICULTIES[difficulty]
-    settings = (known.foods, known.limit, known.food_types, known.laboratory())
+    settings = procedural_settings(difficulty, split, levels, first)
     return [
-        RecallArena(arena.name, difficulty, arena, *settings)
-        for arena in ProceduralArenas(difficulty, split, levels, first)
+        _recall_arena(arena.name, difficulty, {**settings, "arena": arena}) for arena in settings["arena"]
     ]
+
+
+def _recall_arena(name: str, group: str, settings: Mapping[str, Any]) -> RecallArena:
+    more = {key: value for key, value in settings.items() if key != "arena"}
+    return RecallArena(name, group, settings["arena"], more)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_generalisation.recall_arenas import RecallArena, procedural_arenas
 from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arena_settings import training_rounds
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.rollouts.training import IncompleteTrainingError
@@ -113,9 +114,9 @@ def _first_complete(
                 level.arena,
                 key,
                 decisions,
-                max_cycles=level.limit,
-                food_types=level.food_types,
-                noise=level.noise,
+                max_cycles=training_rounds(level.limit),
+                food_types=level.arguments["food_types"],
+                noise=level.arguments["noise"],
                 attempts=ATTEMPTS,
             )
         except IncompleteTrainingError:
