@@ -8,7 +8,7 @@ import numpy as np
 from arena_generalisation.learning import QUERYING, imitating_learners
 from arena_generalisation.recall_arenas import NAMED, THESIS
 from arena_generalisation.rows import AS_IT_IS, RANDOM, TEACHER, UNTRAINED, ArenaRecalls, WrongDecisions
-from arena_generalisation.trainings import CORRIDOR, VARIED
+from arena_generalisation.trainings import CORRIDOR
 from khepera_forage.experiments.measures import Measure, combined, mean, pick
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.policies.learners import LEARNERS
@@ -90,11 +90,19 @@ class Analysis:
         """The imitator's decisions with one change to its distance."""
         return pick(self.wrong, training=training, change=change, **fields)
 
-    def gain(self, learner: str) -> Estimate:
-        """How much more of the family's food a learner delivers when trained in varied arenas, points."""
+    def gain(
+        self, learner: str, ours: tuple[str, str], others: tuple[str, str] = (CORRIDOR, STRAIGHT)
+    ) -> Estimate:
+        """How much more of the family's food a learner delivers, points.
+
+        Args:
+            learner: Its name.
+            ours: Training and distances.
+            others: Those that it is compared with.
+        """
         groups = [
-            (sign / len(self.named), self.rows(learner, training, arena=name))
-            for sign, training in ((1.0, VARIED), (-1.0, CORRIDOR))
+            (sign / len(self.named), self.rows(learner, *condition, arena=name))
+            for sign, condition in ((1.0, ours), (-1.0, others))
             for name in self.named
         ]
         return combined(groups, DELIVERED, self.rng)

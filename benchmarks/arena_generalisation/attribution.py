@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_generalisation.learning import CORRIDOR_DIAGONAL
+from arena_generalisation.recall_arenas import RecallArena
 from arena_generalisation.rows import AS_IT_IS, WrongDecisions
 from arena_generalisation.trainings import Training
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.policies.nearest_neighbour.brute_force import distinct_vectors
 from khepera_forage.policies.nearest_neighbour.distance import STATE_WIDTH, attribute_distances
-from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
 from khepera_forage.task.states import NUM_BEHAVIOURS, State, StateVector, classify
 
@@ -33,13 +33,13 @@ class Visits(NamedTuple):
     """Where an imitator decided in one arena.
 
     Attributes:
-        arena: The arena.
+        arena: Where.
         vectors: The state vectors, shape (n, 5).
         levels: Confidence level of each behaviour there, shape (n, 10).
         times: How often it decided in each.
     """
 
-    arena: Arena | str
+    arena: RecallArena
     vectors: NDArray[np.int64]
     levels: NDArray[np.float64]
     times: NDArray[np.int64]
@@ -53,19 +53,16 @@ class _Judged(NamedTuple):
     beyond: NDArray[np.bool_]
 
 
-def wrong_decisions(
-    visits: Visits, training: Training, name: str, group: str, replication: int
-) -> list[WrongDecisions]:
+def wrong_decisions(visits: Visits, training: Training, name: str, replication: int) -> list[WrongDecisions]:
     """Wrong decisions in each state, with each change.
 
     Args:
         visits: Of the imitator in one arena.
         training: What it learned from.
         name: Of the training.
-        group: Of the arena.
         replication: For the rows.
     """
-    arena_map = arena_map_of(checked_arena(visits.arena, DEFAULT_DECISIONS))
+    arena_map = arena_map_of(checked_arena(visits.arena.arena, DEFAULT_DECISIONS))
     judged, memory = _judge(visits, training, arena_map.home_radius), _Memory.of(training)
     changed = np.array(
         [
@@ -82,7 +79,8 @@ def wrong_decisions(
                 WrongDecisions(
                     training=name,
                     replication=replication,
-                    group=group,
+                    group=visits.arena.group,
+                    arena=visits.arena.name,
                     state=State(state).name,
                     change=change,
                     decisions=int(times.sum()),

@@ -112,9 +112,9 @@ class Replication(NamedTuple):
             for number, contestant in enumerate(contestants):
                 if contestant.name == IMITATOR:
                     decider = int(batch.deciders[number * len(seeds)])
-                    visits = Visits(arena.arena, *table.visited(decider))
+                    visits = Visits(arena, *table.visited(decider))
                     name = contestant.training
-                    rows += wrong_decisions(visits, trained[name], name, arena.group, self.number)
+                    rows += wrong_decisions(visits, trained[name], name, self.number)
         return rows
 
     def _contestants(self, trained: dict[str, Training], seed: int) -> list[Contestant]:

@@ -54,7 +54,8 @@ class WrongDecisions:
     Attributes:
         training: A name of `trainings.TRAININGS`.
         replication: Number of the repetition.
-        group: Of the arenas.
+        group: Of the arena.
+        arena: Name of the arena.
         state: The state in which the decisions were taken.
         change: `AS_IT_IS`, an attribute that is left out of the distance, or another name of `attribution.CHANGES`.
         decisions: Their number.
@@ -67,6 +68,7 @@ class WrongDecisions:
     training: str
     replication: int
     group: str
+    arena: str
     state: str
     change: str
     decisions: int

@@ -146,7 +146,7 @@ def test_a_wrong_decision_is_put_down_to_its_attribute() -> None:
     """Near food the imitator searches, because of the one vector recorded at that distance from home."""
     training = _training([(NEXT, Behaviour.ORIENT_WITH_FOOD), (SEARCH._replace(robot_home_distance=20), 0)])
     query = NEXT._replace(robot_home_distance=22)
-    rows = wrong_decisions(_visits(training, query, 7), training, CORRIDOR, "thesis", 0)
+    rows = wrong_decisions(_visits(training, query, 7), training, CORRIDOR, 0)
     found = {row.change: row for row in rows}
     assert tuple(found) == CHANGES
     assert {row.state for row in rows} == {State.NEXT_TO_FOOD.name}
@@ -159,7 +159,9 @@ def test_a_wrong_decision_is_put_down_to_its_attribute() -> None:
 def test_wrong_decisions_beyond_the_training_are_counted() -> None:
     training = _training([(NEXT, Behaviour.ORIENT_WITH_FOOD)])
     query = SEARCH._replace(robot_food_distance=11, robot_home_distance=81)
-    rows = wrong_decisions(_visits(training, query._replace(robot_food_distance=50), 3), training, "", "", 0)
+    rows = wrong_decisions(
+        _visits(training, query._replace(robot_food_distance=50), 3), training, CORRIDOR, 0
+    )
     assert {(row.decisions, row.wrong, row.beyond) for row in rows} == {(3, 3.0, 3.0)}
 
 
@@ -169,7 +171,9 @@ def test_unchanged_distance_is_that_of_the_imitator(corridor: dict[str, Training
         moved = np.array([0, rng.integers(-3, 4), 0, 0, rng.integers(-3, 4)])
         query = StateVector(*(row + moved).clip(0).tolist())
         visits = _visits(training, query, 1)
-        (unchanged,) = [row for row in wrong_decisions(visits, training, "", "", 0) if row.change == AS_IT_IS]
+        (unchanged,) = [
+            row for row in wrong_decisions(visits, training, CORRIDOR, 0) if row.change == AS_IT_IS
+        ]
         assert unchanged.still_wrong == pytest.approx(unchanged.wrong)
 
 
@@ -196,7 +200,8 @@ def _visits(training: Training, query: StateVector, times: int) -> Visits:
     diagonal = arena_map_of(checked_arena("corridor", DEFAULT_DECISIONS)).diagonal
     imitator: Any = NearestNeighbourImitator(diagonal).fit(training.vectors, training.behaviours)
     vectors = np.array([query])
-    return Visits("corridor", vectors, Decider(imitator, sample=True).levels(vectors), np.array([times]))
+    (arena,) = named_arenas(["corridor"])
+    return Visits(arena, vectors, Decider(imitator, sample=True).levels(vectors), np.array([times]))
 
 
 @pytest.fixture(scope="module")
@@ -231,14 +236,13 @@ def test_learners_forage_for_the_same_food(out: Path) -> None:
 def test_changes_are_judged_on_the_same_decisions(out: Path) -> None:
     decisions: dict[tuple[str, ...], list[str]] = {}
     for row in read(out / "wrong_decisions.csv"):
-        key = (row["training"], row["group"], row["state"])
+        key = (row["training"], row["arena"], row["state"])
         decisions.setdefault(key, []).append(row["decisions"])
         assert float(row["corrected"]) <= float(row["wrong"]) + 1e-9
         assert float(row["beyond"]) <= float(row["wrong"]) + 1e-9 <= int(row["decisions"]) + 1e-6
-    arenas = {"thesis": 2, "named": 2, "easy": 1, "medium": 1}
-    for (_, group, _), counts in decisions.items():
-        assert len(counts) % len(CHANGES) == 0
-        assert len(counts) <= arenas[group] * len(CHANGES)
+    for counts in decisions.values():
+        assert len(counts) == len(CHANGES)
+        assert len(set(counts)) == 1
 
 
 def test_page_answers_the_thesis_first(out: Path) -> None:
