@@ -54,7 +54,7 @@ class ArenaBatch:
     def vectors(self) -> NDArray[np.int64]:
         """The state vectors; no distance is longer than the arena's diagonal, as in `BehavioursEnv`."""
         vectors = np.stack([self.batch.task(name, np.int64) for name in VECTOR], axis=1)
-        return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonal), vectors)
+        return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonals[:, None]), vectors)
 
     def step(self, behaviours: NDArray[np.int64]) -> None:
         """One round.
