@@ -101,7 +101,9 @@ def changes_table(found: Analysis) -> Table:
         "Decisions of the thesis's imitator along its own recalls, in all arenas, drawn again in the same states with "
         "a changed distance. Wrong: not the teacher's behaviour. Corrected: right when drawn again, as a share of the "
         f"wrong ones; in the lines `{CHANGES[0]}` by chance alone, where confidence levels are between 0 and 1. "
-        f"{INTERVALS}"
+        "Setting an attribute that is larger than in all experience to the nearest value of the training would change "
+        "nothing: the distance to every experience vector shrinks by the same amount. The vectors recorded furthest "
+        f"from home, say, are nearest in this attribute before and after. {INTERVALS}"
     )
     return Table("changes", "Which attribute fails", note, columns, rows)
 

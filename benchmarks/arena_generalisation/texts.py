@@ -99,12 +99,7 @@ def difficulty(found: Analysis) -> str:
 
 def attributes(found: Analysis) -> str:
     """Which attribute fails."""
-    parts = [
-        "How much larger an attribute is than in all experience does not matter to the imitator: the distance to every "
-        "experience vector grows by the same amount, and the same vectors stay the nearest. Setting the attribute to "
-        "the nearest value of the training would change nothing. The test is therefore to leave one attribute out of "
-        "the distance, or to divide distances by the corridor's diagonal in place of the arena's."
-    ]
+    parts = []
     for training, name in ((CORRIDOR, "the corridor"), (VARIED, "varied arenas")):
         plain = _wrong(found, training, AS_IT_IS)
         changed = {change: _wrong(found, training, change) for change in CHANGES if change != AS_IT_IS}
@@ -113,27 +108,30 @@ def attributes(found: Analysis) -> str:
         beyond = mean(found.wrong_rows(training), BEYOND, found.rng)
         parts.append(
             f"Trained in {name}, the imitator is wrong in {interval(plain)} % of its decisions; "
-            f"{interval(beyond, 0)} % of the wrong ones are at distances beyond the training's. The change after which "
+            f"{interval(beyond, 0)} % of the wrong ones are at distances beyond the training's, and "
+            f"{_most_wrong(found, training)}. The change after which "
             f"fewest are wrong is `{change_title(best)}` ({interval(changed[best])} %), the one after which most are "
             f"wrong `{change_title(worst)}` ({interval(changed[worst])} %)."
         )
+    parts.append(
+        "In the corridor, food to push and poison never occur: trained there, the imitator has heard neither PUSH FOOD "
+        "nor AVOID FOOD, and all its decisions in these states are wrong."
+    )
     return "## Which attribute of the state vector fails where?\n\n" + " ".join(parts)
 
 
 def path(found: Analysis) -> str:
     """What distances along the path change."""
-    parts = []
-    for training, name in (
-        (CORRIDOR, "the corridor"),
-        (VARIED, "varied arenas"),
-        (WHOLE, "varied arenas, with all their vectors"),
-    ):
-        more = interval(found.gain(IMITATOR, (training, PATH.distances), (training, STRAIGHT)), 0)
-        parts.append(
-            f"Trained in {name}, the imitator delivers {more} points more of the family's food with distances along "
-            "the path than with straight ones."
-        )
-    return "## What do distances along the path change?\n\n" + " ".join(parts)
+    gains = {
+        training: interval(found.gain(IMITATOR, (training, PATH.distances), (training, STRAIGHT)), 0)
+        for training in (CORRIDOR, VARIED, WHOLE)
+    }
+    text = (
+        "In the corridor both distances are the same, and what is learned there differs in recalls only. Distances "
+        f"along the path then change the family's food delivered by {gains[CORRIDOR]} points; after training in varied "
+        f"arenas by {gains[VARIED]} points, and with all their vectors by {gains[WHOLE]} points."
+    )
+    return "## What do distances along the path change?\n\n" + text
 
 
 def _series(found: Analysis, learner: str, training: str) -> str:
@@ -153,6 +151,19 @@ def _ranked(found: Analysis, training: str, group: str) -> list[str]:
 
 def _share(found: Analysis, learner: str, training: str) -> str:
     return f"{title(learner)} ({interval(found.delivered(learner, training, group=NAMED), 0)} %)"
+
+
+def _most_wrong(found: Analysis, training: str) -> str:
+    """The two states in which most of the wrong decisions are taken."""
+    wrong: dict[str, float] = {}
+    for row in found.wrong_rows(training):
+        wrong[row.state] = wrong.get(row.state, 0.0) + row.wrong
+    total = sum(wrong.values())
+    shares = [
+        f"{100 * wrong[state] / total:.0f} % in the state {state.replace('_', ' ')}"
+        for state in sorted(wrong, key=lambda state: -wrong[state])[:2]
+    ]
+    return " and ".join(shares)
 
 
 def _wrong(found: Analysis, training: str, change: str) -> Estimate:
