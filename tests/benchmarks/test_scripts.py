@@ -91,6 +91,11 @@ SCRIPTS = {
         repeatable=("--only", "spatial_variety", "--replications", "1"),
         page="spatial_variety/spatial_variety.md",
     ),
+    "generalisation": Script(
+        ("--seeds", "--recalls", "--levels", "--jobs", "--fresh"),
+        ("recalls", "wrong_decisions"),
+        needs=("numba",),
+    ),
     "kheperax": Script(
         ("--repeats", "--worlds", "--venv", "1.2 GB"), ("rows",), needs=("numba",), runs=False
     ),

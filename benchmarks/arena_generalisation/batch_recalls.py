@@ -1,0 +1,111 @@
+"""Recalls of any classifiers in compiled worlds: all arenas advance together, so that classifiers decide in bulk."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_generalisation.decision_table import DecisionTable
+from arena_generalisation.recall_arenas import RecallArena
+from khepera_forage.envs.compiled.batch import CompiledBatch
+from khepera_forage.envs.compiled.records import VECTOR
+from khepera_forage.task.states import FoodType
+
+_DISTANCES = [name in ("robot_home_distance", "robot_food_distance") for name in VECTOR]
+
+
+@dataclass(slots=True)
+class ArenaBatch:
+    """Recalls in one arena, each in a world of its own.
+
+    Attributes:
+        batch: The worlds.
+        deciders: Number of the decider in each.
+        over: Whether the recall in each has ended.
+        score: Of each that has ended, percent.
+        steps: Of each that has ended.
+        delivered: Food brought home in each that is not poisonous.
+        poison_home: Poisonous food brought home in each.
+        not_poisonous: Food objects in each that are not poisonous.
+    """
+
+    batch: CompiledBatch
+    deciders: NDArray[np.int64]
+    over: NDArray[np.bool_] = field(init=False)
+    score: NDArray[np.float64] = field(init=False)
+    steps: NDArray[np.int64] = field(init=False)
+    delivered: NDArray[np.int64] = field(init=False)
+    poison_home: NDArray[np.int64] = field(init=False)
+    not_poisonous: NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        worlds = self.batch.num_worlds
+        self.over = np.zeros(worlds, np.bool_)
+        self.score = np.zeros(worlds)
+        self.steps, self.delivered, self.poison_home = (np.zeros(worlds, np.int64) for _ in range(3))
+        self.batch.step(np.zeros(worlds), np.ones(worlds, np.bool_))  # begins the episodes
+        types: NDArray[Any] = self.batch.worlds.foods["type"]
+        own = types.reshape(-1, self.batch.foods)[:worlds]
+        self.not_poisonous = (own != FoodType.POISONOUS).sum(axis=1)
+
+    @property
+    def vectors(self) -> NDArray[np.int64]:
+        """The state vectors; no distance is longer than the arena's diagonal, as in `BehavioursEnv`."""
+        vectors = np.stack([self.batch.task(name, np.int64) for name in VECTOR], axis=1)
+        return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonals[:, None]), vectors)
+
+    def step(self, behaviours: NDArray[np.int64]) -> None:
+        """One round.
+
+        Args:
+            behaviours: One for each world whose recall has not ended.
+        """
+        actions = np.zeros(len(self.over))
+        actions[~self.over] = behaviours
+        self.batch.step(actions, np.zeros(len(self.over), np.bool_))
+        episodes, trackers = self.batch.episodes, self.batch.trackers
+        ended = ~self.over & (episodes["terminated"] | episodes["truncated"])
+        for name, records in (
+            ("score", episodes),
+            ("steps", episodes),
+            ("delivered", trackers),
+            ("poison_home", trackers),
+        ):
+            getattr(self, name)[ended] = records[name][ended]
+        self.over |= ended
+
+
+def arena_batch(arena: RecallArena, deciders: Sequence[int], seeds: Sequence[int]) -> ArenaBatch:
+    """Recalls in one arena, up to their first observations.
+
+    Args:
+        arena: Where.
+        deciders: Each of them has a recall with each seed.
+        seeds: Of the recalls.
+    """
+    worlds = len(deciders) * len(seeds)
+    batch = CompiledBatch(worlds, arena.arena, **arena.arguments)
+    batch.seed(list(seeds) * len(deciders), np.arange(worlds))
+    return ArenaBatch(batch, np.repeat(np.array(deciders, np.int64), len(seeds)))
+
+
+def recall_all(batches: Sequence[ArenaBatch], table: DecisionTable, rng: np.random.Generator) -> None:
+    """Run all recalls to their ends.
+
+    Args:
+        batches: In all arenas.
+        table: Of the deciders.
+        rng: Draws behaviours.
+    """
+    active = list(batches)
+    while active:
+        waiting = [~batch.over for batch in active]
+        deciders = [batch.deciders[mask] for batch, mask in zip(active, waiting, strict=True)]
+        vectors = [batch.vectors[mask] for batch, mask in zip(active, waiting, strict=True)]
+        behaviours = table.decide(np.concatenate(deciders), np.concatenate(vectors), rng)
+        ends = np.cumsum([len(part) for part in deciders])[:-1]
+        for batch, own in zip(active, np.split(behaviours, ends), strict=True):
+            batch.step(own)
+        active = [batch for batch in active if not batch.over.all()]

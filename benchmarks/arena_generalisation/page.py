@@ -1,0 +1,39 @@
+"""The page: the thesis's question first, then a paragraph, a figure and a table for each question."""
+
+from arena_generalisation import pictures, tables, texts
+from arena_generalisation.analysis import Analysis
+from khepera_forage.experiments.page import Page, Picture
+
+
+def page(found: Analysis) -> Page:
+    """All that was found."""
+    return Page(
+        "Does foraging carry over to other arenas?",
+        [
+            texts.answer(found),
+            texts.METHOD,
+            texts.arenas(found),
+            Picture("generalisation_arenas", "food delivered in each arena", pictures.arenas_picture(found)),
+            tables.arenas_table(found),
+            tables.trainings_table(found),
+            texts.difficulty(found),
+            Picture(
+                "generalisation_difficulty",
+                "food delivered against difficulty",
+                pictures.difficulty_picture(found),
+            ),
+            tables.difficulty_table(found),
+            texts.attributes(found),
+            Picture("generalisation_wrong", "wrong decisions of the imitator", pictures.wrong_picture(found)),
+            tables.changes_table(found),
+            texts.path(found),
+            Picture(
+                "generalisation_path",
+                "straight distances and distances along the path",
+                pictures.path_picture(found),
+            ),
+            tables.path_table(found),
+            texts.LIMITS,
+        ],
+        (tables.all_recalls(found), tables.all_decisions(found)),
+    )
