@@ -14,6 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+
 from khepera_forage.compilation.decorators import inline, kernel, types, variant
 from khepera_forage.compilation.packing import pack
 from khepera_forage.sim.broad_phase import PUSHED
