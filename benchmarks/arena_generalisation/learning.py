@@ -14,7 +14,6 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies.learner_registry import installed_learners
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.task.decisions import Decisions
 
 QUERYING = "dagger_tree"
@@ -55,7 +54,9 @@ def in_arena(learner: FromVectors, classifier: Any, diagonal: int) -> Any:
     return copy.copy(classifier).set_params(diagonal=diagonal)
 
 
-def queried(replication: int, seed: int, decisions: Decisions) -> Mapping[str, tuple[FromVectors, Any, int]]:
+def queried(
+    replication: int, seed: int, difficulties: Sequence[str], decisions: Decisions
+) -> Mapping[str, tuple[FromVectors, Any, int]]:
     """The learner that queries the teacher: by training, its settings, its classifier, and the number of queries.
 
     `CORRIDOR`: all queries in the corridor. `VARIED`: as many in a training arena of each difficulty.
@@ -63,6 +64,7 @@ def queried(replication: int, seed: int, decisions: Decisions) -> Mapping[str, t
     Args:
         replication: Its number.
         seed: Of places and random choices.
+        difficulties: Of the training arenas.
         decisions: Of the environments.
     """
     learner = LEARNERS[QUERYING]
@@ -71,7 +73,7 @@ def queried(replication: int, seed: int, decisions: Decisions) -> Mapping[str, t
     found = {}
     for name, arenas, queries in (
         (CORRIDOR, corridor, QUERIES),
-        (VARIED, training_arenas(replication, len(DIFFICULTIES)), QUERIES // len(DIFFICULTIES)),
+        (VARIED, training_arenas(replication, difficulties), QUERIES // len(difficulties)),
     ):
         vectors, behaviours = _query(learner, arenas, queries, seed, decisions)
         training = Training(vectors, behaviours, np.zeros(len(vectors), np.int64))

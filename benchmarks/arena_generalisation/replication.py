@@ -94,9 +94,18 @@ class Replication(NamedTuple):
     def _run(self) -> list[ArenaRecalls | WrongDecisions]:
         choices, places, drawing = np.random.SeedSequence(self.seed, spawn_key=(0, self.number)).spawn(3)
         trained = corridor_trainings(self.seed, self.number)
-        size = len(trained[CORRIDOR].vectors)
-        trained |= varied_trainings(self.seed, self.number, size, STRAIGHT)
-        by_path = {CORRIDOR: trained[CORRIDOR], **varied_trainings(self.seed, self.number, size, PATH)}
+        straight, along_path = (
+            varied_trainings(
+                self.seed,
+                self.number,
+                len(trained[CORRIDOR].vectors),
+                self.size.difficulties,
+                decisions,
+            )
+            for decisions in (STRAIGHT, PATH)
+        )
+        trained |= straight
+        by_path = {CORRIDOR: trained[CORRIDOR], **along_path}
         contestants = self._contestants(trained, int(choices.generate_state(1)[0]) % 2**31)
         arenas = self._arenas()
         seeds = places.generate_state(self.size.recalls).tolist()
@@ -125,7 +134,9 @@ class Replication(NamedTuple):
             if training in (CORRIDOR, VARIED)
             for name, learner in imitating_learners().items()
         ]
-        for training, (learner, classifier, queries) in queried(self.number, seed, STRAIGHT).items():
+        for training, (learner, classifier, queries) in queried(
+            self.number, seed, self.size.difficulties, STRAIGHT
+        ).items():
             found.append(Contestant(QUERYING, training, learner, classifier, queries))
         return found
 

@@ -14,7 +14,6 @@ from khepera_forage.envs.arena_settings import training_rounds
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.thesis import CORRIDOR as CORRIDOR_ARENA
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES, Decisions
 from khepera_forage.task.placement import layout_key
@@ -73,17 +72,20 @@ def corridor_trainings(seed: int, replication: int) -> dict[str, Training]:
     }
 
 
-def varied_trainings(seed: int, replication: int, size: int, decisions: Decisions) -> dict[str, Training]:
+def varied_trainings(
+    seed: int, replication: int, size: int, difficulties: Sequence[str], decisions: Decisions
+) -> dict[str, Training]:
     """The experience of one replication in varied arenas, by name.
 
     Args:
         seed: Of the whole run.
         replication: Its number, from 0. Replications have training levels of their own.
         size: Vectors of `VARIED` at most, drawn at random from those of `WHOLE`.
+        difficulties: Of the training arenas, in turn.
         decisions: Of the training; others change nothing else.
     """
     episodes, drawing = np.random.SeedSequence(seed, spawn_key=(2, replication)).spawn(2)
-    levels = [_training_levels(name, replication) for name in DIFFICULTIES]
+    levels = [_training_levels(name, replication) for name in difficulties]
     whole = _joined(
         [_first_complete(levels[k % len(levels)], key, decisions) for k, key in enumerate(_keys(episodes))]
     )
@@ -92,10 +94,9 @@ def varied_trainings(seed: int, replication: int, size: int, decisions: Decision
     return {VARIED: whole.chosen(np.sort(drawn)), WHOLE: whole}
 
 
-def training_arenas(replication: int, number: int) -> list[RecallArena]:
-    """The first training arenas of a replication, of one difficulty after the other."""
-    levels = [_training_levels(name, replication) for name in DIFFICULTIES]
-    return [next(levels[k % len(levels)]) for k in range(number)]
+def training_arenas(replication: int, difficulties: Sequence[str]) -> list[RecallArena]:
+    """The first training arena of each difficulty in a replication."""
+    return [next(_training_levels(name, replication)) for name in difficulties]
 
 
 def _training_levels(difficulty: str, replication: int) -> Iterator[RecallArena]:
