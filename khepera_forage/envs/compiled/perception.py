@@ -9,7 +9,7 @@ from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
-from khepera_forage.envs.compiled.worlds import Worlds
+from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
 from khepera_forage.geometry.paths import room_beside
 from khepera_forage.geometry.walls import clearance, to_wall
 from khepera_forage.robots.khepera import Motors, Senses
@@ -146,7 +146,8 @@ def _find_ways(worlds: Worlds, maps: Any) -> None:
     for i in range(robot.x.shape[0]):
         x, y, arena, tracker = robot.marker_x[i], robot.marker_y[i], map_in(maps, i), worlds.trackers[i]
         home, food = (arena.home_x, arena.home_y, 0.0), (tracker.food_x, tracker.food_y, 0.0)
-        if len(arena.ways.corners) > 0:
+        # Robots in unused lanes would try all waypoints, in every round.
+        if len(arena.ways.corners) > 0 and robot.x[i] > UNUSED / 2.0:
             if not _stays_clear_home(task, i, x, y):
                 home = way_home(x, y, arena)
                 _keep_room_home(task, i, x, y, home, arena)

@@ -19,6 +19,9 @@ from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
 from khepera_forage.sim.compiled.records import LANES
 
+UNUSED = -1e6
+"""mm at which robots stand in lanes that no world uses."""
+
 
 class Worlds(NamedTuple):
     """Bodies and their task; `worlds_of` gives the records of one block.
@@ -75,7 +78,7 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
     """
     bodies = empty_bodies(blocks, foods, lanes, near)
     robots = bodies.robots
-    robots["x"] = robots["y"] = -1e6
+    robots["x"] = robots["y"] = UNUSED
     robots["cos"] = 1.0
     robots["arm"] = robots["arm_target"] = ARM_RAISED
     robots["jaw"] = robots["jaw_target"] = JAW_OPEN
