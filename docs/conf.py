@@ -62,5 +62,5 @@ nitpick_ignore_regex = [
     # Type variables have no documentation.
     ("py:.*", r"khepera_forage\..*\.(_\w+|T|RowT|ActionT)"),
     # Classes beside kernels, in modules that the reference leaves out.
-    ("py:class", r"khepera_forage\..*\.(Bodies|OneWorld)"),
+    ("py:class", r"khepera_forage\..*\.(Bodies|OneWorld|TaskParameters|Worlds)"),
 ]
