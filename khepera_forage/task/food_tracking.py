@@ -86,8 +86,7 @@ class FoodTracker:
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
-        food_lengths: Of the shortest path from each waypoint of the arena to each food object, pixels
-            (`geometry.paths`).
+        food_lengths: Of the shortest path from each waypoint to each food object, pixels (`geometry.paths`).
         links: Twice as many slots as food objects.
     """
 

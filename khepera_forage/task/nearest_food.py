@@ -6,8 +6,6 @@ The functions take the records of `food_tracking`.
 import math
 from typing import Any
 
-from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.paths import find_lengths, is_clear, waypoint_around
 from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import (
@@ -19,10 +17,9 @@ from khepera_forage.task.decision_readings import (
 )
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.states import FoodType
+from khepera_forage.task.way_finding import path_to_food
 
 _POISONOUS = FoodType.POISONOUS.value
-_MOVED = 1.0
-"""Pixels by which food may move before the paths to it are looked up again."""
 _NO_PATH = 1e6
 """Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
 
@@ -81,7 +78,7 @@ def find_nearest(
                     continue
                 if len(arena.ways.corners) > 0:
                     food, lengths = foods[number], food_lengths[number]
-                    path = _path_to(x, y, track.x, track.y, food, lengths, arena)
+                    path = path_to_food(x, y, track.x, track.y, food, lengths, arena)
                     squared = min(path, _NO_PATH) ** 2
                     if squared >= best:
                         continue
@@ -89,26 +86,6 @@ def find_nearest(
                 best = squared
                 tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
                 tracker.nearest = number
-
-
-def _path_to(x: float, y: float, to_x: float, to_y: float, food: Any, lengths: Any, arena: ArenaMap) -> float:
-    """Length of the path from a robot to food; infinite without one.
-
-    Args:
-        x: Of the robot.
-        y: Of the robot.
-        to_x: Of the food's region.
-        to_y: Of the food's region.
-        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place for which `lengths` holds, are changed.
-        lengths: Of the shortest path from each waypoint to the food; changed in place if the food has moved.
-        arena: The arena.
-    """
-    if is_clear(x, y, to_x, to_y, True, arena.walls, arena.ways):
-        return length(to_x - x, to_y - y)
-    if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, True, arena.walls, arena.ways)
-        food.lengths_x, food.lengths_y = to_x, to_y
-    return waypoint_around(x, y, to_x, to_y, lengths, True, arena.walls, arena.ways)[2]
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -1,16 +1,16 @@
 """Scene and Senses to raw data (4.2.2), and raw data to the state vector (4.3)."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
-from khepera_forage.geometry.paths import next_waypoint
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import ALONG_PATH, LAST_DISTANCE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
+from khepera_forage.task.way_finding import Way, way_home, way_to_food
 from khepera_forage.vision.scene import Region, Scene
 
 
@@ -75,10 +75,6 @@ class RawData(NamedTuple):
     food_way_y: float
 
 
-Way = tuple[float, float, float]
-"""The way to a place: x and y of the next waypoint, and the length of the path, 0 where the way is straight."""
-
-
 def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
     """The robot's own marker: the region with as many holes in its own enclosure; None before it was ever seen."""
     for region in scene.regions:
@@ -124,34 +120,6 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         way_to_food(x, y, tracker, tracker.food_lengths, arena),
         arena,
     )
-
-
-def way_home(x: float, y: float, arena: ArenaMap) -> Way:
-    """The way home from a place, in pixels."""
-    if len(arena.ways.corners) == 0:
-        return arena.home_x, arena.home_y, 0.0
-    return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, False, arena)
-
-
-def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: ArenaMap) -> Way:
-    """The way to the nearest food from a place, in pixels.
-
-    Args:
-        x: Of the robot.
-        y: Of the robot.
-        tracker: The `FoodTracker` record, after its round.
-        food_lengths: Of the shortest paths from each waypoint to each food object.
-        arena: Its arena.
-    """
-    if len(arena.ways.corners) == 0 or tracker.nearest < 0:
-        return tracker.food_x, tracker.food_y, 0.0
-    return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], True, arena)
-
-
-def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, past_home: bool, arena: ArenaMap) -> Way:
-    way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, past_home, arena.walls, arena.ways)
-    # Without a path, such as for a robot that was pushed into a corner, the robot drives straight on.
-    return way_x, way_y, (path if path < math.inf else 0.0)
 
 
 def raw_data(

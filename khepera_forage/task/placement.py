@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits, standard_normal, uniform
-from khepera_forage.geometry.paths import next_waypoint
 from khepera_forage.geometry.walls import clearance
 from khepera_forage.robots.footprint import body_is_free, discs_are_apart, gripper_is_free
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import drawn_type
+from khepera_forage.task.way_finding import can_be_reached
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _MARGIN = 5.0
@@ -117,7 +117,7 @@ def draw_layout(
             number += 3
             if not (_is_outside_home(start, RADIUS, floor) and _robot_is_free(start, _MARGIN, floor)):
                 continue
-            if not _can_be_reached(start, arena):
+            if not can_be_reached(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL, arena):
                 continue
         if places_given:
             if layout_is_free(start, places, floor):
@@ -128,7 +128,8 @@ def draw_layout(
             place = places[placed]
             place.x, place.y = _draw_place(key, food_number, floor)
             food_number += 2
-            if _food_fits(place, places, placed, start, floor, decisions) and _can_be_reached(place, arena):
+            fits = _food_fits(place, places, placed, start, floor, decisions)
+            if fits and can_be_reached(place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, arena):
                 placed += 1
                 if placed == len(places):
                     return True
@@ -197,16 +198,6 @@ def layout_is_free(start: Any, places: Any, floor: Floor) -> bool:
             if not discs_are_apart(place.x, place.y, places[other].x, places[other].y, 2.0 * FOOD_RADIUS):
                 return False
     return True
-
-
-def _can_be_reached(place: Any, arena: ArenaMap) -> bool:
-    """Whether there is a way home from a place, and one past the home between it and the start of training."""
-    x, y, ways = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, arena.ways
-    if len(ways.corners) == 0:
-        return True
-    home = next_waypoint(x, y, arena.home_x, arena.home_y, ways.home_lengths, False, arena.walls, ways)
-    start = next_waypoint(x, y, arena.start_x, arena.start_y, ways.start_lengths, True, arena.walls, ways)
-    return bool(max(home[2], start[2]) < math.inf)
 
 
 def _robot_is_free(start: Any, margin: float, floor: Floor) -> bool:

@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import types, variant
-from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor
+from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor, floor_with, map_of
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.sim.compiled.near_walls import several
 from khepera_forage.task.arena_map import ArenaMap, Floor
@@ -46,30 +46,14 @@ def _map_in(maps: Any, i: int) -> ArenaMap:
     task = maps.task
     arena = task.arena[maps.lists[0].arena[i]]
     waypoint, length = arena.first_waypoint, arena.first_length
-    return ArenaMap(
-        arena.map_home_x,
-        arena.map_home_y,
-        int(arena.map_home_radius),
-        arena.map_start_x,
-        arena.map_start_y,
-        arena.map_home_opening,
-        int(arena.map_diagonal),
-        arena.map_left,
-        arena.map_bottom,
-        arena.map_right,
-        arena.map_top,
+    return map_of(
+        arena,
         task.map_walls[arena.first_wall : arena.first_wall + arena.walls],
-        Ways(
-            arena.map_clearance,
-            arena.map_home_x,
-            arena.map_home_y,
-            arena.map_berth,
-            task.corners[arena.first_corner : arena.first_corner + arena.corners],
-            task.waypoints[waypoint : waypoint + arena.waypoints],
-            task.way_lengths[length : length + arena.waypoints * arena.waypoints],
-            task.start_lengths[waypoint : waypoint + arena.waypoints],
-            task.home_lengths[waypoint : waypoint + arena.waypoints],
-        ),
+        task.corners[arena.first_corner : arena.first_corner + arena.corners],
+        task.waypoints[waypoint : waypoint + arena.waypoints],
+        task.way_lengths[length : length + arena.waypoints * arena.waypoints],
+        task.start_lengths[waypoint : waypoint + arena.waypoints],
+        task.home_lengths[waypoint : waypoint + arena.waypoints],
     )
 
 
@@ -128,13 +112,4 @@ def floor_in(near: Any, task: TaskParameters, i: int) -> Floor:
 @variant(floor_in, several)
 def _floor_in(near: Any, task: TaskParameters, i: int) -> Floor:
     arena = task.arena[near.lists[0].arena[i]]
-    return Floor(
-        arena.floor_left,
-        arena.floor_bottom,
-        arena.floor_right,
-        arena.floor_top,
-        arena.floor_home_x,
-        arena.floor_home_y,
-        arena.floor_home_radius,
-        task.floor_walls[arena.first_wall : arena.first_wall + arena.walls],
-    )
+    return floor_with(arena, task.floor_walls[arena.first_wall : arena.first_wall + arena.walls])

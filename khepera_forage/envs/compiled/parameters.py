@@ -121,7 +121,22 @@ def task_parameters(
 @inline
 def arena_map(task: TaskParameters) -> ArenaMap:
     """What the robots know of their arena."""
-    arena = task.arena[0]
+    return map_of(
+        task.arena[0],
+        task.map_walls,
+        task.corners,
+        task.waypoints,
+        task.way_lengths,
+        task.start_lengths,
+        task.home_lengths,
+    )
+
+
+@inline
+def map_of(
+    arena: Any, walls: Any, corners: Any, waypoints: Any, lengths: Any, start_lengths: Any, home_lengths: Any
+) -> ArenaMap:
+    """What the robots know of one arena, from its `arena_dtype` record and its part of each array."""
     return ArenaMap(
         arena.map_home_x,
         arena.map_home_y,
@@ -134,17 +149,17 @@ def arena_map(task: TaskParameters) -> ArenaMap:
         arena.map_bottom,
         arena.map_right,
         arena.map_top,
-        task.map_walls,
+        walls,
         Ways(
             arena.map_clearance,
             arena.map_home_x,
             arena.map_home_y,
             arena.map_berth,
-            task.corners,
-            task.waypoints,
-            task.way_lengths,
-            task.start_lengths,
-            task.home_lengths,
+            corners,
+            waypoints,
+            lengths,
+            start_lengths,
+            home_lengths,
         ),
     )
 
@@ -152,7 +167,12 @@ def arena_map(task: TaskParameters) -> ArenaMap:
 @inline
 def floor(task: TaskParameters) -> Floor:
     """The floor on which everything is placed."""
-    arena = task.arena[0]
+    return floor_with(task.arena[0], task.floor_walls)
+
+
+@inline
+def floor_with(arena: Any, walls: Any) -> Floor:
+    """The floor of one arena, from its `arena_dtype` record and its walls in mm."""
     return Floor(
         arena.floor_left,
         arena.floor_bottom,
@@ -161,5 +181,5 @@ def floor(task: TaskParameters) -> Floor:
         arena.floor_home_x,
         arena.floor_home_y,
         arena.floor_home_radius,
-        task.floor_walls,
+        walls,
     )

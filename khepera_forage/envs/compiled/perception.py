@@ -18,11 +18,10 @@ from khepera_forage.task.identification import explored
 from khepera_forage.task.perception import (
     raw_data,
     state_vector,
-    way_home,
-    way_to_food,
     without_food,
 )
 from khepera_forage.task.states import classify
+from khepera_forage.task.way_finding import way_home, way_to_food
 
 
 @inline

@@ -27,6 +27,7 @@ from khepera_forage.task import (
     scoring,
     states,
     steering,
+    way_finding,
 )
 
 RULE_MODULES = (
@@ -47,6 +48,7 @@ RULE_MODULES = (
     scoring,
     states,
     steering,
+    way_finding,
 )
 """Modules whose functions kernels may call."""
 
