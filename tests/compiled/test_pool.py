@@ -121,10 +121,10 @@ def test_resets_of_some_worlds_leave_the_others() -> None:
     now, new = env.unwrapped.batch.arenas, fresh.unwrapped.batch.arenas
     assert now == [new[i] if mask[i] else arenas[i] for i in range(40)]
     actions = infos["correct_behaviour"]
-    ours, others, anew = env.step(actions)[0], twin.step(actions)[0], fresh.step(actions)[0]
+    ours, others, remade = env.step(actions)[0], twin.step(actions)[0], fresh.step(actions)[0]
     for key in ours:
         assert np.array_equal(ours[key][~mask], others[key][~mask])
-        assert np.array_equal(ours[key][mask], anew[key][mask])
+        assert np.array_equal(ours[key][mask], remade[key][mask])
 
 
 def test_teacher_forages_in_kernels_as_in_environments() -> None:

@@ -1,4 +1,4 @@
-"""Frames that show no scene are told from those that are only difficult."""
+"""Frames that show no scene are recognised; difficult frames are still used."""
 
 from dataclasses import replace
 
