@@ -111,18 +111,18 @@ FAMILY: Mapping[str, FamilyArena] = {
     # One empty room, with more food than in the thesis.
     "many_foods": FamilyArena(
         walls=box(0, 0, 1200, 900),
-        home=(1080, 450),
+        home=(1070, 770),
         start=(120, 450, 0),
         foods=((400, 200), (400, 700), (600, 450), (800, 200), (800, 700)),
-        longest_path=1060,
+        longest_path=1200,
     ),
     # The same room with food to carry, to push and to leave alone (table 4.1).
     "mixed_foods": FamilyArena(
         walls=box(0, 0, 1200, 900),
-        home=(1080, 450),
+        home=(1070, 770),
         start=(120, 450, 0),
         foods=((450, 200), (450, 700), (750, 200), (750, 700)),
-        longest_path=1060,
+        longest_path=1200,
         food_types={"PICKABLE": 0.5, "PUSHABLE": 0.25, "POISONOUS": 0.25},
     ),
 }
