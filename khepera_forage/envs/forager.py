@@ -105,7 +105,7 @@ class Forager:
         update_food(
             tracker,
             tracker.foods,
-            tracker.food_lengths,
+            tracker.known_ways,
             tracker.links,
             scene.regions,
             self.arena,

@@ -16,6 +16,7 @@ from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
+from khepera_forage.task.way_finding import no_known_ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 
@@ -177,7 +178,7 @@ def tracker_of(places: Sequence[Point], arena: ArenaMap) -> FoodTracker:
     return FoodTracker(
         deliverable=len(foods),
         foods=foods,
-        food_lengths=[[math.inf] * len(arena.ways.waypoints) for _ in foods],
+        known_ways=no_known_ways(len(foods), len(arena.ways.waypoints)),
         links=[Link() for _ in range(2 * len(foods))],
     )
 

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from khepera_forage.geometry.paths import NO_WAYS, Corner, Spot, Ways, find_lengths, next_waypoint
+from khepera_forage.geometry.known_ways import StraightWay
+from khepera_forage.geometry.paths import NO_WAYS, Corner, Spot, Ways, find_lengths, has_path, next_waypoint
+from khepera_forage.geometry.straight_ways import is_clear
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
@@ -86,8 +88,9 @@ def way_out(arena: Arena) -> tuple[float, float]:
     ways, home, start = ways_of(arena), arena.home, arena.start
     if not ways.corners:
         return (x1 + x2) / 2, (y1 + y2) / 2
-    ends = home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL, start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL
-    x, y, _ = next_waypoint(*ends, ways.start_lengths, True, pixel_walls(arena), ways)
+    here = Spot(home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL)
+    there = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL)
+    x, y, _ = _next_place(here, there, ways.start_lengths, True, pixel_walls(arena), ways)
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
@@ -111,7 +114,7 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
     end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
     here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
     while here != end:
-        x, y, length = next_waypoint(*here, *end, lengths, past_home, walls, ways)
+        x, y, length = _next_place(here, end, lengths, past_home, walls, ways)
         if length == math.inf or len(path) > len(ways.waypoints) + 1:
             raise ValueError(
                 f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
@@ -120,6 +123,16 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
         here = Spot(x, y)
         path.append(goal if here == end else Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL))
     return tuple(path)
+
+
+def _next_place(
+    here: Spot, there: Spot, lengths: Any, past_home: bool, walls: Any, ways: Ways
+) -> tuple[float, float, float]:
+    """Where to drive next, in pixels, and the length of the path; infinite without one."""
+    if is_clear(*here, *there, past_home, walls, ways):
+        return *there, math.dist(here, there)
+    known = [StraightWay() for _ in ways.waypoints]
+    return next_waypoint(*here, lengths, past_home, StraightWay(), known, walls, ways)
 
 
 def check_ways(arena: Arena) -> None:
@@ -144,7 +157,7 @@ def check_ways(arena: Arena) -> None:
 
 def _has_way(arena: Arena, place: Point, goal: Point, lengths: Any, past_home: bool) -> bool:
     ends = (place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
-    return next_waypoint(*ends, lengths, past_home, pixel_walls(arena), ways_of(arena))[2] < math.inf
+    return has_path(*ends, lengths, past_home, pixel_walls(arena), ways_of(arena))
 
 
 def _no_way(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, why: str) -> ValueError:

@@ -19,6 +19,7 @@ from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import at_home
 from khepera_forage.task.nearest_food import count_lost_rounds, find_nearest, link_of
 from khepera_forage.task.states import FoodType
+from khepera_forage.task.way_finding import KnownWays, no_known_ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
@@ -83,10 +84,13 @@ class FoodTracker:
         food_x: Nearest candidate food in pixels; 0 without one.
         food_y: Nearest candidate food in pixels; 0 without one.
         nearest: Number of that food object; -1 if there is none, or if it is not known which one it is.
+        food_way_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
+        food_way_y: Likewise.
+        food_path: Length of the path, pixels; 0 if the way is straight.
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
-        food_lengths: Of the shortest path from each waypoint to each food object, pixels (`geometry.paths`).
+        known_ways: What the robot knows of the ways in the arena.
         links: Twice as many slots as food objects.
     """
 
@@ -99,16 +103,19 @@ class FoodTracker:
     food_x: float = 0.0
     food_y: float = 0.0
     nearest: int = -1
+    food_way_x: float = 0.0
+    food_way_y: float = 0.0
+    food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
-    food_lengths: list[list[float]] = field(default_factory=list)
+    known_ways: KnownWays = field(default_factory=lambda: no_known_ways(0, 0))
     links: list[Link] = field(default_factory=list)
 
 
 def update_food(
     tracker: Any,
     foods: Any,
-    food_lengths: Any,
+    known_ways: KnownWays,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -125,7 +132,7 @@ def update_food(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records; changed in place.
-        food_lengths: Of the shortest paths from each waypoint to each food object; changed in place.
+        known_ways: What the robot knows of the ways in its arena; changed in place.
         links: Its `Link` records; changed in place.
         tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
         arena: The arena of this robot.
@@ -145,7 +152,7 @@ def update_food(
     _follow_tracks(tracker, foods, links, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
         count_lost_rounds(links, tracks)
-    find_nearest(tracker, foods, food_lengths, links, tracks, arena, x, y, arm, decisions)
+    find_nearest(tracker, foods, known_ways, links, tracks, arena, x, y, arm, decisions)
     _count(tracker, foods)
     if decisions.no_food_distance == LAST_DISTANCE:
         if tracker.food_seen:

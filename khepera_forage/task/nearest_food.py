@@ -17,7 +17,7 @@ from khepera_forage.task.decision_readings import (
 )
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import path_to_food
+from khepera_forage.task.way_finding import KnownWays, Way, drivable, way_to_food
 
 _POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
@@ -27,7 +27,7 @@ _NO_PATH = 1e6
 def find_nearest(
     tracker: Any,
     foods: Any,
-    food_lengths: Any,
+    known_ways: KnownWays,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -44,7 +44,7 @@ def find_nearest(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records.
-        food_lengths: Of the shortest paths from each waypoint to each food object; changed in place.
+        known_ways: What the robot knows of the ways in its arena; changed in place.
         links: Its `Link` records.
         tracks: Regions or tracks of the camera.
         arena: The arena of this robot.
@@ -53,14 +53,15 @@ def find_nearest(
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
-    tracker.food_seen, tracker.food_x, tracker.food_y, tracker.nearest = False, 0.0, 0.0, -1
+    _keep(tracker, False, 0.0, 0.0, -1, (0.0, 0.0, 0.0))
     held, excluded = tracker.held, -1
     if held >= 0:
         held_food = decisions.held_food
         if held_food == HIDES_ALL_FOOD:
             return
         if held_food == IN_GRIPPER:
-            tracker.food_seen, tracker.food_x, tracker.food_y = True, foods[held].x, foods[held].y
+            place = foods[held]
+            _keep(tracker, True, place.x, place.y, -1, (place.x, place.y, 0.0))
             return
         if held_food == NO_CANDIDATE:
             excluded = held
@@ -72,20 +73,24 @@ def find_nearest(
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
             k = link_of(track.label, links)
-            number = links[k].food if k >= 0 else -1
+            number, way = links[k].food if k >= 0 else -1, (track.x, track.y, 0.0)
             if k >= 0:
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.ways.corners) > 0:
-                    food, lengths = foods[number], food_lengths[number]
-                    path = path_to_food(x, y, track.x, track.y, food, lengths, arena)
-                    squared = min(path, _NO_PATH) ** 2
+                    way = way_to_food(x, y, track.x, track.y, foods[number], number, known_ways, arena)
+                    squared = min(way[2], _NO_PATH) ** 2
                     if squared >= best:
                         continue
             if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
                 best = squared
-                tracker.food_seen, tracker.food_x, tracker.food_y = True, track.x, track.y
-                tracker.nearest = number
+                _keep(tracker, True, track.x, track.y, number, drivable(way, track.x, track.y))
+
+
+def _keep(tracker: Any, seen: bool, x: float, y: float, number: int, way: Way) -> None:
+    """Keep which food is nearest, and the way to it."""
+    tracker.food_seen, tracker.food_x, tracker.food_y, tracker.nearest = seen, x, y, number
+    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -10,7 +10,7 @@ from khepera_forage.task.decision_readings import ALONG_PATH, LAST_DISTANCE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
-from khepera_forage.task.way_finding import Way, way_home, way_to_food
+from khepera_forage.task.way_finding import Way, way_home
 from khepera_forage.vision.scene import Region, Scene
 
 
@@ -116,8 +116,8 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
-        way_home(x, y, arena),
-        way_to_food(x, y, tracker, tracker.food_lengths, arena),
+        way_home(x, y, tracker.known_ways, arena),
+        (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
     )
 

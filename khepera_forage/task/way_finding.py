@@ -1,74 +1,109 @@
 """The way of a robot to its home and to food: straight, or around walls and past the home (`geometry.paths`)."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.paths import find_lengths, is_clear, next_waypoint, waypoint_around
+from khepera_forage.geometry.known_ways import StraightWay, is_known_clear
+from khepera_forage.geometry.paths import find_lengths, has_path, next_waypoint
 from khepera_forage.task.arena_map import ArenaMap
 
 _MOVED = 1.0
 """Pixels by which food may move before the paths to it are looked up again."""
 
 Way = tuple[float, float, float]
-"""The way to a place: x and y of the next waypoint, and the length of the path, 0 where the way is straight."""
+"""The way to a place in pixels: x and y of the next waypoint, and the length of the path, which is 0 if every way in
+the arena is straight, and infinite if there is none."""
 
 
-def way_home(x: float, y: float, arena: ArenaMap) -> Way:
-    """The way home from a place, in pixels."""
-    if len(arena.ways.corners) == 0:
-        return arena.home_x, arena.home_y, 0.0
-    return _way(x, y, arena.home_x, arena.home_y, arena.ways.home_lengths, False, arena)
+class KnownWays(NamedTuple):
+    """What one robot knows of the ways in its arena, so that it need not find out again in every round.
+
+    Attributes:
+        straight: `StraightWay` records: to the home, then to each food object.
+        to_waypoints: `StraightWay` records: to each waypoint.
+        food_lengths: Of the shortest path from each waypoint to each food object, pixels.
+    """
+
+    straight: Any
+    to_waypoints: Any
+    food_lengths: Any
 
 
-def way_to_food(x: float, y: float, tracker: Any, food_lengths: Any, arena: ArenaMap) -> Way:
-    """The way to the nearest food from a place, in pixels.
+def no_known_ways(foods: int, waypoints: int) -> KnownWays:
+    """What a robot knows at the start of an episode.
 
     Args:
-        x: Of the robot.
-        y: Of the robot.
-        tracker: The `FoodTracker` record, after its round.
-        food_lengths: Of the shortest paths from each waypoint to each food object.
+        foods: Number of food objects.
+        waypoints: Number of waypoints in the arena.
+    """
+    return KnownWays(
+        [StraightWay() for _ in range(1 + foods)],
+        [StraightWay() for _ in range(waypoints)],
+        [[math.inf] * waypoints for _ in range(foods)],
+    )
+
+
+def way_home(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
+    """The way home from a place.
+
+    Args:
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        known: What it knows; changed in place.
         arena: Its arena.
     """
-    if len(arena.ways.corners) == 0 or tracker.nearest < 0:
-        return tracker.food_x, tracker.food_y, 0.0
-    return _way(x, y, tracker.food_x, tracker.food_y, food_lengths[tracker.nearest], True, arena)
+    to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
+    if len(ways.corners) == 0:
+        return to_x, to_y, 0.0
+    straight = known.straight[0]
+    if is_known_clear(straight, x, y, to_x, to_y, False, arena.walls, ways):
+        return to_x, to_y, length(to_x - x, to_y - y)
+    way = next_waypoint(x, y, ways.home_lengths, False, straight, known.to_waypoints, arena.walls, ways)
+    return drivable(way, to_x, to_y)
 
 
-def _way(x: float, y: float, to_x: float, to_y: float, lengths: Any, past_home: bool, arena: ArenaMap) -> Way:
-    way_x, way_y, path = next_waypoint(x, y, to_x, to_y, lengths, past_home, arena.walls, arena.ways)
-    # Without a path, such as for a robot that was pushed into a corner, the robot drives straight on.
-    return way_x, way_y, (path if path < math.inf else 0.0)
-
-
-def path_to_food(
-    x: float, y: float, to_x: float, to_y: float, food: Any, lengths: Any, arena: ArenaMap
-) -> float:
-    """Length of the path from a robot to food; infinite without one.
+def way_to_food(
+    x: float, y: float, to_x: float, to_y: float, food: Any, number: int, known: KnownWays, arena: ArenaMap
+) -> Way:
+    """The way past the home from a place to food.
 
     Args:
-        x: Of the robot.
-        y: Of the robot.
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
         to_x: Of the food's region.
         to_y: Of the food's region.
-        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place for which `lengths` holds, are changed.
-        lengths: Of the shortest path from each waypoint to the food; changed in place if the food has moved.
-        arena: The arena.
+        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place to which the lengths of paths are known,
+            are changed.
+        number: Of the food object.
+        known: What the robot knows; changed in place.
+        arena: Its arena.
     """
-    if is_clear(x, y, to_x, to_y, True, arena.walls, arena.ways):
-        return length(to_x - x, to_y - y)
+    ways = arena.ways
+    if len(ways.corners) == 0:
+        return to_x, to_y, 0.0
+    straight = known.straight[1 + number]
+    if is_known_clear(straight, x, y, to_x, to_y, True, arena.walls, ways):
+        return to_x, to_y, length(to_x - x, to_y - y)
+    lengths = known.food_lengths[number]
     if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, True, arena.walls, arena.ways)
+        find_lengths(to_x, to_y, lengths, True, arena.walls, ways)
         food.lengths_x, food.lengths_y = to_x, to_y
-    return waypoint_around(x, y, to_x, to_y, lengths, True, arena.walls, arena.ways)[2]
+    return next_waypoint(x, y, lengths, True, straight, known.to_waypoints, arena.walls, ways)
+
+
+def drivable(way: Way, to_x: float, to_y: float) -> Way:
+    """The way that a robot takes: without a path, such as when it was pushed into a corner, it drives straight on."""
+    if way[2] == math.inf:
+        return to_x, to_y, 0.0
+    return way
 
 
 def can_be_reached(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether there is a way home from a place in pixels, and a way past the home from it to the start of training."""
-    ways = arena.ways
+    ways, walls = arena.ways, arena.walls
     if len(ways.corners) == 0:
         return True
-    home = next_waypoint(x, y, arena.home_x, arena.home_y, ways.home_lengths, False, arena.walls, ways)
-    start = next_waypoint(x, y, arena.start_x, arena.start_y, ways.start_lengths, True, arena.walls, ways)
-    return bool(max(home[2], start[2]) < math.inf)
+    return has_path(x, y, arena.home_x, arena.home_y, ways.home_lengths, False, walls, ways) and has_path(
+        x, y, arena.start_x, arena.start_y, ways.start_lengths, True, walls, ways
+    )

@@ -22,11 +22,13 @@ from khepera_forage.envs.compiled.records import (
     link_dtype,
     place_dtype,
     start_dtype,
+    straight_way_dtype,
     tracker_dtype,
     wall_dtype,
     way_corner_dtype,
 )
 from khepera_forage.envs.compiled.rules import RULE_MODULES
+from khepera_forage.geometry.known_ways import StraightWay
 from khepera_forage.geometry.paths import Corner, Spot
 from khepera_forage.geometry.walls import Wall
 from khepera_forage.policies import nearest_neighbour
@@ -197,6 +199,7 @@ def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: st
         (tracker_dtype, FoodTracker),
         (food_object_dtype, FoodObject),
         (link_dtype, Link),
+        (straight_way_dtype, StraightWay),
         (track_dtype, Track),
         (episode_dtype, Episode),
         (decision_dtype, DecisionCounts),
@@ -209,7 +212,7 @@ def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: st
 )
 def test_records_have_the_fields_of_the_dataclasses(record: Any, thing: Any) -> None:
     """Lists of records are arrays of their own."""
-    assert {field.name for field in fields(thing)} - {"foods", "food_lengths", "links"} <= set(record.names)
+    assert {field.name for field in fields(thing)} - {"foods", "known_ways", "links"} <= set(record.names)
 
 
 def test_records_of_walls_arenas_and_detections_have_the_fields_of_the_tuples() -> None:

@@ -16,12 +16,14 @@ from khepera_forage.envs.compiled.records import (
     link_dtype,
     tracker_dtype,
 )
+from khepera_forage.envs.compiled.worlds import known_ways
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
+    NOWHERE,
     FoodObject,
     FoodTracker,
     Link,
@@ -29,6 +31,7 @@ from khepera_forage.task.food_tracking import (
     share_identified,
     update_food,
 )
+from khepera_forage.task.way_finding import KnownWays, no_known_ways
 from khepera_forage.vision.association import Detection, Track, match, may_vanish, start_tracks
 from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
 from tests.version_0_1 import CORRIDOR, RECTANGLE
@@ -44,6 +47,8 @@ BLOCK = replace(
 def _update_food(
     tracker: Any,
     foods: Any,
+    straight_ways: Any,
+    to_waypoints: Any,
     food_lengths: Any,
     links: Any,
     tracks: Any,
@@ -57,7 +62,7 @@ def _update_food(
     update_food(
         tracker[0],
         foods,
-        food_lengths,
+        KnownWays(straight_ways, to_waypoints, food_lengths),
         links,
         tracks,
         arena,
@@ -69,6 +74,14 @@ def _update_food(
         arm,
         decisions,
     )
+
+
+def check_known_ways(arrays: tuple[Any, ...], tracker: FoodTracker) -> None:
+    known = tracker.known_ways
+    check_same(arrays[0], known.straight)
+    check_same(arrays[1], known.to_waypoints)
+    seen = [food.lengths_x > NOWHERE for food in tracker.foods]
+    np.testing.assert_allclose(arrays[2][seen], np.array(known.food_lengths)[seen])
 
 
 @pytest.mark.parametrize("decisions", DECISIONS, ids=IDS)
@@ -86,11 +99,11 @@ def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions:
         ]
         tracker = FoodTracker(
             foods=foods,
-            food_lengths=[[0.0] * waypoints for _ in foods],
+            known_ways=no_known_ways(count, waypoints),
             links=[Link() for _ in range(2 * count)],
             deliverable=count,
         )
-        lengths = np.zeros((count, waypoints))
+        straight, to_waypoints, lengths = (array[0, 0] for array in known_ways(1, 1, count, waypoints))
         arrays = (
             records(tracker_dtype, [tracker]),
             records(food_object_dtype, foods),
@@ -112,11 +125,12 @@ def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions:
             explored = present and bool(rng.random() < 0.3)
             pose = (float(x), float(y), float(rng.integers(0, 360)))
             arm, values = int(rng.choice((215, 255))), decisions.values()
-            known = tracker, foods, tracker.food_lengths, tracker.links, tracks
+            known = tracker, foods, tracker.known_ways, tracker.links, tracks
             update_food(*known, arena, *pose, present, explored, arm, values)
-            slots = arrays[0], arrays[1], lengths, arrays[2], records(track_dtype, tracks)
+            ways, links = (straight, to_waypoints, lengths), arrays[2]
+            slots = arrays[0], arrays[1], *ways, links, records(track_dtype, tracks)
             _update_food(*slots, task, np.array(pose), present, explored, arm)
-            np.testing.assert_allclose(lengths, tracker.food_lengths)
+            check_known_ways(ways, tracker)
             for array, things in zip(arrays, ([tracker], foods, tracker.links), strict=True):
                 check_same(array, things)
             held += tracker.held >= 0

@@ -56,7 +56,7 @@ class Story:
         update_food(
             self.tracker,
             self.tracker.foods,
-            self.tracker.food_lengths,
+            self.tracker.known_ways,
             self.tracker.links,
             (own, *foods),
             ARENA,

@@ -5,6 +5,7 @@ from typing import Any
 from khepera_forage.envs.compiled.one_world import OneWorld
 from khepera_forage.envs.compiled.records import VECTOR
 from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.geometry.known_ways import StraightWay
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.behaviours import command
@@ -12,6 +13,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
+from khepera_forage.task.way_finding import KnownWays
 
 
 class CompiledForager:
@@ -45,7 +47,11 @@ class CompiledForager:
         )
         self.tracker = FoodTracker(*worlds.trackers[0, 0].item())
         self.tracker.foods = [FoodObject(*food.item()) for food in worlds.foods[0, 0]]
-        self.tracker.food_lengths = worlds.food_lengths[0, 0].tolist()
+        self.tracker.known_ways = KnownWays(
+            [StraightWay(*way.item()) for way in worlds.straight_ways[0, 0]],
+            [StraightWay(*way.item()) for way in worlds.to_waypoints[0, 0]],
+            worlds.food_lengths[0, 0].tolist(),
+        )
         self.tracker.links = [Link(*link.item()) for link in worlds.links[0, 0]]
         self.raw = RawData(
             tuple(proximity[:6]),  # type: ignore[arg-type]

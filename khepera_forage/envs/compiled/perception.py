@@ -1,6 +1,5 @@
 """Perception in every world of a block: the food tracker, raw data, state vector and state."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,7 @@ from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rule
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
-from khepera_forage.geometry.paths import room_beside
-from khepera_forage.geometry.walls import clearance, to_wall
+from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
@@ -21,7 +19,7 @@ from khepera_forage.task.perception import (
     without_food,
 )
 from khepera_forage.task.states import classify
-from khepera_forage.task.way_finding import way_home, way_to_food
+from khepera_forage.task.way_finding import KnownWays, way_home
 
 
 @inline
@@ -52,7 +50,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
         update_food(
             tracker,
             worlds.foods[i],
-            worlds.food_lengths[i],
+            _known_ways(worlds, i),
             worlds.links[i],
             worlds.bodies.tracks[i],
             map_in(maps, i),
@@ -66,6 +64,8 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
         )
         task.food_seen[i] = 1.0 if tracker.food_seen else 0.0
         task.food_x[i], task.food_y[i] = tracker.food_x, tracker.food_y
+        task.food_way_x[i], task.food_way_y[i] = tracker.food_way_x, tracker.food_way_y
+        task.food_path[i] = tracker.food_path
         task.food_type[i] = tracker.type_in_gripper
 
 
@@ -140,56 +140,17 @@ def _keep_nearest(robot: Any, task: Any, i: int, wall: Any) -> None:
 
 @inline
 def _find_ways(worlds: Worlds, maps: Any) -> None:
-    """The ways home and to the nearest food."""
+    """The ways home."""
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
-        x, y, arena, tracker = robot.marker_x[i], robot.marker_y[i], map_in(maps, i), worlds.trackers[i]
-        home, food = (arena.home_x, arena.home_y, 0.0), (tracker.food_x, tracker.food_y, 0.0)
+        arena = map_in(maps, i)
+        home = arena.home_x, arena.home_y, 0.0
         # Robots in unused lanes would try all waypoints, in every round.
         if len(arena.ways.corners) > 0 and robot.x[i] > UNUSED / 2.0:
-            if not _stays_clear_home(task, i, x, y):
-                home = way_home(x, y, arena)
-                _keep_room_home(task, i, x, y, home, arena)
-            if tracker.nearest >= 0 and not _stays_clear_to_food(task, i, x, y, tracker):
-                food = way_to_food(x, y, tracker, worlds.food_lengths[i], arena)
-                _keep_room_to_food(task, i, x, y, food, tracker, arena)
+            home = way_home(robot.marker_x[i], robot.marker_y[i], _known_ways(worlds, i), arena)
         task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home
-        task.food_way_x[i], task.food_way_y[i], task.food_path[i] = food
 
 
 @inline
-def _stays_clear_home(task: Any, i: int, x: float, y: float) -> bool:
-    """Whether the way home is certainly still clear."""
-    dx, dy, room = x - task.home_clear_x[i], y - task.home_clear_y[i], task.home_clear_room[i]
-    return bool(dx * dx + dy * dy < room * room)
-
-
-@inline
-def _keep_room_home(task: Any, i: int, x: float, y: float, way: Any, arena: Any) -> None:
-    way_x, way_y, path = way
-    # The way to a place without a path has that place as its waypoint, but no length.
-    clear = way_x == arena.home_x and way_y == arena.home_y and path > 0.0
-    room = 0.0
-    if clear:
-        room = min(room_beside(x, y, way_x, way_y, False, arena.ways), math.sqrt(task.wall_squared[i]))
-    task.home_clear_x[i], task.home_clear_y[i], task.home_clear_room[i] = x, y, max(0.0, room)
-
-
-@inline
-def _stays_clear_to_food(task: Any, i: int, x: float, y: float, tracker: Any) -> bool:
-    """Whether the way to the nearest food is certainly still clear."""
-    dx, dy, room = x - task.food_clear_x[i], y - task.food_clear_y[i], task.food_clear_room[i]
-    to_x, to_y = tracker.food_x - task.food_clear_to_x[i], tracker.food_y - task.food_clear_to_y[i]
-    return bool(max(dx * dx + dy * dy, to_x * to_x + to_y * to_y) < room * room)
-
-
-@inline
-def _keep_room_to_food(task: Any, i: int, x: float, y: float, way: Any, tracker: Any, arena: Any) -> None:
-    way_x, way_y, path = way
-    room = 0.0
-    if way_x == tracker.food_x and way_y == tracker.food_y and path > 0.0:
-        room = min(room_beside(x, y, way_x, way_y, True, arena.ways), math.sqrt(task.wall_squared[i]))
-        if room > 0.0:
-            room = min(room, clearance(way_x, way_y, arena.walls))
-    task.food_clear_x[i], task.food_clear_y[i], task.food_clear_room[i] = x, y, max(0.0, room)
-    task.food_clear_to_x[i], task.food_clear_to_y[i] = way_x, way_y
+def _known_ways(worlds: Worlds, i: int) -> KnownWays:
+    return KnownWays(worlds.straight_ways[i], worlds.to_waypoints[i], worlds.food_lengths[i])

@@ -82,15 +82,18 @@ class PreparedArenas:
 
     def with_room(self, worlds: Worlds) -> Worlds:
         """Worlds with room for all arenas prepared so far: these ones, or a copy if they have too little."""
-        near, lengths = worlds.bodies.near, worlds.food_lengths
+        near, lengths, ways = worlds.bodies.near, worlds.food_lengths, worlds.to_waypoints
         present = near.walls.shape[1], near.corners.shape[1], lengths.shape[3]
         if all(size >= most for size, most in zip(present, self._most(), strict=True)):
             return worlds
         larger = self.empty_worlds(len(worlds.tasks), worlds.trackers.shape[1])
         larger.bodies.near.lists["arena"] = near.lists["arena"]  # the lists are made again
         larger.food_lengths[..., : lengths.shape[3]] = lengths
+        larger.to_waypoints[..., : lengths.shape[3]] = ways
         return worlds._replace(
-            bodies=worlds.bodies._replace(near=larger.bodies.near), food_lengths=larger.food_lengths
+            bodies=worlds.bodies._replace(near=larger.bodies.near),
+            to_waypoints=larger.to_waypoints,
+            food_lengths=larger.food_lengths,
         )
 
     def empty_worlds(self, blocks: int, lanes: int = LANES) -> Worlds:

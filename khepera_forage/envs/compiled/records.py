@@ -22,10 +22,6 @@ TASK = (
     *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
-    # Where the robot and the food were when a way was found clear, and how far they may move before it is looked for
-    # again.
-    *("home_clear_x", "home_clear_y", "home_clear_room"),
-    *("food_clear_x", "food_clear_y", "food_clear_to_x", "food_clear_to_y", "food_clear_room"),
     # Numbers of the arena's map, if worlds are in different arenas.
     *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     # The state vector, and the state that it stands for.
@@ -44,7 +40,7 @@ tracker_dtype = np.dtype(
         ("food_seen", "?"),
         *((name, "f8") for name in ("food_x", "food_y")),
         ("nearest", "i8"),
-        ("last_distance", "f8"),
+        *((name, "f8") for name in ("food_way_x", "food_way_y", "food_path", "last_distance")),
     ],
     align=True,
 )
@@ -78,6 +74,12 @@ start_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("heading", "f8")])
 
 place_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """`task.placement.Place` and `geometry.paths.Spot`."""
+
+straight_way_dtype = np.dtype(
+    [*((name, "f8") for name in ("x", "y", "to_x", "to_y", "room")), ("clear", "?"), ("waypoint", "i8")],
+    align=True,
+)
+"""`geometry.known_ways.StraightWay`."""
 
 way_corner_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("before", "i8"), ("after", "i8")])
 """`geometry.paths.Corner`."""

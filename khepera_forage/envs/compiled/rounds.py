@@ -37,6 +37,10 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
         known.delivered = known.carried = False
     for k in range(worlds.links.shape[1]):
         worlds.links[i, k].label = -1
+    for k in range(worlds.straight_ways.shape[1]):
+        worlds.straight_ways[i, k].room, worlds.straight_ways[i, k].waypoint = 0.0, 0
+    for k in range(worlds.to_waypoints.shape[1]):
+        worlds.to_waypoints[i, k].room = 0.0
 
 
 @kernel
@@ -68,7 +72,6 @@ def begin_world(
     near = worlds.bodies.near
     ground, maps = floor_in(near, task, i), arena_maps(near, task)
     keep_numbers(maps, worlds.tasks, i)
-    worlds.tasks.home_clear_room[i] = worlds.tasks.food_clear_room[i] = 0.0
     free = draw_layout(start, places, drawn_key, ground, map_in(maps, i), values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)

@@ -8,9 +8,9 @@ import inspect
 import math
 
 from khepera_forage.compilation import counter_rng  # noqa: F401 (registers the random numbers)
-from khepera_forage.compilation.decorators import inline, stand_in
+from khepera_forage.compilation.decorators import inline, kernel, stand_in
 from khepera_forage.compilation.trigonometry import cosine_sine, direction
-from khepera_forage.geometry import angles, paths, walls
+from khepera_forage.geometry import angles, known_ways, paths, straight_ways, walls
 from khepera_forage.robots import footprint, khepera
 from khepera_forage.task import (
     actions,
@@ -32,6 +32,8 @@ from khepera_forage.task import (
 
 RULE_MODULES = (
     walls,
+    straight_ways,
+    known_ways,
     paths,
     footprint,
     actions,
@@ -52,6 +54,8 @@ RULE_MODULES = (
 )
 """Modules whose functions kernels may call."""
 
+_RARE = (known_ways.examine, paths.find_lengths, paths.has_path)
+"""Long functions that few rounds call, compiled once."""
 _DEGREES, _RADIANS = 180.0 / math.pi, math.pi / 180.0
 
 
@@ -94,7 +98,13 @@ def cosine_and_sine(radians: float) -> tuple[float, float]:
 
 
 inline(khepera.applicable)
+for _function in _RARE:
+    kernel(_function)
 for _module in RULE_MODULES:
     for _function in vars(_module).values():
-        if inspect.isfunction(_function) and _function.__module__ == _module.__name__:
+        if (
+            inspect.isfunction(_function)
+            and _function.__module__ == _module.__name__
+            and _function not in _RARE
+        ):
             inline(_function)

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.compilation.decorators import sequence
 from khepera_forage.compilation.threads import most_threads_for
@@ -12,6 +13,7 @@ from khepera_forage.envs.compiled.records import (
     link_dtype,
     place_dtype,
     start_dtype,
+    straight_way_dtype,
     task_dtype,
     tracker_dtype,
 )
@@ -31,8 +33,10 @@ class Worlds(NamedTuple):
         tasks: `task_dtype`, shape (blocks,); of one block a record.
         trackers: `tracker_dtype`, shape (blocks, lanes); of one block (lanes,), and so on.
         foods: `food_object_dtype`, shape (blocks, lanes, foods).
-        food_lengths: Of the shortest paths from each waypoint to each food object, shape (blocks, lanes, foods,
-            waypoints).
+        straight_ways: `straight_way_dtype`, shape (blocks, lanes, 1 + foods); this and the next two are the arrays of
+            `task.way_finding.KnownWays`.
+        to_waypoints: `straight_way_dtype`, shape (blocks, lanes, waypoints).
+        food_lengths: Shape (blocks, lanes, foods, waypoints).
         links: `link_dtype`, shape (blocks, lanes, 2 * foods).
         episodes: `episode_dtype`, shape (blocks, lanes).
         starts: `start_dtype`, shape (threads, 1). It holds nothing between rounds.
@@ -43,6 +47,8 @@ class Worlds(NamedTuple):
     tasks: Any
     trackers: Any
     foods: Any
+    straight_ways: Any
+    to_waypoints: Any
     food_lengths: Any
     links: Any
     episodes: Any
@@ -58,6 +64,8 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
         worlds.tasks[block],
         worlds.trackers[block],
         worlds.foods[block],
+        worlds.straight_ways[block],
+        worlds.to_waypoints[block],
         worlds.food_lengths[block],
         worlds.links[block],
         worlds.episodes[block],
@@ -95,7 +103,7 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
         np.zeros(blocks, task_dtype(lanes)),
         trackers,
         np.zeros((blocks, lanes, foods), food_object_dtype),
-        np.zeros((blocks, lanes, foods, waypoints)),
+        *known_ways(blocks, lanes, foods, waypoints),
         links,
         np.zeros((blocks, lanes), episode_dtype),
         np.zeros((threads, 1), start_dtype),
@@ -105,4 +113,15 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
 
 def kept(worlds: Worlds) -> tuple[Any, ...]:
     """All arrays that hold something between rounds, but for the lists of near walls, which can be made again."""
-    return (*worlds.bodies[:3], *worlds[1:7])
+    return (*worlds.bodies[:3], *worlds[1:9])
+
+
+def known_ways(
+    blocks: int, lanes: int, foods: int, waypoints: int
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """`straight_ways`, `to_waypoints` and `food_lengths` of robots that know nothing."""
+    return (
+        np.zeros((blocks, lanes, 1 + foods), straight_way_dtype),
+        np.zeros((blocks, lanes, waypoints), straight_way_dtype),
+        np.zeros((blocks, lanes, foods, waypoints)),
+    )
