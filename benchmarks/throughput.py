@@ -5,7 +5,8 @@
 Goals on one core: 15,000 steps a second of Corridor-v1 under the teacher, 4,000 rounds a second of the paired
 corridors, 40,000 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB
 for the main job. With `--compiled`: 15 million steps a second in the kernel, 5 million and 300 times pymunk through
-`gym.make_vec`, and 150,000 of one world; there is then a second picture, of the cost of a step against worlds and food.
+`gym.make_vec`, 150,000 of one world, and half the corridor's rate in 10,000 arenas; there is then a second picture, of
+the cost of a step against worlds and food.
 
 `--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as b91f85b
 (version 0.1), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`. About 25 minutes
@@ -25,6 +26,7 @@ from timing import (
     fresh_processes,
     imitator,
     parts,
+    pools,
     scaling,
 )
 from timing.checkouts import checkouts
@@ -70,6 +72,7 @@ def compiled_jobs(quick: bool, seed: int) -> list[Job]:
         compiled.imitators_job(episodes, seed),
         compiled.training_job(episodes, seed),
         scaling.job(QUICK_COMPILED_STEPS if quick else COMPILED_STEPS, seed),
+        pools.pool_job(pools.QUICK_ARENAS if quick else pools.ARENAS, 20 if quick else 200, seed),
     ]
 
 

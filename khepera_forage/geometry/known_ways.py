@@ -21,8 +21,8 @@ from khepera_forage.geometry.walls import to_wall
 
 _SHORTEST = 1e-6
 """Squared pixels below which a way has no direction."""
-_ROUNDED = 1.0 - 1e-9
-"""For rooms, so that rounding errors do not make them too large."""
+_ROUNDING = 1e-3
+"""Pixels by which rooms are made smaller: compiled worlds keep what is known in single precision, to save memory."""
 
 
 @dataclass(slots=True)
@@ -75,7 +75,7 @@ def examine(known: Any, x: float, y: float, to_x: float, to_y: float, walls: Any
     known.clear = is_unobstructed(x, y, to_x, to_y, walls, ways)
     ends = x, y, to_x, to_y
     room = room_beside(*ends, walls, ways) if known.clear else room_behind(*ends, walls, ways)
-    known.room = max(0.0, room * _ROUNDED)
+    known.room = max(0.0, room - _ROUNDING)
 
 
 def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> float:

@@ -63,7 +63,8 @@ def check_same(array: Any, things: Any) -> None:
         for name in _common(array.dtype, thing):
             expected = getattr(thing, name)
             if isinstance(expected, float):
-                assert record[name] == pytest.approx(expected, abs=1e-9), name
+                share = 1e-6 if array.dtype[name] == np.float32 else 0.0
+                assert record[name] == pytest.approx(expected, rel=share, abs=1e-9), name
             else:
                 assert np.array_equal(record[name], expected), name
 
