@@ -11,8 +11,10 @@ from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of, keys_of
+from khepera_forage.envs.compiled import prepared_arenas
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.compiled.near_walls import empty_lists
 from khepera_forage.task.placement import arena_number
 from tests.arenas import BLOCKS, HALL, L_ROOM, POOL
@@ -97,6 +99,25 @@ def test_episodes_are_those_of_an_environment_with_the_arena_alone() -> None:
             expected, _, end, cut, info = alone.step(info["correct_behaviour"])
             if end or cut:
                 break
+
+
+def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The arenas of ended episodes are prepared again when a world enters them again."""
+    arenas = ProceduralArenas("easy", num_levels=12)
+    every = _many(4, arena=arenas, limit=15)
+    forgetful = _many(4, arena=arenas, limit=15)
+    (_, infos), (_, known) = every.reset(seed=2), forgetful.reset(seed=2)
+    most = 0
+    for _ in range(200):
+        monkeypatch.setattr(prepared_arenas, "MOST_ARENAS", 1)
+        known = forgetful.step(known["correct_behaviour"])[4]
+        monkeypatch.undo()
+        infos = every.step(infos["correct_behaviour"])[4]
+        assert _same(known, infos)
+        assert forgetful.unwrapped.batch.arenas == every.unwrapped.batch.arenas
+        most = max(most, len(forgetful.unwrapped.batch._arenas.task.arena))
+    assert most <= 9  # of one round, and of the round before; lanes without a world count as one
+    assert len(every.unwrapped.batch._arenas.task.arena) == 12
 
 
 def test_worlds_do_not_depend_on_their_number() -> None:

@@ -188,6 +188,7 @@ class CompiledBatch:
             return np.zeros(len(worlds), np.int64)
         here = (worlds // LANES, worlds % LANES)
         keys, episodes = self.worlds.bodies.robots["key"][here], self.worlds.episodes["number"][here]
+        self._arenas.forget(self.worlds)
         indices = self._arenas.next(keys, episodes)
         self.worlds = self._arenas.with_room(self.worlds)
         return indices

@@ -9,16 +9,19 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds
+from khepera_forage.envs.compiled.joined_arenas import JoinedArenas
 from khepera_forage.envs.compiled.parameters import TaskParameters, recall_parameters
 from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled import records as bodies
 from khepera_forage.sim.compiled.near_walls import empty_lists
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
+
+MOST_ARENAS = 1 << 14
+"""Prepared arenas of a batch, at which those in which no world is are forgotten; about 10 KB each."""
 
 
 class PreparedArenas:
@@ -43,7 +46,7 @@ class PreparedArenas:
         self.several = len(pool) > 1
         self._numbers: list[int] = []
         self._index_of: dict[int, int] = {}
-        self._pieces = _Pieces()
+        self._pieces = JoinedArenas()
         self.parameters: Parameters
         self.task: TaskParameters
         if self.several:
@@ -79,6 +82,24 @@ class PreparedArenas:
             episodes: Number of an episode of each.
         """
         return self.indices(arena_number(keys, episodes.astype(np.uint64), len(self._pool)))
+
+    def forget(self, worlds: Worlds) -> None:
+        """Forget the arenas in which no world is, if there are many.
+
+        Args:
+            worlds: All of them. The indices of their arenas change.
+        """
+        if not self.several or len(self._numbers) < MOST_ARENAS:
+            return
+        lists = worlds.bodies.near.lists
+        kept, indices = np.unique(lists["arena"], return_inverse=True)
+        lists["arena"], lists["listed_arena"] = indices.reshape(lists["arena"].shape), -1
+        before, self._pieces = self._pieces, JoinedArenas()
+        for index in kept.tolist():
+            self._pieces.add(*before[index])
+        self._numbers = [self._numbers[index] for index in kept.tolist()]
+        self._index_of = {number: index for index, number in enumerate(self._numbers)}
+        self.parameters, self.task = self._pieces.joined()
 
     def with_room(self, worlds: Worlds) -> Worlds:
         """Worlds with room for all arenas prepared so far: these ones, or a copy if they have too little."""
@@ -145,77 +166,3 @@ def enter_arenas(worlds: Worlds, here: Any, indices: NDArray[np.int64]) -> None:
     if worlds.bodies.near:
         lists = worlds.bodies.near.lists[:, 0]
         lists["arena"][here], lists["listed_arena"][here] = indices, -1
-
-
-class _Pieces:
-    """The records of several arenas, joined."""
-
-    def __init__(self) -> None:
-        self._first: tuple[Parameters, TaskParameters]
-        self._arrays: dict[str, _Growing] = {}
-
-    def add(self, parameters: Parameters, task: TaskParameters) -> None:
-        if not self._arrays:
-            self._first = parameters, task
-        record, own = task.arena.copy(), np.zeros(1, bodies.arena_dtype)
-        for name, array in (("wall", task.map_walls), ("corner", task.corners), ("waypoint", task.waypoints)):
-            record[f"{name}s"] = len(array)
-        for name, joined in (
-            ("first_wall", "walls"),
-            ("first_corner", "corners"),
-            ("first_waypoint", "waypoints"),
-            ("first_length", "way_lengths"),
-        ):
-            record[name] = self._length(joined)
-        for name in ("first_wall", "walls", "first_corner", "corners"):
-            own[name] = record[name]
-        for name in ("anchor_x", "anchor_y"):
-            own[name] = parameters.constants[name]
-        for name, rows in (
-            *(("arenas", own), ("walls", parameters.walls), ("corners", parameters.corners)),
-            *(("arena", record), ("map_walls", task.map_walls), ("floor_walls", task.floor_walls)),
-            *(("way_corners", task.corners), ("waypoints", task.waypoints)),
-            ("way_lengths", task.way_lengths),
-            *(("start_lengths", task.start_lengths), ("home_lengths", task.home_lengths)),
-        ):
-            self._arrays.setdefault(name, _Growing(rows.dtype)).append(rows)
-
-    def joined(self) -> tuple[Parameters, TaskParameters]:
-        arrays = {name: growing.array for name, growing in self._arrays.items()}
-        parameters, task = self._first
-        return (
-            parameters._replace(walls=arrays["walls"], corners=arrays["corners"], arenas=arrays["arenas"]),
-            task._replace(
-                corners=arrays["way_corners"],
-                **{
-                    name: arrays[name]
-                    for name in (
-                        *("arena", "map_walls", "floor_walls"),
-                        *("waypoints", "way_lengths", "start_lengths", "home_lengths"),
-                    )
-                },
-            ),
-        )
-
-    def _length(self, name: str) -> int:
-        return len(self._arrays[name].array) if name in self._arrays else 0
-
-
-class _Growing:
-    """An array that grows at its end; its memory doubles when it is full."""
-
-    def __init__(self, dtype: np.dtype[Any]) -> None:
-        self._memory, self._count = np.zeros(64, dtype), 0
-
-    @property
-    def array(self) -> NDArray[Any]:
-        return self._memory[: self._count]
-
-    def append(self, rows: NDArray[Any]) -> None:
-        end = self._count + len(rows)
-        if end > len(self._memory):
-            memory = np.zeros(2 * end, self._memory.dtype)
-            memory[: self._count] = self.array
-            self._memory = memory
-        self._memory[self._count : end] = rows
-        self._count = end
