@@ -92,22 +92,39 @@ def spec_decisions(decisions: Any, default: Decisions) -> Any:
     return decisions
 
 
-def checked_arena(arena: Arena | str, decisions: Decisions) -> Arena:
-    """An arena that a user gave, or named.
+def given_arena(arena: Arena | str, decisions: Decisions, what: str = "arena") -> Arena:
+    """An arena that a user gave, or named; not checked for ways that are too narrow.
 
     Args:
-        arena: An `Arena`, or the name of one of the thesis's.
-        decisions: Where start, food and home are in a named one (figure 5.1).
+        arena: An `Arena`, or one of the names in `ARENAS`.
+        decisions: Where start, food and home are in one of the thesis's arenas (figure 5.1).
+        what: What the arena is, for the message.
 
     Raises:
-        ValueError: An unknown name, something else, or an arena that is too narrow.
+        ValueError: An unknown name, or something else.
     """
     if isinstance(arena, Arena):
-        check_ways(arena)
         return arena
     if isinstance(arena, str) and arena in ARENAS:
         return named_arena(arena, set_up_of(decisions))
-    raise ValueError(f"arena is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+    raise ValueError(f"{what} is {arena!r}; allowed: an Arena, or one of {', '.join(map(repr, ARENAS))}")
+
+
+def checked_arena(arena: Arena | str, decisions: Decisions, what: str = "arena") -> Arena:
+    """An arena that a user gave, or named, in which a robot can reach everything.
+
+    Args:
+        arena: As for `given_arena`; so are the others.
+        decisions: Where start, food and home are in one of the thesis's arenas.
+        what: What the arena is, for the message.
+
+    Raises:
+        ValueError: As `given_arena`, or an arena that is too narrow.
+    """
+    given = given_arena(arena, decisions, what)
+    if given is arena:
+        check_ways(given)
+    return given
 
 
 def set_up_of(decisions: Decisions) -> SetUp:

@@ -28,7 +28,7 @@ class PairedArenas:
 
     Args:
         robots: The teacher and its learners.
-        arena: The teacher's, or its name, or a sequence of arenas: each attempt then takes place in one of them.
+        arena: The teacher's, or its name, or a sequence of both: each attempt then takes place in one of them.
         noise: Of the devices, and of the operator who puts robots and food on their marks.
         food_types: Odds of the types of food; corresponding food of all arenas is of one type.
         world: Another world than the simulated one, with an arena for each robot; its arenas are then used.
@@ -81,6 +81,15 @@ class PairedArenas:
         self._maps = [arena_map_of(a) for a in self.arenas]
         self.home_radius = self._maps[0].home_radius
         self._markers = tuple(world.markers)
+
+    def arena_of(self, key: int, episode: int) -> Arena:
+        """The teacher's arena in an attempt.
+
+        Args:
+            key: From `counter_rng.key_of`.
+            episode: Number of the attempt.
+        """
+        return self.arenas[0] if self._pool is None else self._pool[self._pool.number(key, episode)]
 
     def start(
         self, rng: np.random.Generator, key: int, episode: int, options: Mapping[str, Any]

@@ -4,16 +4,18 @@
 from khepera_forage.envs import paired_arenas_v1
 
 env = paired_arenas_v1.env(arena="t_maze", num_learners=1)
+env = paired_arenas_v1.env(arena=["t_maze", "doors"], max_cycles=2500)  # every attempt in one of them
 ```
 """
 
+from collections.abc import Sequence
 from typing import Any
 
+from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arena_settings import settings_of, training_rounds
 from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.pettingzoo_makers import makers
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.sim.arena import Arena
 
 __all__ = ["env", "parallel_env", "raw_env"]
 
@@ -22,19 +24,30 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
     """`TrainingEnv` in any arena, with its food types and a number of rounds that its paths need.
 
     Args:
-        arena: One of `ARENAS`, or an `Arena`.
-        max_cycles: Of an episode; by default a fifth more than the arena's step limit.
-        food_types: By default those of the arena.
+        arena: One of `ARENAS`, or an `Arena`; or a sequence of both, of which every attempt takes place in one.
+        max_cycles: Of an episode; by default a fifth more than the arena's step limit. Several arenas need it.
+        food_types: By default those of the arena; with several arenas, all PICKABLE.
         kwargs: Further arguments of `TrainingEnv`.
+
+    Raises:
+        ValueError: An argument is not allowed, or several arenas have no `max_cycles`.
     """
 
     def __init__(
         self,
-        arena: Arena | str = "t_maze",
+        arena: Arenas = "t_maze",
         max_cycles: int | None = None,
         food_types: FoodOdds = None,
         **kwargs: Any,
     ) -> None:
+        if isinstance(arena, Sequence) and not isinstance(arena, str):
+            if max_cycles is None:
+                raise ValueError(
+                    "max_cycles is None; allowed with several arenas: a whole number of at least 1"
+                )
+            super().__init__(arena=arena, max_cycles=max_cycles, food_types=food_types, **kwargs)
+            self.metadata = self.metadata | {"name": "paired_arenas_v1"}
+            return
         settings = settings_of(arena)
         super().__init__(
             arena=arena,

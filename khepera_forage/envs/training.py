@@ -133,6 +133,10 @@ class TrainingEnv(AECEnv[str, NDArray[np.int64], int | None]):
         """The arenas of the world, the teacher's first."""
         return self._paired.arenas
 
+    def arena_of(self, seed: int) -> Arena:
+        """The teacher's arena in the attempt that `reset(seed=seed)` starts."""
+        return self._paired.arena_of(key_of(seed), 0)
+
     @property
     def home_radius(self) -> int:
         """Of every home, in pixels."""

@@ -74,12 +74,12 @@ def attempt(
         options: For the environment's reset: other marks than those of figure 5.1.
     """
     listener = Listener()
-    teacher = Teacher.of(env) if teacher is None else teacher
     rng = np.random.default_rng((seed, 1))
     try:
         env.reset(seed=seed, options=None if options is None else dict(options))
     except LOST as error:
         return Attempt(False, 0, 0, 0, ROBOT_LOST, str(error))
+    teacher = Teacher.of(env) if teacher is None else teacher  # after the reset, which chooses the arena
     last_agent = env.possible_agents[-1]
     resumed = 0
     while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
@@ -179,13 +179,12 @@ def train(
         FileExistsError: There is a file at `path`.
     """
     env = training_env(env)
-    arena = env.arenas[0].name
     rows = []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     if not isinstance(seed, np.random.SeedSequence):
         seed = np.random.SeedSequence(whole_number("seed", seed, 0))
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
-        recorder = ExperienceRecorder(path)
+        recorder, arena = ExperienceRecorder(path), env.arena_of(attempt_seed).name
         try:
             recorder.open(arena, attempt_seed, env.decisions)
             result = attempt(

@@ -11,11 +11,13 @@ from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of, keys_of
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.compiled import prepared_arenas
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.arenas.procedural import ProceduralArenas
+from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
 from khepera_forage.sim.compiled.near_walls import empty_lists
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
 from tests.arenas import BLOCKS, HALL, L_ROOM, POOL
 
@@ -179,6 +181,28 @@ def test_places_are_checked_in_the_arena_of_the_episode() -> None:
         assert results == {"free", "blocks", "L-room"}
 
 
+def test_names_and_arenas_make_the_same_pool() -> None:
+    """A name has the places of the decisions, as in an environment of this arena alone."""
+    names: list[Arena | str] = ["corridor", HALL, "t_maze"]
+    decisions = Decisions(home_to_wall=100.0)
+    arenas = [checked_arena(given, decisions) for given in names]
+    for backend in ("pymunk", "compiled"):
+        one, other = (_one(backend, arena=given, decisions=decisions) for given in (names, arenas))
+        assert one.observation_space == other.observation_space
+        for seed in range(5):
+            assert _same(one.reset(seed=seed)[0], other.reset(seed=seed)[0])
+            assert one.arena == other.arena
+    by_name, by_arena = (_many(9, arena=given, decisions=decisions) for given in (names, arenas))
+    assert _same(by_name.reset(seed=0)[0], by_arena.reset(seed=0)[0])
+    assert {arena.name for arena in by_name.unwrapped.batch.arenas} == {"corridor", "hall", "t_maze"}
+    one, other = (
+        run_teacher(names, 9, limit=200, decisions=decisions),
+        run_teacher(arenas, 9, limit=200, decisions=decisions),
+    )
+    assert np.array_equal(one.start, other.start)
+    assert np.array_equal(one.score, other.score)
+
+
 def test_arenas_are_prepared_when_they_are_drawn() -> None:
     prepared: list[str] = []
 
@@ -198,6 +222,15 @@ def test_arenas_are_prepared_when_they_are_drawn() -> None:
         seed = next(s for s in range(20) if arena_number(key_of(s), 0, 3) == 2)
         env.reset(seed=seed)
         assert set(prepared) == {"hall", "blocks"}
+
+
+def test_a_million_levels_are_drawn_when_they_are_used() -> None:
+    levels = ProceduralArenas("easy", num_levels=10**6)
+    procedural_arena.cache_clear()
+    for env in (_one("pymunk", arena=levels), _one("compiled", arena=levels), _many(2, arena=levels)):
+        env.reset(seed=8)
+    assert run_teacher(levels, 2, seed=8, limit=5).steps.tolist() == [5, 5]
+    assert procedural_arena.cache_info().misses == 3, "the first level, and those of two seeds"
 
 
 def test_records_grow_with_the_arenas() -> None:
@@ -242,8 +275,9 @@ def test_lists_begin_empty() -> None:
 @pytest.mark.parametrize(
     ("arenas", "message"),
     [
-        ((), "at least one Arena"),
-        ((HALL, "corridor"), "arena 1 of a sequence is 'corridor'; allowed: an Arena"),
+        ((), "at least one arena"),
+        ((HALL, "nowhere"), "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corridor'"),
+        (["corridor", 3], "arena 1 of a sequence is 3; allowed: an Arena, or one of 'corridor'"),
         (7, "arena is 7; allowed: an Arena"),
     ],
 )
@@ -251,3 +285,7 @@ def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
     for backend in ("pymunk", "compiled"):
         with pytest.raises(ValueError, match=message):
             _one(backend, arena=arenas)
+    with pytest.raises(ValueError, match=message):
+        _many(2, arena=arenas)
+    with pytest.raises(ValueError, match=message):
+        run_teacher(arenas, 1)
