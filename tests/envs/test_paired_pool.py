@@ -68,3 +68,13 @@ def test_several_arenas_need_a_number_of_rounds() -> None:
 def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         TrainingEnv(arena=arenas)
+
+
+def test_title_of_a_picture_names_the_arena_of_the_attempt() -> None:
+    titles = set()
+    env = TrainingEnv(arena=["corridor", "t_maze"])
+    for seed in range(12):
+        env.reset(seed=seed)
+        titles.add(title := env.view().title)
+        assert title == f"Training in the {env.arenas[0].name.replace('_', ' ')}"
+    assert titles == {"Training in the corridor", "Training in the t maze"}

@@ -109,7 +109,7 @@ def recall_view(
         limit=limit,
         score=info["score"],
         delivered=info["delivered"],
-        title=f"Recall in the {arena.name.replace('_', ' ')}",
+        title=f"Recall in the {_spoken(arena)}",
     )
 
 
@@ -147,5 +147,10 @@ def training_view(
         step=attempt.steps,
         limit=limit,
         delivered=sum(forager.tracker.delivered for forager in foragers),
-        title="Training in paired corridors",
+        title=f"Training in the {_spoken(arenas[0])}",
     )
+
+
+def _spoken(arena: Arena) -> str:
+    """The name of an arena as it is read in a title: `t_maze` is "t maze"."""
+    return arena.name.replace("_", " ")
