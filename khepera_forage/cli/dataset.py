@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import sys
+from collections.abc import Set
 from contextlib import closing
 
 import numpy as np
@@ -12,27 +13,31 @@ from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_allow_other_decisions_argument,
+    add_arena_argument,
     add_decision_argument,
     add_food_type_argument,
     add_out_argument,
     add_seed_argument,
+    arena_of,
     decisions_of,
     refuse_ignored,
 )
-from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.arena_settings import settings_of
+from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.rollouts.training import train
+from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
 FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
 EPISODES = 10
-SIMULATED = """The paired corridors were simulated with pymunk and the noise of the thesis's laboratory. The teacher of
-section 4.4 foraged for {food} food and the learner listened."""
+SIMULATED = """Teacher and learner were simulated in copies of the arena {arena}, with pymunk and the noise of the
+thesis's laboratory. The teacher of section 4.4 foraged for {food}, and the learner listened."""
 READ = "The experience was read from {files}."
 
 
@@ -41,8 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--name",
         type=_dataset_name,
-        default="khepera_forage/corridor-v0",
-        help="Minari's name of the dataset (khepera_forage/corridor-v0)",
+        help="Minari's name of the dataset (khepera_forage/ARENA-v0, with the arena of the episodes)",
     )
     parser.add_argument("--episodes", type=whole_number(1), help=f"complete training episodes ({EPISODES})")
     parser.add_argument(
@@ -58,6 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--author", default="unknown", help="for the data card (unknown)")
     parser.add_argument("--licence", default="CC0-1.0", help="of the data, for the data card (CC0-1.0)")
+    add_arena_argument(parser)
     add_food_type_argument(parser)
     add_decision_argument(parser)
     add_allow_other_decisions_argument(parser)
@@ -72,40 +77,41 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: A file cannot be read or written.
     """
     require("khepera-forage dataset", "minari")
-    decisions = decisions_of(arguments)
+    decisions, arena = decisions_of(arguments), arena_of(arguments)
     if arguments.experience:
-        refuse_ignored(arguments, ["--episodes"], "without --experience")
-    out = arguments.out.resolve()
-    if (out / arguments.name).exists():
-        raise ValueError(f"--name is {arguments.name!r}; allowed: a name that is not in {arguments.out} yet")
-    if arguments.experience:
-        seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
+        refuse_ignored(arguments, ["--episodes", "--food-type"], "without --experience")
         parts = [Experience.load(path) for path in arguments.experience]
+        name = _free_name(arguments, {part.arena for part in parts})
+        seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
     else:
-        seed, procedure = arguments.seed, SIMULATED.format(food=arguments.food_type or FoodType.PICKABLE.name)
-        parts = _recorded(arguments, decisions)
+        name = _free_name(arguments, {_name_of(arena)})
+        seed = arguments.seed
+        procedure = SIMULATED.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
+        parts = _recorded(arguments, arena, decisions)
+    out = arguments.out.resolve()
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(out)
     from khepera_forage.experience.minari import to_minari
 
-    origin = Origin(_command(arguments), procedure, arguments.licence, arguments.author, seed)
-    folder = out / arguments.name
+    origin = Origin(_command(arguments, name), procedure, arguments.licence, arguments.author, seed)
+    folder = out / name
     try:
         to_minari(
             parts,
-            arguments.name,
+            name,
+            arena=arena if arguments.arena or not arguments.experience else None,
             allow_other_decisions=arguments.allow_other_decisions,
             author=arguments.author,
             description=procedure,
         )
         with replacing(folder / CARD) as path:
-            path.write_text(data_card(arguments.name, parts, origin), encoding="utf-8")
+            path.write_text(data_card(name, parts, origin), encoding="utf-8")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise
-    print(f"{arguments.name}: {len(parts)} episodes, {sum(map(len, parts)):,} steps, in {arguments.out}")
-    print(f"data card: {arguments.out / arguments.name / CARD}")
-    print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({arguments.name!r})")
+    print(f"{name}: {len(parts)} episodes, {sum(map(len, parts)):,} steps, in {arguments.out}")
+    print(f"data card: {arguments.out / name / CARD}")
+    print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({name!r})")
     return 0
 
 
@@ -120,18 +126,50 @@ def _dataset_name(text: str) -> str:
     return text
 
 
-def _recorded(arguments: argparse.Namespace, decisions: Decisions) -> list[Experience]:
+def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
+    """Minari's name of the dataset: that of `--name`, or one that says the arena.
+
+    Args:
+        arguments: Of the command.
+        arenas: Names of the arenas of all episodes.
+
+    Raises:
+        ValueError: There is a dataset of this name.
+    """
+    arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
+    name: str = arguments.name or f"khepera_forage/{arena}-v0"
+    if (arguments.out / name).exists():
+        raise ValueError(f"--name is {name!r}; allowed: a name that is not in {arguments.out} yet")
+    return name
+
+
+def _name_of(arena: str | Arena) -> str:
+    return arena if isinstance(arena, str) else arena.name
+
+
+def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
+    """The food in training and its types, for the data card."""
+    odds = {} if arguments.food_type else settings_of(arena).get("food_types", {})
+    shares = ", ".join(f"{100 * share:g} % {name}" for name, share in odds.items())
+    return f"food ({shares})" if shares else f"{arguments.food_type or FoodType.PICKABLE.name} food"
+
+
+def _recorded(arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions) -> list[Experience]:
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
-    with closing(TrainingEnv(food_types=arguments.food_type, decisions=decisions)) as env:
+    with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
         return [train(env, seed)[0] for seed in tqdm(seeds, unit="episode", disable=not sys.stderr.isatty())]
 
 
-def _command(arguments: argparse.Namespace) -> str:
+def _command(arguments: argparse.Namespace, name: str) -> str:
     """The command that makes the same dataset."""
-    words = ["khepera-forage dataset", f"--name {arguments.name}"]
+    words = ["khepera-forage dataset", f"--name {name}"]
     if arguments.experience:
         words.append(f"--experience {' '.join(map(str, arguments.experience))}")
     else:
         words += [f"--episodes {arguments.episodes or EPISODES}", f"--seed {arguments.seed}"]
+    if arguments.arena:
+        words.append(f"--arena {arguments.arena}")
+    if arguments.food_type:
+        words.append(f"--food-type {arguments.food_type}")
     words += [f"--decision {word}" for word in arguments.decision]
     return " ".join(words)

@@ -3,7 +3,6 @@
 import math
 import numbers
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -70,26 +69,6 @@ def checked_decisions(decisions: Any) -> Decisions:
     if isinstance(decisions, Decisions):
         return decisions
     raise ValueError(f"decisions is {decisions!r}; allowed: a khepera_forage.Decisions, or None")
-
-
-def spec_decisions(decisions: Any, default: Decisions) -> Any:
-    """The decisions of an environment that Gymnasium makes.
-
-    Args:
-        decisions: From the user or the spec; a spec that was stored as JSON has a mapping of all fields.
-        default: Of the environment's version.
-
-    Returns:
-        The default for None, `Decisions` for such a mapping, and anything else as it is, for `checked_decisions`.
-
-    Raises:
-        ValueError: A value in the mapping is not allowed.
-    """
-    if decisions is None:
-        return default
-    if isinstance(decisions, Mapping) and decisions.keys() == {field.name for field in fields(Decisions)}:
-        return Decisions(**decisions)
-    return decisions
 
 
 def given_arena(arena: Arena | str, decisions: Decisions, what: str = "arena") -> Arena:

@@ -7,9 +7,9 @@ from typing import Any
 import gymnasium as gym
 from gymnasium.vector import VectorEnv
 
-from khepera_forage.envs.arguments import spec_decisions
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
+from khepera_forage.envs.stored_specs import spec_arena, spec_decisions
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.extras import require
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
@@ -51,6 +51,8 @@ class EntryPoint:
             ImportError: The backend "compiled" without numba.
         """
         kwargs["decisions"] = spec_decisions(decisions, self._decisions)
+        if "arena" in kwargs:
+            kwargs["arena"] = spec_arena(kwargs["arena"])
         if check_backend(backend) == PYMUNK:
             return self._on_pymunk(**kwargs)
         made = getattr(import_module("khepera_forage.envs.compiled.single_envs"), self._compiled)
@@ -94,6 +96,8 @@ class VectorEntryPoint:
         """
         check_compiled(backend)
         kwargs["decisions"] = spec_decisions(decisions, self._decisions)
+        if "arena" in kwargs:
+            kwargs["arena"] = spec_arena(kwargs["arena"])
         made = getattr(import_module("khepera_forage.envs.compiled.vector_envs"), self._compiled)
         env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
         for wrapper in vector_wrappers:

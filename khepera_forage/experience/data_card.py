@@ -70,7 +70,7 @@ behaviour of the teacher that it heard. The task is that of Gatsoulis, *Learning
 |---|---|
 | episodes | {len(parts)} |
 | steps | {total:,}; {min(lengths)} to {max(lengths)} an episode |
-| arena | {parts[0].arena} |
+| arena | {", ".join(sorted({part.arena for part in parts}))} |
 | author | {origin.author} |
 | licence | {origin.licence} |
 

@@ -1,8 +1,8 @@
 """Conversion between experience and Minari datasets, a standard of offline learning (extra `minari`).
 
-An experience file becomes an episode with the observations and actions of `Corridor-v1` or `Rectangle-v1`, so that a
-learner from Minari datasets can forage there. The environment variable MINARI_DATASETS_PATH is the folder in which
-Minari stores datasets.
+An experience file becomes an episode with the observations and actions of the recall environment of its arena, such as
+`Corridor-v1` or `TMaze-v1`, so that a learner from Minari datasets can forage there. The environment variable
+MINARI_DATASETS_PATH is the folder in which Minari stores datasets.
 """
 
 import warnings
@@ -10,13 +10,16 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-import khepera_forage  # also registers the environments, whose spaces the dataset has
+import khepera_forage
 from khepera_forage.experience import Experience, ExperienceError
+from khepera_forage.experience.dataset_environment import arena_name, dataset_environment
 from khepera_forage.experience.text_format import header_decisions, header_decisions_text
 from khepera_forage.extras import require
+from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 
@@ -25,7 +28,12 @@ FLAT = ("object_presence", "food_type")
 
 
 def to_minari(
-    experiences: Iterable[Experience], dataset_id: str, *, allow_other_decisions: bool = False, **about: Any
+    experiences: Iterable[Experience],
+    dataset_id: str,
+    *,
+    arena: Arena | str | None = None,
+    allow_other_decisions: bool = False,
+    **about: Any,
 ) -> Any:
     """Write experience as a new Minari dataset, with one episode for each `Experience`.
 
@@ -36,8 +44,10 @@ def to_minari(
     episodes differ.
 
     Args:
-        experiences: At least one vector each, all of the same arena.
+        experiences: At least one vector each, all of the same arena, or of procedural levels of one difficulty and
+            split.
         dataset_id: Minari's name of the dataset, such as `khepera/corridor-v0`.
+        arena: The arena of the experience. Experience of an arena of your own has only its name, and needs it.
         allow_other_decisions: Accept experience of different decisions in one dataset.
         **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
@@ -45,8 +55,8 @@ def to_minari(
         The `minari.MinariDataset`.
 
     Raises:
-        ExperienceError: There is no experience, one is empty, the arenas differ or have no registered environment, or a
-            value is outside the observation space, or the decisions differ.
+        ExperienceError: There is no experience, one is empty, the arenas differ or are not known, or a value is outside
+            the observation space, or the decisions differ.
         ImportError: Minari is not installed.
         ValueError: The name is invalid, or Minari already has a dataset of that name.
     """
@@ -56,16 +66,12 @@ def to_minari(
         raise ExperienceError(
             f"{[len(part) for part in parts]} experience vectors; allowed: at least one in each"
         )
-    arenas = sorted({part.arena for part in parts})
-    if len(arenas) > 1 or arenas[0] not in ("corridor", "rectangle"):
-        raise ExperienceError(f"experience of {arenas}; allowed: one arena, corridor or rectangle")
     if not allow_other_decisions:
         for part in parts[1:]:
             part.require_decisions(parts[0].decisions)
-    import gymnasium as gym
-
     decisions, *others = {part.decisions for part in parts}
-    env = gym.make(f"khepera_forage/{arenas[0].capitalize()}-v1", decisions=None if others else decisions)
+    names = {part.arena for part in parts}
+    env = dataset_environment(names, arena, None if others else decisions)
     buffers = [_buffer(minari, number, part, env.observation_space) for number, part in enumerate(parts)]
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
@@ -98,7 +104,7 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
     metadata = dataset.storage.get_episode_metadata(dataset.episode_indices)
     for episode, about in zip(dataset.iterate_episodes(), metadata, strict=True):
         options = about.get("options", {})
-        name = arena or options.get("arena") or getattr(spec, "kwargs", {}).get("arena")
+        name = arena or options.get("arena") or arena_name(getattr(spec, "kwargs", {}).get("arena"))
         if not isinstance(name, str):
             raise ExperienceError(f"episode {episode.id}: the dataset has no arena; pass arena=")
         seed = options.get("seed", "None")
@@ -125,8 +131,6 @@ def _decisions_of(spec: Any) -> Decisions:
     Raises:
         ExperienceError: They cannot be read.
     """
-    import gymnasium as gym
-
     registered = gym.registry.get(getattr(spec, "id", ""))
     if registered is None or registered.namespace != khepera_forage.__name__:
         return Decisions.v0_1()

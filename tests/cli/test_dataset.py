@@ -1,16 +1,21 @@
 """`khepera-forage dataset`: a Minari dataset of new episodes or of files, and its data card."""
 
+import argparse
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from khepera_forage.cli.dataset import FOLDER_VARIABLE
+from khepera_forage.cli.dataset import FOLDER_VARIABLE, add_arguments, food_in_training
 from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import MEANINGS, Origin, data_card
+from khepera_forage.sim.arena_file import write_arena
+from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
+from tests.arenas import BLOCKS
 
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
 ORIGIN = Origin("khepera-forage dataset", "It was recorded.", "CC0-1.0", "somebody", 3)
@@ -62,6 +67,57 @@ def test_files_are_a_dataset(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("minari")
+def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
+    from khepera_forage.experience.minari import from_minari
+
+    assert main(["dataset", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "data"]) == 0
+    assert main(["train", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "files"]) == 0
+    assert from_minari("khepera_forage/t_maze-v0") == [Experience.load("files/g1.csv")]
+    card = Path("data/khepera_forage/t_maze-v0/README.md").read_text(encoding="utf-8")
+    for line in (
+        "| arena | t_maze |",
+        "in copies of the arena t_maze",
+        "dataset --name khepera_forage/t_maze-v0 --episodes 1 --seed 4 --arena t_maze`",
+    ):
+        assert line in card
+
+
+@pytest.mark.usefixtures("minari")
+def test_procedural_level_of_a_file_is_the_arena_of_a_dataset() -> None:
+    level = ["--difficulty", "easy", "--level", "6"]
+    assert main(["arena", "write", "procedural", "den.toml", *level]) == 0
+    assert main(["dataset", "--episodes", "1", "--arena", "den.toml", "--out", "data"]) == 0
+    dataset = import_module("minari").load_dataset("khepera_forage/procedural_easy_6-v0")
+    assert dataset.recover_environment().unwrapped.arena == procedural_arena(6, "easy")
+
+
+@pytest.mark.usefixtures("minari")
+def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:
+    write_arena(BLOCKS, "blocks.toml")
+    Experience(SOME.vectors, SOME.behaviours, "blocks").save("g1.csv")
+    command = ["dataset", "--experience", "g1.csv", "--out", "data"]
+    assert main(command) == 2
+    assert "experience of ['blocks']; allowed: one arena" in capsys.readouterr().err
+    assert main([*command, "--arena", "doors"]) == 2
+    assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
+    assert main([*command, "--arena", "blocks.toml"]) == 0
+    assert Path("data/khepera_forage/blocks-v0/README.md").exists()
+
+
+def test_card_names_mixed_food_types_and_all_arenas() -> None:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    for words, arena, food in (
+        ([], "mixed_foods", "food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS)"),
+        (["--food-type", "PUSHABLE"], "mixed_foods", "PUSHABLE food"),
+        ([], "doors", "PICKABLE food"),
+    ):
+        assert food_in_training(parser.parse_args(words), arena) == food
+    parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_easy_{level}") for level in (7, 3)]
+    assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v0", parts, ORIGIN)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -69,6 +125,11 @@ def test_files_are_a_dataset(capsys: pytest.CaptureFixture[str]) -> None:
         (["--name", "../mine-v0"], "--name: '../mine-v0'; allowed: NAME-vNUMBER"),
         (["--episodes", "0"], "--episodes: '0'; allowed: a whole number of at least 1"),
         (["--experience", "g.csv", "--episodes", "2"], "--episodes has no effect here; allowed: without"),
+        (
+            ["--experience", "g.csv", "--food-type", "PUSHABLE"],
+            "--food-type has no effect here; allowed: with",
+        ),
+        (["--arena", "nowhere"], "arena is 'nowhere'; allowed: corridor, rectangle, t_maze"),
         (["--experience", "nowhere.csv"], "nowhere.csv"),
     ],
 )

@@ -14,13 +14,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.envs import backends
+from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.backends import EntryPoint
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.minari import from_minari, to_minari
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.procedural import LEVELS
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
+from tests.arenas import BLOCKS, POOL
 
 OTHER = Decisions(next_to_food=17, equal_distance="farther state")
 VECTORS = st.builds(
@@ -175,9 +179,15 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
         ),
         (
             [SOME, Experience([SOME.vectors[0]], [0], "rectangle")],
-            "allowed: one arena, corridor or rectangle",
+            r"\['corridor', 'rectangle'\]; allowed: one arena, of corridor, rectangle, t_maze",
         ),
         ([Experience([SOME.vectors[0]], [0], "garden")], r"\['garden'\]; allowed: one arena"),
+        (
+            [Experience([SOME.vectors[0]], [0], f"procedural_{level}") for level in ("easy_3", "hard_3")],
+            r"\['procedural_easy_3', 'procedural_hard_3'\]; allowed: .* of one difficulty and split",
+        ),
+        ([Experience([SOME.vectors[0]], [0], "procedural_easy_9999999")], "allowed: one arena, of corridor"),
+        ([Experience([SOME.vectors[0]], [0], "procedural_mine_5")], "allowed: one arena, of corridor"),
         (
             [Experience([(0, 177, 0, 215, 1)], [0], "corridor")],
             r"robot_home_distance is 177\.\.177; allowed: 0\.\.138",
@@ -191,6 +201,60 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
 def test_experience_that_has_no_environment_is_an_error(parts: list[Experience], message: str) -> None:
     with pytest.raises(ExperienceError, match=message):
         to_minari(parts, "khepera/bad-v0")
+
+
+@pytest.mark.parametrize("name", ARENAS)
+def test_recovered_environment_has_the_named_arena(name: str) -> None:
+    part = Experience(SOME.vectors, SOME.behaviours, name, decisions=OTHER)
+    to_minari([part], "khepera/named-v0")
+    dataset = import_module("minari").load_dataset("khepera/named-v0")
+    env = dataset.recover_environment().unwrapped
+    assert (env.arena.name, env.decisions) == (name, OTHER)
+    assert {"arena": name}.items() <= settings_of(name).items()
+    assert (env.foods, env.limit) == (settings_of(name)["foods"], settings_of(name)["limit"])
+    assert from_minari(dataset) == [part]
+
+
+def test_recovered_environment_has_an_arena_of_ones_own() -> None:
+    part = Experience(SOME.vectors, SOME.behaviours, "blocks")
+    to_minari([part], "khepera/own-v0", arena=BLOCKS)
+    dataset = import_module("minari").load_dataset("khepera/own-v0")
+    env = dataset.recover_environment().unwrapped
+    assert env.arena == BLOCKS
+    assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
+    assert from_minari(dataset) == [part]
+    for wrong, own in (("corridor", "corridor"), (POOL[0], "hall")):
+        with pytest.raises(ExperienceError, match=rf"\['blocks'\]; allowed: of '{own}', the argument arena"):
+            to_minari([part], "khepera/wrong-v0", arena=wrong)
+
+
+@pytest.mark.parametrize(("first", "split"), [(0, "train"), (LEVELS, "test")])
+def test_recovered_environment_has_the_levels_of_the_experience(first: int, split: str) -> None:
+    parts = [
+        Experience(SOME.vectors, SOME.behaviours, f"procedural_hard_{first + level}") for level in (7, 3)
+    ]
+    to_minari(parts, "khepera/levels-v0")
+    dataset = import_module("minari").load_dataset("khepera/levels-v0")
+    env = dataset.recover_environment()
+    assert {"split": split, "start_level": 3, "num_levels": 5}.items() <= env.spec.kwargs.items()
+    names = set()
+    for seed in range(12):
+        env.reset(seed=seed)
+        names.add(env.unwrapped.arena.name)
+    assert len(names) > 1
+    assert names <= {f"procedural_hard_{first + level}" for level in range(3, 8)}
+    assert from_minari(dataset) == parts
+
+
+@pytest.mark.parametrize("arena", [BLOCKS, {"name": "blocks"}, "blocks"])
+def test_episode_without_an_arena_has_that_of_its_environment(
+    arena: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dataset = to_minari([SOME], "khepera/plain-v0")
+    monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [{}])
+    spec = replace(gym.spec("khepera_forage/Corridor-v1"), kwargs={"arena": arena})
+    monkeypatch.setattr(dataset, "_env_spec", spec)
+    assert from_minari(dataset)[0].arena == "blocks"
 
 
 def test_dataset_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,13 +6,14 @@ and those for the test from there on, so that no test arena is ever trained in.
 
 import math
 import operator
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import SupportsIndex, overload
 
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.arenas.difficulty import Difficulty, checked_difficulty
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
 from khepera_forage.sim.arenas.draws import Draws
 from khepera_forage.sim.arenas.family import HOME_RADIUS
 from khepera_forage.sim.arenas.procedural_floor import Corners, NoRoomError, draw_floor
@@ -54,6 +55,16 @@ def procedural_arena(level: int, difficulty: str | Difficulty = "medium") -> Are
         f"{chosen.blocks[0]} blocks in level {level} after {TRIES} tries, in the last one {problem}; "
         "allowed: fewer of them, or a larger arena"
     )
+
+
+def level_of(name: str) -> tuple[str, int] | None:
+    """The difficulty and the level of a procedural arena, from its name; None if it has another name.
+
+    Args:
+        name: Such as `procedural_hard_5`. A `Difficulty` of your own is not known by its name.
+    """
+    found = re.fullmatch(r"procedural_(\w+)_(\d+)", name)
+    return (found[1], int(found[2])) if found and found[1] in DIFFICULTIES else None
 
 
 @dataclass(frozen=True)
