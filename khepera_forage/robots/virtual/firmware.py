@@ -30,6 +30,7 @@ from khepera_forage.robots.serial.protocol import (
     decode_request,
     encode_reply,
 )
+from khepera_forage.robots.virtual import sensor_replies
 from khepera_forage.robots.virtual.position_control import WheelPositionController
 from khepera_forage.robots.virtual.registers import Registers
 
@@ -37,16 +38,6 @@ VERSIONS = ("5.02", "5.01")
 """Of the BIOS and of the protocol (K-Team)."""
 GRIPPER_VERSION = (2, 1)
 """Assumption: the version of the gripper's manual."""
-BARRIER_FREE, BARRIER_CROSSED = 0, 200
-"""Readings of the optical barrier: 0 without an object (KNET, KH2PY, WSU-R), more than 100 with one (PYRO)."""
-INSULATED, CONDUCTING = 0, 255
-"""Replies to T,1,F. The only source is PYRO, which takes more than 20 for closed fingers and less for open ones: the
-reading is high while a current flows from finger to finger. The food is of wood, so only closed, empty fingers conduct.
-Assumption: the ends of the scale, and that PYRO's threshold is right; the text of K-Team's manual was not found."""
-_FINGERS_TOUCH = 3
-"""Jaw position up to which the fingers touch each other: 0 but for the noise of the position. Assumption."""
-DARK = 500
-"""Ambient light reading without a lamp (Khepera manual 3.1.7, by way of RN)."""
 FULL_PWM, FULL_SPEED = PWM.high, SPEED.high
 """Command P sets a proportional speed: 255 is 127 units, the maximum of the protocol. Assumption."""
 
@@ -184,17 +175,17 @@ class Firmware:
             "J": self._set_profiles,
             "K": self._position_status,
             "L": registers.switch_led,
-            "N": lambda: self._robot.sense().proximity,
-            "O": lambda: (DARK,) * 8,
+            "N": lambda: sensor_replies.proximity(self._robot.sense()),
+            "O": lambda: sensor_replies.ambient_light(self._robot.sense()),
             "P": self._set_pwm,
             "R": registers.read_bus,
             "W": registers.write_bus,
             "T,1,B": lambda: GRIPPER_VERSION,
             "T,1,D": lambda closed: self._drive(jaw=JAW_CLOSED if closed else JAW_OPEN),
             "T,1,E": lambda position: self._drive(arm=position),
-            "T,1,F": lambda: (CONDUCTING if self._robot.sense().jaw <= _FINGERS_TOUCH else INSULATED,),
-            "T,1,G": lambda: (BARRIER_CROSSED if self._robot.sense().object_presence else BARRIER_FREE,),
-            "T,1,H": lambda arm: (self._robot.sense().arm if arm else self._robot.sense().jaw,),
+            "T,1,F": lambda: sensor_replies.resistivity(self._robot.sense()),
+            "T,1,G": lambda: sensor_replies.barrier(self._robot.sense()),
+            "T,1,H": lambda arm: sensor_replies.gripper_position(self._robot.sense(), arm),
             "T,1,J": lambda: (0,),
         }
         return handlers[command]
