@@ -4,12 +4,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
-from khepera_forage.task.decision_fields import Field, parse
+from khepera_forage.task.decision_fields import Field, checked, parse
 
 
 @dataclass(frozen=True, slots=True)
 class DecisionSet:
-    """What can be done with a set of decisions; its fields are those of the subclass."""
+    """What can be done with a set of decisions; its fields are those of the subclass.
+
+    Raises:
+        ValueError: A field does not allow its value.
+    """
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            object.__setattr__(self, field.name, checked(Field.of(field), getattr(self, field.name)))
 
     def differing(self, other: Self) -> dict[str, tuple[Any, Any]]:
         """Fields in which two sets differ: name to this set's value and the other's."""

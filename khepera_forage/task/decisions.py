@@ -5,20 +5,21 @@ here at run time, so that one reading can be changed in one place, for every bac
 
 The first value of a field is its default. The defaults were inferred from the thesis's tables of the corridor
 (`benchmarks/best_decisions.py`). Where these say nothing, the defaults are those of version 0.1
-(`task.decision_versions`), which were chosen with the teacher alone.
+(`task.decision_versions`), which were chosen with the teacher alone. The first fields, about the world, are in
+`task.decision_world`.
 """
 
 from collections import namedtuple
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Self
 
-from khepera_forage.task.decision_fields import Field, checked, choice, count, number
-from khepera_forage.task.decision_set import DecisionSet
+from khepera_forage.task.decision_fields import Field, choice, count, number
 from khepera_forage.task.decision_versions import V0_1
+from khepera_forage.task.decision_world import WorldDecisions
 
 
 @dataclass(frozen=True, slots=True)
-class Decisions(DecisionSet):
+class Decisions(WorldDecisions):
     """How this package reads what the thesis leaves open.
 
     Distances between regions are in pixels of 5 mm, as in the thesis; what lies on the floor is in mm; speeds are in
@@ -27,33 +28,6 @@ class Decisions(DecisionSet):
     Raises:
         ValueError: A value out of range or of the wrong type; the message quotes the value and what is allowed.
     """
-
-    # Time.
-    round_duration: float = number(
-        0.1, 0.05, 0.5, "s", "4.5", "Length of a round (MultiStep). Commands take effect together at its end."
-    )
-    arm_travel_time: float = number(
-        0.1, 0.1, 2.0, "s", "4.2.2", "Time the arm takes between down (255) and raised (215)."
-    )
-    jaw_travel_time: float = number(
-        0.6, 0.1, 2.0, "s", "4.2.2", "Time the jaw takes between open (200) and closed (0)."
-    )
-
-    # The set-up of figure 5.1, whose picture did not survive. The start was chosen by hand: at 90 mm, as in version
-    # 0.1, trainings without noise never ended on pymunk.
-    start_to_wall: float = number(
-        100.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
-    )
-    food_to_home: float = number(160.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
-    home_to_wall: float = number(
-        80.0, 50.0, 150.0, "mm", "5.2", "From the home's centre to the wall behind it."
-    )
-    home_radius: float = number(80.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".')
-    start_aside: float = number(
-        0.0, -60.0, 60.0, "mm", "5.2", "From the arena's middle line to the start, towards the left wall."
-    )
-    food_aside: float = number(0.0, -60.0, 60.0, "mm", "5.2", "From the middle line to the food, likewise.")
-    home_aside: float = number(0.0, -60.0, 60.0, "mm", "5.2", "From the middle line to the home, likewise.")
 
     # What the camera shows.
     food_beside_robot: str = choice(
@@ -233,16 +207,11 @@ class Decisions(DecisionSet):
     recall_marker: int = count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, checked(Field.of(field), getattr(self, field.name)))
+        WorldDecisions.__post_init__(self)
         if self.close_to_food < self.next_to_food:
             raise ValueError(
                 f"decision close_to_food is {self.close_to_food!r}; allowed: at least next_to_food, "
                 f"{self.next_to_food!r}"
-            )
-        if self.home_radius > self.home_to_wall:
-            raise ValueError(
-                f"decision home_radius is {self.home_radius!r}; allowed: at most home_to_wall, {self.home_to_wall!r}"
             )
 
     def values(self) -> "DecisionValues":
