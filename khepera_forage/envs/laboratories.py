@@ -36,7 +36,7 @@ def virtual_laboratory(
     """A laboratory without hardware, with copies of one arena side by side.
 
     Args:
-        arena: An arena, which is the first copy; or the name of one of the thesis's arenas.
+        arena: An arena, which is the first copy; or one of the names in `ARENAS`.
         robots: Number of robots, the teacher first; a single robot is a learner.
         decisions: Where start, food and home are in a named arena, how long a round lasts, how fast arm and jaw move,
             and the marker of a single robot.

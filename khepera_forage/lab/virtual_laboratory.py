@@ -150,10 +150,10 @@ class VirtualLaboratory(Laboratory):
         """A laboratory with copies of one arena side by side.
 
         Args:
-            arena: An arena, which is the first copy; or the name of one of the thesis's arenas. The copies of a named
-                arena are centred in the picture, whose border would cut off markers that extend over a wall.
+            arena: An arena, which is the first copy; or one of the names in `ARENAS`. The copies of a named arena are
+                centred in the picture, whose border would cut off markers that extend over a wall.
             robots: Number of robots, the teacher first; a single robot is a learner.
-            set_up: Where start, food and home are in a named arena.
+            set_up: Where start, food and home are in one of the thesis's arenas.
             timing: How long a round lasts, and how fast arm and jaw move.
             recall_marker: Holes of the marker of a single robot, 1 or 2.
             timeout: Of the driver, in seconds: how late the virtual robots of a busy machine may reply.

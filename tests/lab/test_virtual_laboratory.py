@@ -128,6 +128,22 @@ def test_teacher_forages_under_the_default_decisions() -> None:
     assert info["delivered"] == 1
 
 
+def test_training_leads_around_corners_as_in_the_simulation() -> None:
+    """In the T-maze, food and home are in opposite arms."""
+    devices: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none(), "timeout": 2.0}
+    simulated = training.attempt(TrainingEnv(arena="t_maze", noise="none"), 2, lambda vector, behaviour: None)
+    with virtual_laboratory("t_maze", 2, **devices) as lab:
+        (left, low, _, _), (_, _, right, high) = (arena.bounds for arena in lab.arenas)
+        assert (left + right, low + high) == (3200, 2400), "in the middle of the picture"
+        env = TrainingEnv(world=lab, noise=Noise.none())
+        attempt = training.attempt(env, 2, lambda vector, behaviour: None)
+        for arena, food in zip(lab.arenas, lab.simulation.food_places(), strict=True):
+            assert math.dist(arena.home, food[:2]) < arena.home_radius
+    assert attempt.complete
+    assert simulated.complete
+    assert abs(attempt.rounds - simulated.rounds) < 60
+
+
 def forage(env: BehavioursEnv, options: dict[str, Any]) -> dict[str, Any]:
     """The info after a forage of the teacher."""
     teacher = Teacher.of(env)
