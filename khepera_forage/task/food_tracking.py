@@ -16,8 +16,9 @@ from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
 from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.food_links import Link, count_lost_rounds, link_of, link_track
 from khepera_forage.task.identification import at_home
-from khepera_forage.task.nearest_food import count_lost_rounds, find_nearest, link_of
+from khepera_forage.task.nearest_food import find_nearest
 from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import KnownWays, no_known_ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -53,21 +54,6 @@ class FoodObject:
     carried: bool = False
     lengths_x: float = NOWHERE
     lengths_y: float = NOWHERE
-
-
-@dataclass(slots=True)
-class Link:
-    """Which food object a track shows.
-
-    Attributes:
-        label: Of the track; -1 in a free slot.
-        food: Number of the food object.
-        lost_rounds: For how many rounds the track has been lost; counted if lost food becomes unseen.
-    """
-
-    label: int = -1
-    food: int = -1
-    lost_rounds: int = 0
 
 
 @dataclass(slots=True)
@@ -199,7 +185,7 @@ def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: Are
     for track in tracks:
         if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
             k = link_of(track.label, links)
-            number = links[k].food if k >= 0 else _link(track, foods, links, tracks, arena)
+            number = links[k].food if k >= 0 else link_track(track, foods, links, tracks, arena)
             if number >= 0 and number != tracker.held:
                 _see(foods[number], track, arena)
 
@@ -210,38 +196,6 @@ def _see(food: Any, track: Any, arena: ArenaMap) -> None:
     if not food.delivered and at_home(food.x, food.y, arena):
         food.delivered = True
         food.known = food.type
-
-
-def _link(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> int:
-    """Link a new track to the nearest food object that no other track shows, or that was carried since."""
-    for link in links:
-        if link.label >= 0 and not _is_watched(link.label, tracks, arena):
-            link.label = -1
-    nearest, best = -1, math.inf
-    for k in range(len(foods)):
-        food = foods[k]
-        free = True
-        for link in links:
-            if link.label >= 0 and link.food == k:
-                free = False
-        dx, dy = food.x - track.x, food.y - track.y
-        squared = dx * dx + dy * dy
-        if (free or food.carried) and squared < best:
-            nearest, best = k, squared
-    if nearest >= 0:
-        for link in links:
-            if link.label < 0:
-                link.label, link.food, link.lost_rounds = track.label, nearest, 0
-                break
-    return nearest
-
-
-def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
-    """Whether there still is a track with this label in the arena."""
-    for track in tracks:
-        if track.label == label:
-            return is_within(track.x, track.y, arena)
-    return False
 
 
 def _count(tracker: Any, foods: Any) -> None:

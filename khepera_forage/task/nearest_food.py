@@ -16,6 +16,7 @@ from khepera_forage.task.decision_readings import (
     UNSEEN_UNTIL_ARM_DOWN,
 )
 from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.food_links import link_of
 from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import KnownWays, Way, drivable, way_to_food
 
@@ -98,24 +99,8 @@ def is_candidate(food: Any, held: bool) -> bool:
     return not food.delivered and (food.known != _POISONOUS or held)
 
 
-def count_lost_rounds(links: Any, tracks: Any) -> None:
-    """Count for how many rounds each linked track has been lost."""
-    for track in tracks:
-        k = link_of(track.label, links) if track.label >= 0 else -1
-        if k >= 0:
-            links[k].lost_rounds = 0 if track.found else links[k].lost_rounds + 1
-
-
 def _is_still_seen(links: Any, k: int, arm: int, decisions: DecisionValues) -> bool:
     """Whether lost food that becomes unseen is still seen at its last place (4.2.2); `k` is its link, -1 without."""
     if decisions.food_beside_robot == UNSEEN_UNTIL_ARM_DOWN and arm >= ARM_ON_FLOOR:
         return True
     return k < 0 or links[k].lost_rounds * decisions.round_duration <= decisions.redetection_time
-
-
-def link_of(label: int, links: Any) -> int:
-    """Number of the link of a track; -1 if it is not linked."""
-    for k in range(len(links)):
-        if links[k].label == label:
-            return k
-    return -1

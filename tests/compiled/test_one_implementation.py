@@ -38,7 +38,8 @@ from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import DecisionCounts, Episode
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.food_links import Link
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.pairing import Pairing
 from khepera_forage.task.placement import Place, Start
 from khepera_forage.vision import association

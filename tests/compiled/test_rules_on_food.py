@@ -22,11 +22,11 @@ from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled import tracking  # noqa: F401 (registers the rules of association)
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.food_links import Link
 from khepera_forage.task.food_tracking import (
     NOWHERE,
     FoodObject,
     FoodTracker,
-    Link,
     is_collected,
     share_identified,
     update_food,

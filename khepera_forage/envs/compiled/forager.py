@@ -10,7 +10,8 @@ from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.food_links import Link
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
 from khepera_forage.task.way_finding import KnownWays

@@ -15,10 +15,9 @@ from khepera_forage.envs.arguments import FoodOdds, checked_decisions, timing_of
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.compiled.batch import as_records
 from khepera_forage.envs.compiled.forager import CompiledForager
+from khepera_forage.envs.compiled.kept_parameters import KeptParameters
 from khepera_forage.envs.compiled.one_world import OneWorld
-from khepera_forage.envs.compiled.parameters import TaskParameters, recall_parameters
-from khepera_forage.envs.compiled.records import TASK, episode_dtype, tracker_dtype
-from khepera_forage.envs.info import episode_info
+from khepera_forage.envs.compiled.one_world_info import POSE, REWARD, STEPS, TERMINATED, TRUNCATED, info_of
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
 from khepera_forage.envs.rendering import View
@@ -26,25 +25,10 @@ from khepera_forage.envs.rendering.forager_view import recall_view
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.compiled.parameters import Parameters
-from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
-
-_MOST_PREPARED = 1_000
-"""Arenas whose parameters are kept, each of some 20 kB."""
-_STEPS, _CORRECT, _REWARD, _SCORE, _PENALTY, _TERMINATED, _TRUNCATED = map(
-    episode_dtype.names.index,  # type: ignore[union-attr]
-    ("steps", "correct", "reward", "score", "penalty", "terminated", "truncated"),
-)
-_DELIVERED, _POISON_HOME = map(tracker_dtype.names.index, ("delivered", "poison_home"))  # type: ignore[union-attr]
-_STATE = TASK.index("state")
-"""Where these fields are in their records: reading by number is several times as fast as by name."""
-_FIRST_OF_POSE = robot_dtype(1).fields["marker_x"][1] // 8  # type: ignore[index]
-_POSE = slice(_FIRST_OF_POSE, _FIRST_OF_POSE + 3)
-"""Where x, y and orientation of the marker are among the numbers of a robot."""
 
 
 class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
@@ -93,9 +77,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self._pool = ArenaPool(arena, self.decisions)
         self.largest_diagonal = self._pool.diagonal
         self.arena = self._pool[0]
-        self._options = foods, limit, noise, food_types, self.decisions
-        self._prepared: dict[Arena, tuple[Parameters, TaskParameters]] = {}
-        bodies, task = self._parameters_in(self.arena)
+        self._noise, self._kept = noise, KeptParameters(foods, limit, noise, food_types, self.decisions)
+        bodies, task = self._kept[self.arena]
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.foods, self.limit = foods, limit
         self.render_mode = render_mode
@@ -172,11 +155,11 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self._command(action, self._one_world.action)
         self._one_world.step()
         task, episode = self._task.tolist(), self._episode.item()
-        terminated, truncated = episode[_TERMINATED], episode[_TRUNCATED]
+        terminated, truncated = episode[TERMINATED], episode[TRUNCATED]
         self._over = terminated or truncated
         if self.render_mode == "human":
             self.render()
-        return self._observation(task), episode[_REWARD], terminated, truncated, self._info(task, episode)
+        return self._observation(task), episode[REWARD], terminated, truncated, self._info(task, episode)
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -207,19 +190,11 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def _observation(self, task: Sequence[float]) -> Observation:
         """The observation, in fresh arrays, from the numbers of the task's record."""
 
-    def _parameters_in(self, arena: Arena) -> tuple[Parameters, TaskParameters]:
-        """The parameters in one arena, which are kept for its next episodes."""
-        if arena not in self._prepared:
-            if len(self._prepared) == _MOST_PREPARED:
-                self._prepared.clear()
-            self._prepared[arena] = recall_parameters(arena, *self._options)
-        return self._prepared[arena]
-
     def _enter(self, arena: Arena) -> None:
         """Let the coming episode take place in an arena."""
         if arena != self.arena:
             self.arena = arena
-            self._one_world.enter(*self._parameters_in(arena))
+            self._one_world.enter(*self._kept[arena])
             self._show_arena()
 
     def _show_arena(self) -> None:
@@ -229,7 +204,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.diagonal, self.home_radius = int(record["map_diagonal"]), int(record["map_home_radius"])
         self.world = CompiledWorld(
             self.arena,
-            self._options[2],
+            self._noise,
             holes=self.decisions.recall_marker,
             timing=timing_of(self.decisions),
         )
@@ -247,7 +222,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self._episode, self._tracker = worlds.episodes, worlds.trackers
         self._task = worlds.tasks.view(np.float64)
         self._robot = worlds.bodies.robots[0]
-        self._pose = worlds.bodies.robots.view(np.float64)[_POSE]
+        self._pose = worlds.bodies.robots.view(np.float64)[POSE]
 
     def _require_first_reset(self) -> None:
         if not self._seeded:
@@ -255,18 +230,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     def _require_reset(self) -> None:
         self._require_first_reset()
-        steps = self._episode.item()[_STEPS]
+        steps = self._episode.item()[STEPS]
         raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
 
     def _info(self, task: Sequence[float], episode: Sequence[Any]) -> dict[str, Any]:
-        tracker = self._tracker.item()
-        return episode_info(
-            int(task[_STATE]),
-            self._pose.copy(),
-            episode[_SCORE],
-            episode[_PENALTY],
-            episode[_CORRECT],
-            episode[_STEPS],
-            tracker[_DELIVERED],
-            tracker[_POISON_HOME],
-        )
+        return info_of(task, episode, self._tracker.item(), self._pose)
