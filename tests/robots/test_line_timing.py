@@ -56,7 +56,7 @@ def test_round_ends_within_its_period_and_one_latency(latency: float) -> None:
         assert rig.is_stopped()
 
 
-@pytest.mark.parametrize("latency", [0.12, 0.3, 1.0])
+@pytest.mark.parametrize("latency", [0.12, 0.3, 0.7, 1.0])
 def test_line_that_cannot_keep_the_period_is_rejected(latency: float) -> None:
     with make_rig(faults=late(latency)) as rig:
         begin = time.monotonic()
@@ -70,6 +70,18 @@ def test_line_that_cannot_keep_the_period_is_rejected(latency: float) -> None:
         assert int(measured[1]) == pytest.approx(1000 * latency, abs=15)
         assert "Lengthen the period" in str(slow.value)
         assert rig.is_stopped()
+
+
+@pytest.mark.parametrize(("request_number", "stall"), [(0, 0.7), (1, 0.7), (3, 0.7), (5, 0.7)])
+def test_line_with_one_stalled_reply_is_accepted(request_number: int, stall: float) -> None:
+    """Request B, the stop, a measurement, and the pipelined requests: a busy machine can delay any of them."""
+    replies = NumberedReplies({request_number: lambda reply: [stall, reply]})
+    with ScriptedRobot(replies) as scripted, SerialKhepera(scripted.url) as robot:
+        assert robot.timing.latency == pytest.approx(0, abs=0.05)
+        assert robot.timing.round_time < CONTROL_PERIOD
+        assert robot.timing.can_pipeline
+        assert robot.timeout == pytest.approx(0.1, abs=0.05), "it follows from the usual latency"
+        assert robot.stop_confirmed
 
 
 def test_longer_period_accepts_a_slow_line() -> None:

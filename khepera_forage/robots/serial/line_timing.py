@@ -14,6 +14,7 @@ import statistics
 import time
 from typing import NamedTuple
 
+from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.client import ProtocolClient
 from khepera_forage.robots.serial.errors import LineTooSlow
 from khepera_forage.robots.serial.port import seconds_on_wire
@@ -99,8 +100,8 @@ class LineTimer:
 
     @property
     def is_late(self) -> bool:
-        """Whether no further request fits into the time for opening."""
-        return max(self._latencies) > _PATIENCE or time.monotonic() > self._begin + _MEASURING_TIMEOUT
+        """Whether no further request fits into the time for opening, unless all replies so far had stalled."""
+        return min(self._latencies) > _PATIENCE or time.monotonic() > self._begin + _MEASURING_TIMEOUT
 
     def request(self, request: Request) -> None:
         """Send a request, and measure the latency of its reply.
@@ -112,6 +113,27 @@ class LineTimer:
         reply = self._client.request(request)
         length = len(encode_request(request)) + len(encode_reply(reply))
         self._latencies.append(time.monotonic() - begin - seconds_on_wire(length, self._client.baud))
+
+    def request_after_late_reply(self, request: Request) -> bool:
+        """Send a request and measure again: a single stall of the computer, the line or the robot is not a slow line.
+
+        Returns:
+            Whether a reply arrived in time. If not, the line is slow, with the latency measured before.
+
+        Raises:
+            RobotLost: The port failed, or the robot rejects the request.
+        """
+        exchange, deadline = self._client.exchange, self._client.exchange.deadline
+        exchange.deadline = min(deadline, time.monotonic() + _PATIENCE)
+        try:
+            self.request(request)
+        except RobotLost:
+            if time.monotonic() < exchange.deadline:
+                raise
+            return False
+        finally:
+            exchange.deadline = deadline
+        return True
 
     def finish(self) -> LineTiming:
         """Measure the rest, and adapt the client's timeout.
@@ -125,7 +147,8 @@ class LineTimer:
                 break
             self.request(Request("E" if number % 2 == 0 else "B"))
         latency = max(0.0, min(self._latencies))
-        client.adapt(latency, max(0.0, statistics.median(self._latencies)))
+        # The lower of two medians: a stall must not count if there was time for two measurements only.
+        client.adapt(latency, max(0.0, statistics.median_low(self._latencies)))
         can_pipeline = self._answers_a_batch(latency) or self._answers_a_batch(latency)
         return LineTiming(client.baud, latency, can_pipeline and latency > _FAST, can_pipeline)
 
@@ -133,7 +156,7 @@ class LineTimer:
         """Whether all replies to pipelined requests arrive, and together after one latency."""
         client = self._client
         if self.is_late:
-            return True  # The line is too slow in any case.
+            return True  # The line is too slow in any case, or there is no time to test it.
         begin = time.monotonic()
         replies = client.exchange.batch(_BATCH, client.timeout)
         taken = time.monotonic() - begin

@@ -61,7 +61,7 @@ class Session:
         timer = LineTimer(self._client)
         timer.request(Request("B"))
         if timer.is_late and self._period is not None:
-            self._client.exchange.send_unanswered(STOP)
+            self.stop_confirmed = timer.request_after_late_reply(STOP)
         else:
             timer.request(STOP)
             self.stop_confirmed = True
