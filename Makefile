@@ -6,6 +6,9 @@ BIN := $(VENV)/bin
 # One process more than cores, because tests of serial lines wait; tests/conftest.py distributes them.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadscope --no-loadscope-reorder
 
+# Tests start more than a hundred processes: each would compile all sources again.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: reproduce test pytest test-baselines test-wheel lint throughput docs docs-linkcheck clean
 
 reproduce: $(VENV)/installed

@@ -46,7 +46,7 @@ EXPERIMENTS = {
     )
 }
 """In the order of the pages. To add an experiment, add a file and a line here."""
-QUICK = Size(files=2, recalls=1, generations=2, attempts=25)
+QUICK = Size(files=2, recalls=1, generations=2, attempts=25, patience=2)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -23,12 +23,14 @@ class Size(NamedTuple):
         recalls: Recall episodes of each learner in each arena.
         generations: Of a chain.
         attempts: At a training episode, before the experiment gives it up.
+        patience: Attempts at a training episode, after which a simulated person gives up. An assumption, not measured.
     """
 
     files: int = 10
     recalls: int = 4
     generations: int = 5
     attempts: int = 100
+    patience: int = 5
 
     @property
     def amounts(self) -> tuple[int, ...]:

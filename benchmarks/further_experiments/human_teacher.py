@@ -20,7 +20,7 @@ from further_experiments.analysis import (
     claim,
 )
 from further_experiments.episodes import ARENAS, imitator, recall_all, train_files, training_seeds
-from further_experiments.experiment import Experiment, Report, Trial
+from further_experiments.experiment import Experiment, Report, Size, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
 from khepera_forage.envs.training import TEACHER, TrainingEnv
@@ -40,8 +40,6 @@ _SECONDS = [f"{rounds * DEFAULT_DECISIONS.round_duration:.2g}" for rounds in (DE
 ROUNDS_OF = f"rounds of {DEFAULT_DECISIONS.round_duration:g} s"
 WRONG = {"no wrong keys": 0.0, "2 % wrong keys": 0.02, "5 % wrong keys": 0.05}
 """Share of the rounds in which a wrong key is pressed. An assumption, not measured."""
-PATIENCE = 5
-"""Attempts at a training episode, after which a person gives up. An assumption, not measured."""
 EPISODES = 5
 """Training episodes of a learner: about as many as a person is likely to have patience for."""
 MARGIN = 10.0
@@ -99,7 +97,7 @@ class SimulatedPerson:
 
 def run(trial: Trial) -> list[Row]:
     """One learner for each delay, all with the same share of wrong keys."""
-    trial = trial._replace(size=trial.size._replace(attempts=min(trial.size.attempts, PATIENCE)))
+    trial = trial._replace(size=trial.size._replace(attempts=trial.size.patience))
     env = TrainingEnv()
     recall_envs = [recall_env(arena) for arena in ARENAS]
     rows: list[Row] = []
@@ -187,7 +185,7 @@ def _claim(found: Analysis, faults: str, condition: str, delay: int) -> Claim:
         f"food delivered {found.percent(rows)} and {found.percent(others)}, {food}."
         if rows
         else "There is no such learner: in each replication, "
-        f"{PATIENCE} attempts at some training episode failed."
+        f"all attempts at some training episode failed ({Size().patience} without --quick)."
     )
     return claim(
         f"{faults}: the learner is as good",

@@ -11,12 +11,13 @@ from tests.benchmarks.running import read
 
 pytest.importorskip("numba")
 GROUPS = [*FAMILY, *DIFFICULTIES]
+RECALLS, LEVELS = 2, 1
 FOODS = ["PICKABLE", "PUSHABLE", "a third each"]
 
 
 @pytest.fixture(scope="module")
 def out(quick_run: QuickRun) -> Path:
-    return quick_run("arenas")
+    return quick_run("arenas", "--recalls", str(RECALLS), "--levels", str(LEVELS))
 
 
 def test_every_arena_and_food_has_its_recalls_on_both_backends(out: Path) -> None:
@@ -30,7 +31,7 @@ def test_every_arena_and_food_has_its_recalls_on_both_backends(out: Path) -> Non
                 for side in sides
             ]
             assert same[0] == same[1]
-            assert len(same[0]) == (3 if group in FAMILY else 2)
+            assert len(same[0]) == (RECALLS if group in FAMILY else LEVELS)
 
 
 def test_teacher_delivers_nearly_all_food_and_no_poison(out: Path) -> None:
@@ -55,4 +56,8 @@ def test_tables_count_what_the_rows_hold(out: Path) -> None:
             assert float(line[f"{backend}: delivered (%)"]) == pytest.approx(100.0 * share, abs=0.01)
     for line in read(out / "table_backends.csv"):
         counts = sum(int(line[name]) for name in ("both", "pymunk only", "compiled only", "neither"))
-        assert counts == (8 if line["arenas"] == "all procedural" else 3 if line["arenas"] in FAMILY else 2)
+        assert counts == (
+            RECALLS
+            if line["arenas"] in FAMILY
+            else LEVELS * (len(DIFFICULTIES) if line["arenas"] == "all procedural" else 1)
+        )

@@ -27,7 +27,7 @@ from khepera_forage.comparison.units import (
 from khepera_forage.comparison.workers import unavailable
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import command_of, quick, read, refused
+from tests.benchmarks.running import command_of, quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
 
 NAMES = ("teacher", "random", "imitator", "tree", "dagger_tree")
@@ -171,21 +171,21 @@ def test_a_killed_run_is_continued(out: Path, tmp_path: Path) -> None:
     assert 1 <= done < 3, "it was killed with work done, and with work to do"
     with rows.open("ab") as file:
         file.write(b"tree,7,1,corr")  # a line cut short, as a kill in the middle of a write leaves it
-    printed = quick("learners", killed, *arguments)
+    printed = quick_here("learners", killed, *arguments)
     assert f"{done} of 3 units are done already" in printed
     assert f"{3 - done} units for 1 processes" in printed
     whole = [line for line in timeless(out / "rows.csv") if line.startswith("tree,")]
     assert len(whole) == 8
     assert timeless(rows)[1:9] == whole
     finished = rows.read_bytes()
-    assert "3 of 3 units are done already" in quick("learners", killed, *arguments)
+    assert "3 of 3 units are done already" in quick_here("learners", killed, *arguments)
     assert rows.read_bytes() == finished
 
 
 def test_rows_of_other_learners_in_the_folder_are_kept(tmp_path: Path) -> None:
     arguments = ("--seeds", "1", "--jobs", "1")
-    quick("learners", tmp_path, "--only", "teacher", *arguments)
-    printed = quick("learners", tmp_path, "--only", "random", *arguments)
+    quick_here("learners", tmp_path, "--only", "teacher", *arguments)
+    printed = quick_here("learners", tmp_path, "--only", "random", *arguments)
     assert "1 of 2 units are done already" in printed
     assert {row["learner"] for row in read(tmp_path / "rows.csv")} == {"teacher", "random"}
     assert {line["learner"] for line in read(tmp_path / "table_learners.csv")} == {
@@ -267,7 +267,7 @@ def test_tuning_compares_settings_over_other_seeds(tuned: Path) -> None:
 def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tuned: Path, tmp_path: Path) -> None:
     assert "tuning/tuning.md" not in (out / "learners.md").read_text(encoding="utf-8")
     whole = shutil.copytree(tuned, tmp_path / "whole")
-    quick("learners", whole, "--only", "dagger_tree", "--seeds", "1", "--jobs", "1")
+    quick_here("learners", whole, "--only", "dagger_tree", "--seeds", "1", "--jobs", "1")
     page = (whole / "learners.md").read_text(encoding="utf-8")
     assert "Result ([all settings](tuning/tuning.md)): 4 other settings were compared. " in page
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import quick, read
+from tests.benchmarks.running import quick_here, read
 
 pytest.importorskip("numba")
 
@@ -31,7 +31,7 @@ def test_every_part_has_operations_and_the_last_line_is_their_sum(out: Path) -> 
 
 
 def test_counts_are_those_of_the_seed(out: Path, tmp_path: Path) -> None:
-    quick("operations", tmp_path / "again")
+    quick_here("operations", tmp_path / "again")
     name = "table_counts.csv"
     assert (tmp_path / "again" / name).read_bytes() == (out / name).read_bytes()
 

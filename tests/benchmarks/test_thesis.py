@@ -6,8 +6,8 @@ import pytest
 
 from tests.benchmarks.running import help_of, is_picture, quick, read
 
-ARGUMENTS = {"pymunk": ("--replications", "1"), "compiled": ()}
-"""On pymunk a replication takes seconds, and another one is made for the comparison with version 0.1."""
+ARGUMENTS = {"pymunk": ("--replications", "1", "--no-comparison"), "compiled": ()}
+"""On pymunk a replication takes seconds; `tests/thesis/test_comparison.py` compares with version 0.1 there."""
 
 
 @pytest.fixture(scope="module", params=["pymunk", "compiled"])
