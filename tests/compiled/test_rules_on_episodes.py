@@ -193,7 +193,7 @@ def _command(raw: RawData, behaviour: int, task: Any, motors: Any) -> None:
 @pytest.mark.parametrize("decisions", DECISIONS[:4], ids=IDS[:4])
 @pytest.mark.parametrize("behaviour", Behaviour)
 def test_behaviours_command_the_same_motors(behaviour: Behaviour, decisions: Decisions) -> None:
-    rng, task = np.random.default_rng(0), task_of(CORRIDOR, decisions)
+    rng, task, values = np.random.default_rng(0), task_of(CORRIDOR, decisions), decisions.values()
     given = set()
     for _ in range(400):
         raw = placed(
@@ -213,7 +213,7 @@ def test_behaviours_command_the_same_motors(behaviour: Behaviour, decisions: Dec
         )
         motors = np.zeros(4)
         _command(raw, int(behaviour), task, motors)
-        expected = command(behaviour, raw, decisions.values())
+        expected = command(behaviour, raw, values)
         assert motors == pytest.approx(expected, abs=1e-9)
         given.add(expected)
     assert len(given) > (2 if behaviour not in (Behaviour.EXPLORE_FOOD, Behaviour.AVOID_FOOD) else 0)

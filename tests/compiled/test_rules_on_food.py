@@ -90,7 +90,7 @@ def check_known_ways(arrays: tuple[Any, ...], tracker: FoodTracker) -> None:
 def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions: Decisions) -> None:
     """Sequences of rounds in which tracks appear, move, vanish and return with other labels."""
     rng, arena, task = np.random.default_rng(count), arena_map_of(where), task_of(where, decisions)
-    waypoints = len(arena.ways.waypoints)
+    waypoints, values = len(arena.ways.waypoints), decisions.values()
     delivered = held = identified = 0
     for _ in range(40):
         foods = [
@@ -124,7 +124,7 @@ def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions:
             present = bool(rng.random() < 0.5)
             explored = present and bool(rng.random() < 0.3)
             pose = (float(x), float(y), float(rng.integers(0, 360)))
-            arm, values = int(rng.choice((215, 255))), decisions.values()
+            arm = int(rng.choice((215, 255)))
             known = tracker, foods, tracker.known_ways, tracker.links, tracks
             update_food(*known, arena, *pose, present, explored, arm, values)
             ways, links = (straight, to_waypoints, lengths), arrays[2]
