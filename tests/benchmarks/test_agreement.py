@@ -36,7 +36,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 CONDITIONS = {(policy, arena) for policy in ("teacher", "imitator") for arena in ("corridor", "rectangle")}
-EPISODES = 10
+EPISODES = 6
 ARENAS = 8
 
 

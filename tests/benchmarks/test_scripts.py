@@ -59,7 +59,7 @@ SCRIPTS = {
     "agreement": Script(
         ("--episodes", "--arenas", "--recalls", "--experiments", "--replications", "--jobs", "--fresh"),
         ("pymunk_recalls", "paired_recalls", "experiments"),
-        run=("--episodes", "10", "--arenas", "8"),
+        run=("--episodes", "6", "--arenas", "8"),
         needs=("numba",),
     ),
     "decisions": Script(

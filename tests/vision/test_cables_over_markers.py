@@ -42,6 +42,7 @@ class CrossedFrames:
         self.renderer = FrameRenderer(lambda: self.truth, LABORATORY)
         self.renderer.reset(self.rng)
         self.light = Light(LABORATORY, self.rng)
+        self.tracker = Tracker()
 
     def next(self, number: int) -> tuple[Marker, list[Detection]]:
         marker = random_marker(self.rng, 1 + number % 2)
@@ -52,7 +53,7 @@ class CrossedFrames:
         curve = cable_across(marker, self.rng)
         if self.width > 0:
             draw_cable(picture, curve, self.width / 5, self.grey)
-        return marker, Tracker().detect(self.light.expose(picture, float(number)))
+        return marker, self.tracker.detect(self.light.expose(picture, float(number)))
 
 
 def errors(width: float, grey: float, count: int) -> tuple[list[float], list[float]]:
