@@ -30,7 +30,11 @@ ENDINGS = {
     "SIGSTOP": signal.SIGSTOP,
 }
 _PROGRAM = """
-import os, sys
+import os, signal, sys
+# A shell starts programs in the background with some signals ignored, and their children inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+for number in (signal.SIGQUIT, signal.SIGHUP, signal.SIGTSTP):
+    signal.signal(number, signal.SIG_DFL)
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 with SerialKhepera(sys.argv[1]) as robot:
