@@ -45,7 +45,7 @@ class ProtocolClient:
         port: Any argument of `serial.serial_for_url`.
         baud: 9600, 19200, 38400, 57600 or 115200.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
-            times as many after silence.
+            times as many after silence. The port may take as long to accept a request.
         tries: The robot counts as lost after this number of requests in a row without any reply, or of tries for the
             same request.
 
@@ -77,7 +77,7 @@ class ProtocolClient:
         self.baud = baud
         self.base_timeout = self.timeout = timeout
         self.tries = tries
-        self.exchange = Exchange(port, baud)
+        self.exchange = Exchange(port, baud, write_timeout=timeout)
         self.replace_repeated: Callable[[Request], Request] = lambda request: request
 
     @property

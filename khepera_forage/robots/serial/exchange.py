@@ -38,6 +38,7 @@ class Exchange:
     Args:
         port: Any argument of `serial.serial_for_url`.
         baud: 9600, 19200, 38400, 57600 or 115200.
+        write_timeout: As for `open_port`.
 
     Attributes:
         transport: The serial port with its statistics.
@@ -48,8 +49,8 @@ class Exchange:
         latency: Seconds between a request and its reply, in addition to their transmission, as far as known.
     """
 
-    def __init__(self, port: str, baud: int) -> None:
-        self.transport = Transport(port, baud)
+    def __init__(self, port: str, baud: int, write_timeout: float) -> None:
+        self.transport = Transport(port, baud, write_timeout)
         self.pending = PendingReplies()
         self.interrupted: Callable[[], bool] = lambda: False
         self.while_waiting: Callable[[], None] = lambda: None

@@ -18,7 +18,6 @@ BITS_PER_BYTE = 11
 """1 start, 8 data and 2 stop bits (K-Team)."""
 POLL = 0.005
 """Seconds after which a read without input returns. Constant: `rfc2217://` negotiates every change with the server."""
-_WRITE_TIMEOUT = 0.5
 _RFC2217 = "rfc2217://"
 """For these, pyserial has a fixed write timeout and rejects any other."""
 
@@ -28,12 +27,13 @@ def seconds_on_wire(count: int, baud: int) -> float:
     return count * BITS_PER_BYTE / baud
 
 
-def open_port(port: str, baud: int) -> "Serial":
+def open_port(port: str, baud: int, write_timeout: float) -> "Serial":
     """Open a port.
 
     Args:
         port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
         baud: One of `BAUD_RATES`. A `socket://` ignores it.
+        write_timeout: Seconds that the port may take to accept the bytes of a request. An `rfc2217://` ignores it.
 
     Raises:
         ValueError: Another baud rate, or a URL that pyserial does not support.
@@ -53,7 +53,7 @@ def open_port(port: str, baud: int) -> "Serial":
             parity=serial.PARITY_NONE,
             stopbits=serial.STOPBITS_TWO,
             timeout=POLL,
-            write_timeout=None if port.startswith(_RFC2217) else _WRITE_TIMEOUT,
+            write_timeout=None if port.startswith(_RFC2217) else write_timeout,
             exclusive=True,
         )
     except OSError as error:

@@ -36,6 +36,7 @@ class Transport:
     Args:
         port: Any argument of `serial.serial_for_url`.
         baud: 9600, 19200, 38400, 57600 or 115200.
+        write_timeout: As for `open_port`.
 
     Attributes:
         statistics: Counts of events so far.
@@ -46,11 +47,11 @@ class Transport:
         ValueError, ConnectionError, ImportError: See `open_port`. All methods raise `OSError` when the port fails.
     """
 
-    def __init__(self, port: str, baud: int) -> None:
+    def __init__(self, port: str, baud: int, write_timeout: float) -> None:
         self.statistics = LineStatistics()
         self.on_traffic: Callable[[Traffic], None] | None = None
         self.mid_line = False
-        self._serial = open_port(port, baud)
+        self._serial = open_port(port, baud, write_timeout)
         self._splitter = LineSplitter()
         self._lines: deque[bytes] = deque()
 
