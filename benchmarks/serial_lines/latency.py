@@ -24,8 +24,8 @@ _GRIPPER_PERIOD = 5
 _NOTE = (
     f"One robot at {BAUD} baud; wheels and gripper move. Opening: until the line is measured and accepted or rejected. "
     "A round ends when its readings have arrived. Measured from the end of the last round: median [5th, 95th "
-    "percentile], and the longest round. Bound: the period, the latency, and the transmission of the bytes of a round "
-    "in which all readings are requested twice."
+    "percentile], and the longest round. Bound: the period, and the latency or the time that the transmission of two "
+    "rounds can differ, whichever is longer."
 )
 
 
@@ -80,13 +80,15 @@ class SlowLine(NamedTuple):
             except LineTooSlow:
                 return [SlowRound(self.latency, 1000 * (time.perf_counter() - begin), False, -1, 0.0, 0.0)]
             opening = 1000 * (time.perf_counter() - begin)
-            bound = 1000 * (
-                TIMING.round_duration + seconds + robot.timing._replace(latency=0.0).duration(1, 244)
-            )
-            rows, clock = [], WallClock(TIMING.round_duration)
+            bound = 1000 * robot.timing._replace(latency=seconds).longest_round(TIMING.round_duration)
+            rows = []
             with robot:
+                robot.receive()  # as at the reset of a laboratory: all readings, twice
+                clock = WallClock(TIMING.round_duration)
                 end = time.perf_counter()
-                for number in range(self.rounds):
+                for number in range(
+                    -1, self.rounds
+                ):  # round -1 gives the moment from which the next is measured
                     down = number // _GRIPPER_PERIOD % 2
                     robot.drive(
                         Motors(5, number % 9, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
@@ -97,8 +99,9 @@ class SlowLine(NamedTuple):
                     robot.receive()
                     taken = time.perf_counter() - end
                     end += taken
-                    pipelined = robot.timing.pipelined
-                    rows.append(SlowRound(self.latency, opening, pipelined, number, 1000 * taken, bound))
+                    if number >= 0:
+                        pipelined = robot.timing.pipelined
+                        rows.append(SlowRound(self.latency, opening, pipelined, number, 1000 * taken, bound))
                 ports[0].faults = Faults()
         return rows
 

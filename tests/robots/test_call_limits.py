@@ -103,7 +103,8 @@ def test_rounds_with_late_replies_are_bounded() -> None:
             senses = run_rounds(rig, robot, Motors(left, right, 215 + 40 * (number // 10 % 2), 200))
             longest = max(longest, time.monotonic() - begin)
             assert senses == rig.robots[0].sense()
-        assert 0.2 < longest < MAX_DURATION
+        # Twice the lateness and the time-out, a second reading, and a busy machine.
+        assert 0.2 < longest < 2 * (0.6 + robot.timeout) + HOLD_AFTER + 0.3
         rig.ports[0].faults = Faults()
     assert rig.is_stopped()
 

@@ -32,8 +32,8 @@ def timed_rounds(rig: Rig, robot: SerialKhepera, rounds: int) -> list[float]:
         due = max(due + CONTROL_PERIOD, time.monotonic())
         robot.drive(Motors(5, number % 9, 255 if down else 215, 0 if down else 200))
         robot.transmit()
-        rig.advance()
         time.sleep(max(0.0, due - time.monotonic()))
+        rig.advance()  # by a whole round, after the command has arrived
         robot.receive()
         taken.append(time.monotonic() - end)
         end = time.monotonic()
@@ -125,6 +125,48 @@ def test_lost_reply_of_a_pipelined_round_is_requested_again() -> None:
                 assert senses == rig.robots[0].sense()
             rig.ports[0].faults = Faults()
         assert rig.is_stopped()
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2])
+def test_unexpected_reading_waits_for_the_next_round_if_there_is_no_time(latency: float) -> None:
+    """An object appears: to request the reading again at once would end the round late on a slow line."""
+    readings = {
+        b"N": b"n,0,0,0,0,0,0,0,0",
+        b"H": b"h,0,0",
+        b"E": b"e,0,0",
+        b"B": b"b,5.02,5.01",
+        b"D,0,0": b"d",
+        b"T,1,G": b"t,1,g,0",
+        b"T,1,H,1": b"t,1,h,215",
+        b"T,1,H,0": b"t,1,h,200",
+    }
+    period = 0.5
+    with (
+        ScriptedRobot(lambda request, number: [readings[request] + b"\r\n"]) as scripted,
+        SerialKhepera(scripted.url, period=period) as robot,
+    ):
+        for _ in range(20):
+            robot.receive()
+        robot._thread.session.timing = LineTiming(9600, latency, latency > 0, can_pipeline=True)
+        time.sleep(period - 0.015)
+        readings[b"N"] = b"n,0,0,500,0,0,0,0,0"
+        robot.receive()
+        is_slow = latency > 0
+        assert robot.sense().proximity[2] == (0 if is_slow else 500)
+        assert robot.statistics.unknown == is_slow
+        robot.receive()
+        assert robot.sense().proximity[2] == 500
+        assert robot.statistics.unknown == is_slow
+
+
+@pytest.mark.parametrize(
+    ("baud", "latency", "bound"),
+    [(38400, 0.0, 0.124), (38400, 0.04, 0.14), (38400, 0.08, 0.18), (9600, 0.0, 0.246), (115200, 0.09, 0.19)],
+)
+def test_longest_round_is_the_period_and_the_latency_or_the_transmission(
+    baud: int, latency: float, bound: float
+) -> None:
+    assert LineTiming(baud, latency, latency > 0).longest_round(0.1) == pytest.approx(bound, abs=0.001)
 
 
 def test_timing_counts_the_latency_once_if_pipelined() -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from khepera_forage.robots.serial.readings import (
     Values,
+    arm_passed,
     arm_position,
     jaw_position,
     object_presence,
@@ -34,6 +35,23 @@ def test_implausible_reading_is_repeated(readings: list[Values], accepted: Value
     )
     assert reading == accepted
     assert next(remaining, None) is None
+
+
+def test_reading_of_the_next_round_confirms_an_unknown_one() -> None:
+    accepted = read_confirmed(
+        lambda: (98,), lambda values: False, lambda first, second: within(first, second, 2), before=(99,)
+    )
+    assert accepted == (98,)
+    assert read_confirmed(lambda: None, lambda values: True, lambda first, second: True, before=(99,)) is None
+
+
+def test_arm_changes_all_infra_reds_in_front() -> None:
+    clear, behind = (3, 0, 40, 200, 5, 1, 70, 80), (1016, 1021, 1018, 1022, 1015, 1019, 72, 79)
+    assert arm_passed(clear, behind)
+    assert arm_passed(behind, clear)
+    garbled = (1016, *clear[1:])
+    assert not arm_passed(clear, garbled)
+    assert not arm_passed(clear, (*behind[:6], 900, 79)), "not behind the robot"
 
 
 @pytest.mark.parametrize(("barrier", "presence"), [(0, 0), (100, 0), (101, 255), (255, 255)])

@@ -1,9 +1,12 @@
 """Reply matching: late and repeated replies are never taken for the current one."""
 
+import time
+
 import pytest
 
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request
+from khepera_forage.robots.serial.reply_matching import PendingReplies
 from tests.robots.clients import connected_client, reply_to_n
 from tests.robots.scripted_robot import Action, NumberedReplies
 
@@ -58,6 +61,33 @@ def test_repeated_reply_is_not_matched_to_the_next_request() -> None:
         for request in (N, N, ARM, JAW, N):
             value = client.request(request).values[0]
             assert value == len(scripted.requests)
+
+
+def test_reply_to_a_stop_sent_meanwhile_stays_pending() -> None:
+    """The stop is sent behind requests whose replies are late: its own reply arrives after theirs."""
+    pending = PendingReplies()
+    for command in ("N", "T,1,G", "D"):
+        pending.sent(Request(command))
+    pending.answered(Request("N"))
+    pending.answered(Request("T,1,G"))
+    assert pending.among(["D", "N"]) == {"D"}
+
+
+def test_late_replies_in_turn_are_awaited_together() -> None:
+    late = {number: (lambda reply: [LATE, reply]) for number in range(3)}
+    with connected_client(NumberedReplies(late)) as (client, scripted):
+        begin = time.monotonic()
+        replies = client.request_in_turn([N, ARM, Request("T,1,G"), JAW, H])
+        # The scripted robot answers one request after the other.
+        assert time.monotonic() - begin < 3 * LATE + 0.2
+        assert [reply.command for reply in replies] == ["N", "T,1,H", "T,1,G", "T,1,H", "H"]
+        assert [request for request in scripted.requests if request != b"E"][:5] == [
+            b"N",
+            b"T,1,H,1",
+            b"T,1,G",
+            b"T,1,H,0",
+            b"H",
+        ]
 
 
 def test_no_synchronisation_between_different_commands() -> None:

@@ -15,10 +15,11 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from khepera_forage.robots.khepera import RobotLost
+from khepera_forage.robots.serial.attempt import Attempt
 from khepera_forage.robots.serial.command_table import RESTART
 from khepera_forage.robots.serial.errors import RequestInterrupted, RequestRejected, RobotRestarted
 from khepera_forage.robots.serial.exchange import Exchange, NoReply
-from khepera_forage.robots.serial.protocol import ErrorReply, Reply, Request, encode_request
+from khepera_forage.robots.serial.protocol import Reply, Request, encode_request
 from khepera_forage.robots.serial.transport import Transport
 
 DEFAULT_BAUD = 38400
@@ -106,6 +107,28 @@ class ProtocolClient:
         """
         return self._repeat(request, False, _MAX_BACKOFF)
 
+    def request_in_turn(self, requests: Sequence[Request]) -> list[Reply]:
+        """Send requests one by one while each is answered in time, and then the rest at once: delays do not add up.
+
+        Args:
+            requests: As for `request_all`.
+
+        Returns:
+            Their replies.
+
+        Raises:
+            RobotLost, RobotRestarted, RequestInterrupted: As for `request`.
+        """
+        replies: list[Reply] = []
+        for number, request in enumerate(requests, 1):
+            has_more = number < len(requests)
+            give_way = has_more and self.exchange.pending.sync_request(request) is None
+            try:
+                replies.append(self._repeat(request, False, _MAX_BACKOFF, give_way=give_way))
+            except NoReply:
+                return replies + self.request_all(requests[number:], [request])
+        return replies
+
     def request_at_once(self, request: Request) -> Reply:
         """As `request`, but each try first sends the request without regard to pending replies.
 
@@ -163,13 +186,21 @@ class ProtocolClient:
         """Close the port; a second call does nothing."""
         self.transport.close()
 
-    def _repeat(self, request: Request, at_once: bool, max_backoff: int) -> Reply:
+    def _repeat(self, request: Request, at_once: bool, max_backoff: int, *, give_way: bool = False) -> Reply:
+        """Send a request until it is answered.
+
+        Args:
+            request: The request.
+            at_once: As `request_at_once`.
+            max_backoff: Timeouts that a try may last.
+            give_way: Whether to raise `NoReply` as soon as nothing was received in time.
+        """
         if request.command in _NOT_REPEATABLE:
             raise ValueError(
                 f"{request.command} cannot be requested here; allowed: commands that may be sent twice"
             )
         statistics = self.transport.statistics
-        attempt = _Attempt(self.exchange, request, at_once, self.replace_repeated)
+        attempt = Attempt(self.exchange, request, at_once, self.replace_repeated)
         sent_before, rejected, failed, silent = statistics.sent, 0, 0.0, 0.0
         while True:
             if self.exchange.interrupted():
@@ -181,6 +212,8 @@ class ProtocolClient:
                     return reply
                 rejected, reason = rejected + 1, f"it replied z,{reply.text}"
             except NoReply as failure:
+                if give_way and not failure.heard:
+                    raise
                 reason = str(failure)
                 cost = _COST_OF_GARBAGE if failure.heard else 1.0
             except RobotRestarted:
@@ -207,32 +240,3 @@ class ProtocolClient:
     ) -> NoReturn:
         command = encode_request(request).decode().strip()
         raise kind(self.port, command, tries, reason) from cause
-
-
-class _Attempt:
-    """The tries of one request.
-
-    Each is preceded by a synchronisation request if a reply to the same command is pending.
-    """
-
-    def __init__(
-        self, exchange: Exchange, request: Request, at_once: bool, replace: Callable[[Request], Request]
-    ) -> None:
-        self._exchange, self._request, self._at_once, self._replace = exchange, request, at_once, replace
-        self._sent = False
-        """Whether all replies to this command that may still arrive belong to this request."""
-
-    def __call__(self, patience: float) -> Reply | ErrorReply:
-        request = self._replace(self._request)
-        if self._at_once:
-            self._exchange.send_unanswered(request)
-        sync = self._exchange.pending.sync_request(request)
-        if sync is not None:
-            reply = self._exchange.single(sync, patience, request if self._sent else None)
-            if isinstance(reply, ErrorReply):
-                raise NoReply(f"it replied z,{reply.text}", heard=False)
-            if reply.command == request.command:
-                return reply
-        self._sent = True
-        # The wheels may have been stopped meanwhile.
-        return self._exchange.single(self._replace(self._request), patience)

@@ -117,13 +117,14 @@ class Exchange:
     ) -> list[Reply | None]:
         """Send several requests at once and collect their replies, which arrive in the same order.
 
-        If some are late, a synchronisation request follows: once it is answered, what is missing is lost.
+        If an older reply to the first one may still arrive, a synchronisation request precedes them. If some replies
+        are late, one follows: once it is answered, what is missing is lost.
 
         Args:
             requests: A command may occur twice, not directly after itself.
             patience: Seconds to wait for the replies in addition to the transmission of the bytes; again, and longer,
                 after the synchronisation request.
-            sent: Requests that `send_unanswered` has sent, when no older reply to them was pending.
+            sent: Requests that `send_unanswered` or `single` has sent, when no older reply to them was pending.
 
         Returns:
             The replies to `sent` and `requests`; None for those that did not arrive. A command that occurs twice counts
@@ -132,12 +133,18 @@ class Exchange:
         Raises:
             RobotRestarted, RequestInterrupted: As for `single`.
         """
-        transport, statistics, expected = self.transport, self.transport.statistics, [*sent, *requests]
+        transport, statistics = self.transport, self.transport.statistics
         if not sent:
             transport.discard_input()
         starts_mid_line = transport.mid_line and not sent
+        own = [request.command for request in requests]
+        stale = self.pending.among(own) - {request.command for request in sent}
+        if not sent and own[0] in stale:
+            sync = self.pending.sync_request(requests[0])
+            if sync is not None and sync.command not in own:
+                return self.batch([sync, *requests], patience)[1:]
+        expected = [*sent, *requests]
         count = len(expected)
-        stale = self.pending.among([request.command for request in requests])
         for request in requests:
             self.pending.sent(request)
         length = len(transport.send(*requests)) + count * _MAX_REPLY_LENGTH
@@ -171,8 +178,6 @@ class Exchange:
                 statistics.answered += 1
                 self.pending.answered(expected[position])
                 position += 1
-                for request in expected[position:]:
-                    self.pending.sent(request)
                 stale = frozenset()  # All older replies have arrived before this one.
             elif reply is not None:
                 statistics.unmatched += 1

@@ -25,10 +25,15 @@ OPENING_TIMEOUT = 1.9
 MAX_ROUND_BYTES, MAX_ROUND_REQUESTS = 170, 8
 """Bytes and requests of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 
+_SHORTEST_ANSWERS, _LONGEST_ANSWERS = (3, 45), (5, 129)
+"""Requests of `receive` and bytes both ways: without positions of the gripper and with numbers of one digit, or with
+both positions and with all digits."""
 _ROUND_REQUESTS = 4
 """D, N, T,1,G and H: a round in which the gripper rests."""
 _ROUND_BYTES = 61
 """Bytes of such a round, both ways: the median of `benchmarks/wire.py`."""
+_GRIPPER_REQUESTS, _GRIPPER_BYTES = 6, 103
+"""The same for a round in which the gripper moves."""
 _MEASUREMENTS = 5
 _MEASURING_TIMEOUT = 1.2
 """Seconds after which no further measurement begins."""
@@ -64,6 +69,19 @@ class LineTiming(NamedTuple):
         """Seconds that requests take whose bytes, with those of the replies, have this length."""
         waits = 1 if self.pipelined else requests
         return waits * self.latency + seconds_on_wire(length, self.baud)
+
+    @property
+    def variation(self) -> float:
+        """Seconds by which the first readings of one round may take longer than those of another."""
+        return self.duration(*_LONGEST_ANSWERS) - self.duration(*_SHORTEST_ANSWERS)
+
+    def longest_round(self, period: float) -> float:
+        """Seconds from the end of a round to the end of the next one, at most, at a fixed rate without late replies."""
+        usual = period + max(self.latency, self.variation)
+        if self.duration(_GRIPPER_REQUESTS, _GRIPPER_BYTES) <= period:
+            return usual
+        # A clock that such rounds have delayed by half a period skips the rest of it.
+        return max(usual, 1.5 * period + self.variation)
 
     def check(self, port: str, period: float) -> None:
         """Check that a round fits into its period.

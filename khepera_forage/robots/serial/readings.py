@@ -32,6 +32,8 @@ PROXIMITY_LIMITS = Limits(200, 200)
 PRESENCE_LIMITS = Limits(0, 0)
 ARM_LIMITS = Limits(8, 8)
 JAW_LIMITS = Limits(45, 45)
+BEHIND_ARM = 900
+"""Infra-reds in front of which the lowered arm lies read more than this (WSU: 1015 and more)."""
 MAX_READINGS = 5
 """Readings of a sensor in one round; if none is plausible and no two agree, its value is unknown."""
 
@@ -51,24 +53,38 @@ def jaw_position(reading: int) -> int:
     return max(JAW_CLOSED, min(JAW_OPEN, reading))
 
 
+def arm_passed(first: Values, second: Values) -> bool:
+    """Whether the arm has moved in front of the infra-reds between two readings, or away from them.
+
+    It covers all six in front (WSU). A disturbance of some bytes cannot change six values alike.
+    """
+    pairs = [*zip(first[:6], second[:6], strict=True)]
+    lowered = all(b > BEHIND_ARM and b - a > PROXIMITY_LIMITS.max_change for a, b in pairs)
+    raised = all(a > BEHIND_ARM and a - b > PROXIMITY_LIMITS.max_change for a, b in pairs)
+    return (lowered or raised) and within(first[6:], second[6:], PROXIMITY_LIMITS.max_change)
+
+
 def read_confirmed(
-    read: Callable[[], Values],
+    read: Callable[[], Values | None],
     plausible: Callable[[Values], bool],
     agree: Callable[[Values, Values], bool],
+    before: Values | None = None,
 ) -> Values | None:
     """A reading that is plausible, or confirmed by the one before.
 
     Args:
-        read: Requests a reading.
+        read: Requests a reading; returns None if there is no time for another one.
         plausible: Whether a reading meets the expectation.
         agree: Whether two consecutive readings show the same.
+        before: A reading of the last round that was not confirmed.
 
     Returns:
         The reading; None if the readings contradict each other, so that the value is unknown.
     """
-    before: Values | None = None
     for _ in range(MAX_READINGS):
         values = read()
+        if values is None:
+            return None
         if plausible(values) or (before is not None and agree(before, values)):
             return values
         before = values

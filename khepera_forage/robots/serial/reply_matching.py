@@ -15,22 +15,25 @@ _SYNC_REQUESTS = tuple(
 
 
 class PendingReplies:
-    """Commands to which a reply may still arrive: the unanswered ones, and the last answered one (a repeated reply)."""
+    """Commands to which a reply may still arrive: the unanswered ones, and the last answered one (a repeated reply).
+
+    They are kept in the order in which they were sent.
+    """
 
     def __init__(self) -> None:
-        self._commands: set[str] = set()
+        self._commands: list[str] = []
 
     def sent(self, request: Request) -> None:
         """Record that a request was sent."""
-        self._commands.add(request.command)
+        self._commands.append(request.command)
 
     def answered(self, request: Request) -> None:
-        """Record a reply: no older reply can follow. The command must not have been pending when it was sent."""
-        self._commands = {request.command}
+        """Record a reply to the oldest request with this command: no older reply can follow."""
+        self._commands = self._commands[self._commands.index(request.command) :]
 
     def among(self, commands: Iterable[str]) -> frozenset[str]:
         """Those of some commands to which an older reply may still arrive."""
-        return frozenset(self._commands.intersection(commands))
+        return frozenset(commands).intersection(self._commands)
 
     def clear(self) -> None:
         """Record a restart of the robot: it sends no reply to earlier requests."""

@@ -6,11 +6,11 @@ Runs in the thread that owns the port.
 import time
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.serial.call_limits import STOP, CallLimits, turns_wheels
+from khepera_forage.robots.serial.call_limits import HOLD_AFTER, STOP, CallLimits, turns_wheels
 from khepera_forage.robots.serial.client import ProtocolClient
 from khepera_forage.robots.serial.errors import RobotRestarted
 from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, LineTimer, LineTiming
-from khepera_forage.robots.serial.protocol import Reply, Request
+from khepera_forage.robots.serial.protocol import Reply, Request, encode_reply, encode_request
 from khepera_forage.robots.serial.sensor_reader import SensorReader
 
 MAX_RESTARTS = 5
@@ -45,6 +45,7 @@ class Session:
         self._sent_jaw: int | None = None
         self._unconfirmed: list[Request] = []
         self._pipelined_rounds = 0
+        self._last_round = float("-inf")
         self._sensors = SensorReader(client, CONTROL_PERIOD if period is None else period)
         self._must_restore = False
 
@@ -88,47 +89,80 @@ class Session:
         if any(map(turns_wheels, requests)):
             self.stop_confirmed = False
         # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
+        held = False
         if self.timing.pipelined and self._client.send(requests):
             self.stop_confirmed = False
             self._unconfirmed = requests
-        elif self._has_late_replies:
-            holds = self._limits.holds
-            self._client.request_all(requests)
-            if self._limits.holds > holds:
-                self._request(requests[0])
         else:
-            for request in requests:
-                self._request(request)
+            begin, holds = time.monotonic(), self._limits.holds
+            self._exchange(requests)
+            self._note_lateness(begin, len(requests))
+            held = self._limits.holds > holds
         for request in requests:
             self._record(request, command)
+        if held:
+            self._speeds = (0, 0)  # until the next command
+            self.stop_confirmed = False
 
     def receive(self) -> Senses:
         """Read the sensors."""
         self._limits.begin()
         begin = time.monotonic()
         requests = self._sensors.begin_round()
-        received: list[Reply] = []
-        if self.timing.pipelined or self._has_late_replies:
+        self._pipelined_rounds -= 1
+        if self._unconfirmed:
             received = self._client.request_all(requests, self._unconfirmed)[len(self._unconfirmed) :]
             self._unconfirmed = []
             self.stop_confirmed = self._speeds == (0, 0)
-            if again := self._sensors.doubtful(requests, received, self._speeds):
-                received += self._client.request_all(again)
-                requests += again
-        elif len(set(requests)) < len(requests):  # in this order, equal letters do not follow each other
-            received = [self._client.request(request) for request in requests]
-        senses = self._sensors.read(requests, received, self._speeds)
+        else:
+            received = self._exchange(requests)
+        limit = self._repetition_limit(begin, self._note_lateness(begin, len(requests)))
+        again = self._sensors.doubtful(requests, received, self._speeds)
+        lengths = {
+            request: len(encode_request(request) + encode_reply(reply))
+            for request, reply in zip(requests, received, strict=True)
+        }
+
+        def has_time(*more: Request) -> bool:
+            needed = self.timing.duration(len(more), sum(lengths[request] for request in more))
+            return time.monotonic() + needed <= limit
+
+        if again and has_time(*again):
+            received += self._exchange(again)
+            requests += again
+        senses = self._sensors.read(requests, received, self._speeds, has_time)
         if self._sensors.counters.restart_noticed:
             self._must_restore = True
-        expected = self.timing.duration(len(requests), MAX_ROUND_BYTES)
-        is_late = time.monotonic() - begin > self._client.timeout + expected
-        self._pipelined_rounds = _PIPELINED_ROUNDS if is_late else self._pipelined_rounds - 1
+        self._note_lateness(begin, len(requests))
+        self._last_round = time.monotonic()
         return senses
 
-    @property
-    def _has_late_replies(self) -> bool:
-        """Whether requests are pipelined on a fast line, because a reply was late a short time ago."""
-        return self._pipelined_rounds > 0 and self.timing.can_pipeline
+    def _exchange(self, requests: list[Request]) -> list[Reply]:
+        """The replies to requests; pipelined, if one reply was late a short time ago or the latency is long."""
+        if not self.timing.can_pipeline:
+            return [self._client.request(request) for request in requests]
+        if self.timing.pipelined or self._pipelined_rounds > 0:
+            return self._client.request_all(requests)
+        return self._client.request_in_turn(requests)
+
+    def _note_lateness(self, begin: float, requests: int) -> bool:
+        """Whether requests took so long that a reply must have been late or lost: then pipeline the next rounds."""
+        expected = self.timing.duration(requests, MAX_ROUND_BYTES)
+        is_late = time.monotonic() - begin > self._client.timeout + expected
+        if is_late:
+            self._pipelined_rounds = _PIPELINED_ROUNDS
+        return is_late
+
+    def _repetition_limit(self, begin: float, is_late: bool) -> float:
+        """Moment until which implausible readings may be requested again.
+
+        Without late replies, a round must not end too long after the last one. A caller that begins to
+        receive more than one period after the last round does not keep the period itself.
+        """
+        period = self._period
+        if not is_late and period is not None and begin <= self._last_round + period:
+            return self._last_round + self.timing.longest_round(period)
+        return begin + max(HOLD_AFTER, self._client.timeout) + self.timing.latency
 
     def stop(self, discard_command: bool) -> None:
         """Stop the wheels.
