@@ -22,6 +22,8 @@ _STIFFNESS = np.diag((1e4, 0.0, 0.0)) + 1e-3 * np.eye(3)
 """Weight of straightness against the measured middles of a cable: squares of coefficients, from the square of the
 distance along the cable down."""
 _SOLID = 1e-3
+_SHARES = np.linspace(0, 1, 40)
+"""Places between two crossings at which a cable must be dark."""
 
 Darkness = NDArray[np.float32]
 """Rectified image of a marker: 0 is its white, 1 is black."""
@@ -52,14 +54,15 @@ class CableBands:
         ring = [(top, c) for c in range(left, right)] + [(r, right) for r in range(top, bottom)]
         ring += [(bottom, c) for c in range(right, left, -1)] + [(r, left) for r in range(bottom, top, -1)]
         self._ring = np.array(ring)
-        self._ring_rows, self._ring_columns = np.ascontiguousarray(self._ring.T)
+        self._ring_samples = np.ascontiguousarray(self._ring[:, 0] * columns + self._ring[:, 1])
+        self._inner = np.abs(np.arange(-_REACH, _REACH + 1.0)) <= _REACH / 2
         self._rows, self._columns = np.mgrid[:rows, :columns].astype(np.float64)
         self._across = np.arange(-_REACH, _REACH + 1.0)
 
     def crossed(self, darkness: Darkness) -> bool:
         """Whether a cable, or anything else that is dark, crosses the ring inside the marker's border."""
-        values = darkness[self._ring_rows, self._ring_columns]
-        return bool(values.max() > np.median(values) + _DARK)
+        values = darkness.take(self._ring_samples)
+        return bool(values.max() > _median(values) + _DARK)
 
     def remove(self, darkness: Darkness) -> ClearedMarker:
         """The marker without the cables that cross it."""
@@ -80,24 +83,22 @@ class CableBands:
 
     def _crossings(self, darkness: Darkness) -> list[tuple[float, float, float]]:
         """Row, column and darkness of each place where something dark crosses the ring."""
-        values = darkness[self._ring_rows, self._ring_columns]
-        values = values - np.median(values)
+        values = darkness.take(self._ring_samples)
+        values = values - _median(values)
         dark = values > _DARK
         if not dark.any() or dark.all():
             return []
         # Start at a bright sample, so that no crossing is cut in two.
         start = int(np.argmin(dark))
-        values, dark, ring = (
-            np.roll(values, -start),
-            np.roll(dark, -start),
-            np.roll(self._ring, -start, axis=0),
-        )
+        values = np.concatenate((values[start:], values[:start]))
+        dark = np.concatenate((dark[start:], dark[:start]))
+        ring = np.concatenate((self._ring[start:], self._ring[:start]))
         changes = np.flatnonzero(np.diff(dark.astype(np.int8))) + 1
         ends = [*changes.tolist(), len(dark)] if len(changes) % 2 else changes.tolist()
         crossings = []
         for first, last in zip(ends[::2], ends[1::2], strict=True):
             part = values[first:last]
-            row, column = (part[:, None] * ring[first:last]).sum(axis=0) / part.sum()
+            row, column = part @ ring[first:last] / part.sum()
             crossings.append((float(row), float(column), float(part.max())))
         darkest = max(darkness for _, _, darkness in crossings)
         return [crossing for crossing in crossings if crossing[2] >= _WEAK * darkest]
@@ -107,9 +108,8 @@ class CableBands:
         darkness: Darkness, one: tuple[float, float, float], other: tuple[float, float, float]
     ) -> float:
         """Darkness at nine of ten places between two crossings, as a share of the weaker crossing's."""
-        shares = np.linspace(0, 1, 40)
-        rows = np.rint(one[0] + shares * (other[0] - one[0])).astype(int)
-        columns = np.rint(one[1] + shares * (other[1] - one[1])).astype(int)
+        rows = np.rint(one[0] + _SHARES * (other[0] - one[0])).astype(int)
+        columns = np.rint(one[1] + _SHARES * (other[1] - one[1])).astype(int)
         return float(np.sort(darkness[rows, columns])[len(rows) // 10]) / min(one[2], other[2])
 
     def _band(self, darkness: Darkness, one: tuple[float, float], other: tuple[float, float]) -> Darkness:
@@ -124,34 +124,48 @@ class CableBands:
         curve = np.zeros(3)
         profiles = np.zeros((len(steps), len(self._across)))
         for repeat in range(_CURVE_REPEATS + 1):
-            middle = np.polyval(curve, steps - length / 2)
-            places = (
-                start + steps[:, None, None] * along + (middle[:, None] + self._across)[..., None] * normal
-            )
-            rows, columns = np.moveaxis(places.astype(np.float32), -1, 0)
+            across = _curve(curve, steps - length / 2)[:, None] + self._across
+            rows = (start[0] + steps * along[0])[:, None] + across * normal[0]
+            columns = (start[1] + steps * along[1])[:, None] + across * normal[1]
             profiles = cv2.remap(
-                darkness, columns.copy(), rows.copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+                darkness,
+                columns.astype(np.float32),
+                rows.astype(np.float32),
+                cv2.INTER_LINEAR,
+                borderMode=cv2.BORDER_REPLICATE,
             ).astype(np.float64)
             if repeat < _CURVE_REPEATS:
                 curve = curve + self._correction(profiles, steps - length / 2)
-        profile = np.median(profiles, axis=0)
+        profile = _median(profiles)
         profile = np.maximum(profile - min(profile[0], profile[-1]), 0)
         # The same profile for every sample of the image, by its distance from the line.
         down, right = self._rows - start[0], self._columns - start[1]
         places_along = down * along[0] + right * along[1] - length / 2
-        bend = np.polyval(curve, np.clip(places_along, -length / 2, length / 2))
+        bend = _curve(curve, np.minimum(np.maximum(places_along, -length / 2), length / 2))
         distances = down * normal[0] + right * normal[1] - bend
         band: Darkness = np.interp(distances, self._across, profile, left=0.0, right=0.0).astype(np.float32)
         return band
 
     def _correction(self, profiles: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:
         """The curve through the middles of the profiles; profiles with a hole in them count little."""
-        inner = np.abs(self._across) <= _REACH / 2
-        masses = profiles[:, inner].sum(axis=1)
-        middles = (profiles[:, inner] * self._across[inner]).sum(axis=1) / np.maximum(masses, 0.1)
-        typical = np.median(masses)
+        inner = profiles[:, self._inner]
+        masses = inner.sum(axis=1)
+        middles = inner @ self._across[self._inner] / np.maximum(masses, 0.1)
+        typical = float(_median(masses))
         weights = np.exp(-(((masses - typical) / max(0.15 * typical, 0.1)) ** 2)) + 1e-3
-        powers = np.vander(steps, 3)
+        powers = np.column_stack((steps * steps, steps, np.ones_like(steps)))
         weighted = powers.T * weights
         # Short cables, and cables of which little is seen, are straight.
         return np.linalg.solve(weighted @ powers + _STIFFNESS, weighted @ middles)
+
+
+def _median(values: NDArray[np.floating]) -> NDArray[np.floating]:
+    """The median along the first axis; for small arrays several times faster than numpy's."""
+    ordered = np.sort(values, axis=0)
+    return (ordered[(len(values) - 1) // 2] + ordered[len(values) // 2]) / 2  # type: ignore[no-any-return]
+
+
+def _curve(curve: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of a cable's middle from the straight line at some places along it."""
+    a, b, c = curve.tolist()
+    return (a * places + b) * places + c  # type: ignore[no-any-return]

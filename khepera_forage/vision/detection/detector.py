@@ -75,7 +75,8 @@ class Detector:
             # A cable cuts a marker in pieces, or cuts notches into its border.
             joined = self._joined(segmentation, rest)
             found += self._markers_among(segmentation, joined, markers, beside=False)[0]
-        rest = [p for p in rest if not any(self._markers.covers(m, p.contour) for m in markers)]
+        covered = [self._markers.covered(marker, [piece.contour for piece in rest]) for marker in markers]
+        rest = [piece for number, piece in enumerate(rest) if not any(on[number] for on in covered)]
         foods, rest = self._foods_among(segmentation, rest)
         if len(rest) > 1:
             foods += self._foods_among(segmentation, self._joined(segmentation, rest))[0]
@@ -198,7 +199,9 @@ class Detector:
         contour, area = piece.contour, piece.area * unit - holes_area
         # The contour runs through the middles of the border pixels; the outline around them is longer by pi.
         perimeter = (cv2.arcLength(contour, True) + math.pi) * math.sqrt(unit)
-        column, row = min(contour[:, 0].tolist(), key=lambda p: (p[1], p[0]))
+        rows = contour[:, 0, 1]
+        row = int(rows.min())
+        column = int(contour[rows == row, 0, 0].min())
         first_x, first_y = self._calibration.to_region(column + 0.5, row + 0.5, height)
         return Detection(
             moments.x,

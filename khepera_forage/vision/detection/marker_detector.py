@@ -1,6 +1,7 @@
 """Robots' markers: from a bright shape to pose and number of holes (figures 3.8, 3.9)."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -109,14 +110,19 @@ class MarkerDetector:
         front_known = abs(holes.offset) >= _MIN_HOLE_OFFSET
         return DetectedMarker(moments, heading, front_known, holes.number, holes.area, mask)
 
-    def covers(self, marker: DetectedMarker, contour: Contour) -> bool:
-        """Whether the middle of a contour lies within a marker."""
+    def covered(self, marker: DetectedMarker, contours: Sequence[Contour]) -> list[bool]:
+        """Whether the middle of each contour lies within a marker."""
         (xu, xv), (yu, yv) = self._steps(marker.moments, 1.0)
-        column, row = (float(place) for place in contour.reshape(-1, 2).mean(axis=0))
-        u, v = column + 0.5 - marker.moments.u, row + 0.5 - marker.moments.v
         determinant = xu * yv - xv * yu
-        a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
-        return bool(abs(a) <= self._settings.marker_length / 2 and abs(b) <= self._settings.marker_width / 2)
+        length, width = self._settings.marker_length / 2, self._settings.marker_width / 2
+        covered = []
+        for contour in contours:
+            column, row = contour.sum(axis=(0, 1)).tolist()
+            u = column / len(contour) + 0.5 - marker.moments.u
+            v = row / len(contour) + 0.5 - marker.moments.v
+            a, b = (u * yv - v * yu) / determinant, (v * xu - u * xv) / determinant
+            covered.append(abs(a) <= length and abs(b) <= width)
+        return covered
 
     def _detected_holes(self, rectified: Frame, level: float) -> Holes | None:
         """Holes anywhere in a clean marker; if it is not, the arrangement of `MARKER_HOLES` that fits."""
