@@ -19,9 +19,9 @@ LABORATORY = CameraAppearance.laboratory()
 BLACK, GREY, LIGHT_GREY = 30.0, 60.0, 130.0
 
 
-def cable_across(marker: Marker, rng: np.random.Generator) -> NDArray[np.float64]:
-    """A slightly curved line anywhere across a marker, at any angle: points in pixels."""
-    turn = float(rng.uniform(0, math.pi))
+def cable_across(marker: Marker, rng: np.random.Generator, angle: float | None) -> NDArray[np.float64]:
+    """A slightly curved line anywhere across a marker, at an angle in degrees, or at any: points in pixels."""
+    turn = float(rng.uniform(0, math.pi)) if angle is None else math.radians(angle)
     reach = 12 * abs(math.sin(turn)) + 8 * abs(math.cos(turn))
     along = np.array((math.cos(marker[2] + turn), math.sin(marker[2] + turn)))
     normal = np.array((-along[1], along[0]))
@@ -35,8 +35,8 @@ def cable_across(marker: Marker, rng: np.random.Generator) -> NDArray[np.float64
 class CrossedFrames:
     """Frames with one marker under a cable, and food beside the marker where the gripper holds it."""
 
-    def __init__(self, width: float, grey: float) -> None:
-        self.width, self.grey = width, grey
+    def __init__(self, width: float, grey: float, angle: float | None) -> None:
+        self.width, self.grey, self.angle = width, grey, angle
         self.rng = np.random.default_rng(5)
         self.truth = Truth((), ())
         self.renderer = FrameRenderer(lambda: self.truth, LABORATORY)
@@ -50,15 +50,17 @@ class CrossedFrames:
         held = (x + 88 * math.cos(heading), y + 88 * math.sin(heading))
         self.truth = Truth((marker,), (held,) if number % 3 == 0 else ())
         picture = self.renderer.picture()
-        curve = cable_across(marker, self.rng)
+        curve = cable_across(marker, self.rng, self.angle)
         if self.width > 0:
             draw_cable(picture, curve, self.width / 5, self.grey)
         return marker, self.tracker.detect(self.light.expose(picture, float(number)))
 
 
-def errors(width: float, grey: float, count: int) -> tuple[list[float], list[float]]:
+def errors(
+    width: float, grey: float, count: int, angle: float | None = None
+) -> tuple[list[float], list[float]]:
     """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found."""
-    frames = CrossedFrames(width, grey)
+    frames = CrossedFrames(width, grey, angle)
     distances, angles = [], []
     for number in range(count):
         (x, y, heading, holes), found = frames.next(number)
@@ -99,6 +101,12 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(
         assert np.quantile(distances, quantile) <= 2 * np.quantile(clear[0], quantile)
         assert np.quantile(angles, quantile) <= 2 * np.quantile(clear[1], quantile)
     assert max(angles) < 15, "no heading is reversed"
+
+
+@pytest.mark.parametrize("angle", [0.0, 2.0, 88.0, 90.0])
+def test_marker_under_a_cable_parallel_to_a_side_is_found(angle: float) -> None:
+    """The cable hides a side, runs along it, or covers two holes."""
+    assert len(errors(12.0, GREY, 100, angle)[0]) >= 96
 
 
 def test_marker_under_a_very_wide_cable_is_lost_or_right() -> None:

@@ -11,6 +11,8 @@ _RING = 4
 the border hardly does."""
 _DARK = 0.12
 """Darkness above the ring's median from which a sample may belong to a cable."""
+_ALONG_SIDE = 0.9
+"""Share of a side of the ring from which a crossing is a cable that runs along it."""
 _WEAK = 0.4
 """Darkness of a crossing, as a share of the darkest one's, below which it is no cable: blur, or the end of a shadow."""
 _CONTINUOUS = 0.5
@@ -54,6 +56,10 @@ class CableBands:
         ring = [(top, c) for c in range(left, right)] + [(r, right) for r in range(top, bottom)]
         ring += [(bottom, c) for c in range(right, left, -1)] + [(r, left) for r in range(bottom, top, -1)]
         self._ring = np.array(ring)
+        on_rows = [self._ring[:, 0] == row for row in (top, bottom)]
+        on_columns = [self._ring[:, 1] == column for column in (left, right)]
+        self._on_sides = np.array(on_rows + on_columns)
+        self._side_lengths = self._on_sides.sum(axis=1)
         self._ring_samples = np.ascontiguousarray(self._ring[:, 0] * columns + self._ring[:, 1])
         self._inner = np.abs(np.arange(-_REACH, _REACH + 1.0)) <= _REACH / 2
         self._rows, self._columns = np.mgrid[:rows, :columns].astype(np.float64)
@@ -97,9 +103,15 @@ class CableBands:
         ends = [*changes.tolist(), len(dark)] if len(changes) % 2 else changes.tolist()
         crossings = []
         for first, last in zip(ends[::2], ends[1::2], strict=True):
-            part = values[first:last]
-            row, column = part @ ring[first:last] / part.sum()
-            crossings.append((float(row), float(column), float(part.max())))
+            middle = (first + last) // 2
+            on_sides = self._on_sides[:, (np.arange(first, last) + start) % len(dark)].sum(axis=1)
+            # A cable along a side of the ring: two places on it.
+            along_side = (on_sides >= _ALONG_SIDE * self._side_lengths).any()
+            parts = [(first, middle), (middle, last)] if along_side else [(first, last)]
+            for begin, end in parts:
+                part = values[begin:end]
+                row, column = part @ ring[begin:end] / part.sum()
+                crossings.append((float(row), float(column), float(part.max())))
         darkest = max(darkness for _, _, darkness in crossings)
         return [crossing for crossing in crossings if crossing[2] >= _WEAK * darkest]
 

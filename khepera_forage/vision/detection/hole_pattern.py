@@ -23,6 +23,8 @@ _MARGIN, _RATIO = 0.06, 0.55
 the arrangement is uncertain."""
 _DEPTH = 0.33
 """Least darkness of a hole: blur that makes it paler also merges two holes into one."""
+_LEAST_SEEN = 0.7
+"""Share to which the least darkness falls for a hole under a cable."""
 _MISFIT = 0.6
 """Greatest misfit of the best arrangement, in whole holes: more is another marker."""
 
@@ -64,7 +66,10 @@ class HolePattern:
         if least > min(_MISFIT, misfits[second] - _MARGIN, _RATIO * misfits[second]):
             return None
         hole = self._patterns[best, 0] > _AROUND
-        return self._arrangements[best] if darkness[hole].max() >= _DEPTH else None
+        # Of a hole under a cable, only the paler rim may be visible.
+        seen = float((visibility * self._patterns[best, 0])[hole].max()) / _BLACK
+        depth = _DEPTH * max(seen, _LEAST_SEEN)
+        return self._arrangements[best] if darkness[hole].max() >= depth else None
 
 
 def _hole(shape: tuple[int, int], x: float, y: float, side: float, blur: float) -> NDArray[np.float64]:

@@ -20,6 +20,8 @@ _REACH, _STEP = 5.0, 0.5
 """Region pixels within which a side is searched on either side of its expected place, and between two samples."""
 _CUTOFFS = (3.0, 1.5, 0.6, 0.3, 0.2)
 """Region pixels beyond which a point has no weight, from one repeat to the next."""
+_COARSE = 2.0
+"""Cutoff above which only the trusted points count."""
 _CLEAR_CUTOFFS = (1.5, 0.6, 0.3, 0.2, 0.2)
 """The same for a border of which little is hidden."""
 _CLEAR_SHARE = 0.78
@@ -29,6 +31,11 @@ _SPREAD_CUTOFF = 4.0
 _DARK, _DARK_BONUS = 0.85, 2.0
 """Share of the floor's brightness below which a sample counts as dark; and the number of points that a region pixel of
 darkness beyond a side is worth when it is decided which side is hidden."""
+_BEHIND, _FLOOR_DEVIATION = (2.6, 5.4), 0.15
+"""Region pixels from the end of white where a visible side has floor: beyond the black frame and its blur. And the
+share of the floor's brightness by which it differs at most."""
+_USUAL_DIFFERENCE = 0.4
+"""Region pixels by which sides differ in this without a cable."""
 _LEAST_SHARE = 0.35
 """Share of all points that must lie on the rectangle."""
 _LEAST_ON_SIDE = 3
@@ -108,14 +115,23 @@ class RectangleFit:
         if visible[: self._points].sum() < _LEAST_SHARE * self._points:
             return None
         edges = np.where(visible, edges, 0.0)
+        first = edges[: self._points]
         # A border of which little is hidden needs only its first candidates, and only one choice of trusted points.
         points = self._points
         solution = self._clear_solution(edges[:points], visible[:points])
         if solution is not None:
             return _rectangle(solution, clear=True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
-        dark = (samples < _DARK * floor).sum(axis=1).reshape(4, -1).mean(axis=1) * _STEP
-        bonus = _DARK_BONUS * np.concatenate(([0.0], dark - dark.min()))
+        # Behind a cable that leaves a strip of the marker there is something else than floor, too.
+        beyond = self._offsets - first[:, None]
+        behind = (beyond >= _BEHIND[0]) & (beyond <= _BEHIND[1]) & visible[:points, None]
+        other = behind & (np.abs(samples - floor) > _FLOOR_DEVIATION * floor)
+        strange = ((samples < _DARK * floor).sum(axis=1) + other.sum(axis=1)).reshape(4, -1).mean(
+            axis=1
+        ) * _STEP
+        bonus = _DARK_BONUS * np.concatenate(
+            ([0.0], np.maximum(strange - strange.min() - _USUAL_DIFFERENCE, 0.0))
+        )
         trusted = self._trusted & visible
         for spread_cutoff in (0.0, _SPREAD_CUTOFF):
             solutions, weights = self._solutions(edges, trusted, _CUTOFFS, spread_cutoff)
@@ -154,7 +170,10 @@ class RectangleFit:
         cutoffs: tuple[float, ...],
         spread_cutoff: float,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Shift, turn and growth of the rectangle for each choice of trusted points, and the weight of each point."""
+        """Shift, turn and growth of the rectangle for each choice of trusted points, and the weight of each point.
+
+        In the beginning only the trusted points count; near the end, all visible ones that fit.
+        """
         terms, products = self._terms, self._products
         visible = trusted.any(axis=0)
         weights = trusted.astype(np.float64)
@@ -166,7 +185,7 @@ class RectangleFit:
             if spread_cutoff > 0:
                 spreads = np.median(squares[:, visible], axis=1)
                 limits = np.maximum(limits, spread_cutoff**2 * spreads[:, None])
-            weights = np.maximum(1 - squares / limits, 0.0) ** 2 * visible
+            weights = np.maximum(1 - squares / limits, 0.0) ** 2 * (trusted if cutoff > _COARSE else visible)
         return solutions, weights  # type: ignore[return-value] # float64
 
     def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
