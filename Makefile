@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Modules are compiled when they are first imported: to compile all of them takes a minute.
+PIP_INSTALL := $(BIN)/pip install --quiet --no-compile
 # One process more than cores, because tests of serial lines wait; tests/conftest.py distributes them.
 PARALLEL = -n $$(($$(nproc) + 1)) --dist loadscope --no-loadscope-reorder
 
@@ -23,8 +25,8 @@ pytest: $(VENV)/installed
 
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
 test-baselines: $(VENV)/installed
-	$(BIN)/pip install --quiet torch==2.13.0
-	$(BIN)/pip install --quiet --editable '.[dev,baselines,ray,dask]'
+	$(PIP_INSTALL) torch==2.13.0
+	$(PIP_INSTALL) --editable '.[dev,baselines,ray,dask]'
 	$(BIN)/python -m pytest $(PARALLEL) tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 # Installs the wheel into empty environments, without extras and with each extra.
@@ -49,7 +51,7 @@ docs-linkcheck: $(VENV)/docs-installed
 	$(BIN)/sphinx-build --jobs auto --builder linkcheck docs build/docs-linkcheck
 
 $(VENV)/docs-installed: $(VENV)/installed
-	$(BIN)/pip install --quiet --editable '.[docs]'
+	$(PIP_INSTALL) --editable '.[docs]'
 	@touch $@
 
 $(VENV)/installed: pyproject.toml
@@ -57,7 +59,7 @@ $(VENV)/installed: pyproject.toml
 		{ echo "Python 3.11 or later is needed; $(PYTHON) is $$($(PYTHON) --version 2>&1). Try make PYTHON=python3.11"; exit 1; }
 	@test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV) || \
 		{ rm -rf $(VENV); echo "Python's venv is missing: apt install python3-venv"; exit 1; }
-	$(BIN)/pip install --quiet --editable '.[dev]'
+	$(PIP_INSTALL) --editable '.[dev]'
 	@touch $@
 
 clean:
