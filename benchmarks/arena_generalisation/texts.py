@@ -123,7 +123,7 @@ def attributes(found: Analysis) -> str:
 def path(found: Analysis) -> str:
     """What distances along the path change."""
     gains = {
-        training: interval(found.gain(IMITATOR, (training, PATH.distances), (training, STRAIGHT)), 0)
+        training: interval(found.gain(IMITATOR, (training, PATH.distances), (training, STRAIGHT)), 1)
         for training in (CORRIDOR, VARIED, WHOLE)
     }
     text = (
