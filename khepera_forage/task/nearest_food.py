@@ -18,7 +18,7 @@ from khepera_forage.task.decision_readings import (
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_links import link_of
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import KnownWays, Way, drivable, way_to_food
+from khepera_forage.task.way_finding import KnownWays, drivable, way_to_food
 
 _POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
@@ -54,43 +54,39 @@ def find_nearest(
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
-    _keep(tracker, False, 0.0, 0.0, -1, (0.0, 0.0, 0.0))
-    held, excluded = tracker.held, -1
+    seen, nearest, food_x, food_y, way = False, -1, 0.0, 0.0, (0.0, 0.0, 0.0)
+    held, excluded, looks = tracker.held, -1, True
     if held >= 0:
         held_food = decisions.held_food
-        if held_food == HIDES_ALL_FOOD:
-            return
+        looks = held_food != HIDES_ALL_FOOD and held_food != IN_GRIPPER
         if held_food == IN_GRIPPER:
-            place = foods[held]
-            _keep(tracker, True, place.x, place.y, -1, (place.x, place.y, 0.0))
-            return
+            seen, food_x, food_y = True, foods[held].x, foods[held].y
+            way = food_x, food_y, 0.0
         if held_food == NO_CANDIDATE:
             excluded = held
     best, at_last_place = math.inf, decisions.food_beside_robot == SEEN_AT_LAST_PLACE
     for track in tracks:
-        if track.holes != 0 or track.label < 0:
+        if track.holes != 0 or track.label < 0 or not looks:
             continue
         dx, dy = track.x - x, track.y - y
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
-            k = link_of(track.label, links)
-            number, way = links[k].food if k >= 0 else -1, (track.x, track.y, 0.0)
+            k, number, this_way = link_of(track.label, links), -1, (track.x, track.y, 0.0)
             if k >= 0:
+                number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.ways.corners) > 0:
-                    way = way_to_food(x, y, track.x, track.y, foods[number], number, known_ways, arena)
-                    squared = min(way[2], _NO_PATH) ** 2
+                    this_way = way_to_food(x, y, track.x, track.y, foods[number], number, known_ways, arena)
+                    squared = min(this_way[2], _NO_PATH) ** 2
                     if squared >= best:
                         continue
             if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
-                best = squared
-                _keep(tracker, True, track.x, track.y, number, drivable(way, track.x, track.y))
-
-
-def _keep(tracker: Any, seen: bool, x: float, y: float, number: int, way: Way) -> None:
-    """Keep which food is nearest, and the way to it."""
-    tracker.food_seen, tracker.food_x, tracker.food_y, tracker.nearest = seen, x, y, number
+                best, way = squared, this_way
+                seen, nearest, food_x, food_y = True, number, track.x, track.y
+    if way[2] > 0.0:
+        way = drivable(way, food_x, food_y)
+    tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
     tracker.food_way_x, tracker.food_way_y, tracker.food_path = way
 
 
