@@ -16,7 +16,8 @@ from tests.wheel.building import built_wheel
 ALL = {"render", "plots", "robots", "camera", "fast"}
 ENVIRONMENTS = {
     "": set[str](),
-    **{extra: {extra} for extra in ("render", "plots", "robots", "camera", "fast", "inference", "minari")},
+    **{extra: {extra} for extra in ("render", "plots", "robots", "camera", "fast", "minari")},
+    "inference": {"inference", "plots"},  # SALib brings matplotlib
     "all": ALL,
     "all,inference,minari": {*ALL, "inference", "minari"},
 }
