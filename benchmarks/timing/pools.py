@@ -16,7 +16,10 @@ FOODS = 2
 RESETS = 8
 """Resets of all worlds, after which nearly every arena has been entered, and so prepared, once."""
 PREPARED = Measure(
-    SECTION, "drawing and preparing a medium procedural arena", "s", "one core, mean of a pool", 0.05
+    SECTION,
+    "drawing and preparing a medium procedural arena",
+    "s",
+    f"mean of a pool, with {RESETS} resets of all worlds",
 )
 POOL = Measure(
     SECTION,

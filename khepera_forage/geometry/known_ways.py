@@ -1,7 +1,7 @@
 """What a robot knows of straight ways, so that it need not look at every wall in every round. Also compiled.
 
 In most rounds nothing has changed: a wall between a robot and its home still stands there when the robot has moved a
-little. So whoever examines a way also finds out how far its ends may move before it has to be examined again.
+little. So each time a way is examined, it is also found out how far its ends may move until the next time.
 """
 
 import math
@@ -114,16 +114,7 @@ def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: 
 
 
 def room_behind(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> float:
-    """How far both ends of a way may move while something certainly stays in it; 0 if that is not known.
-
-    Args:
-        x: Of the one end.
-        y: Of the one end.
-        to_x: Of the other end.
-        to_y: Of the other end.
-        walls: `geometry.walls.Wall` records in pixels.
-        ways: `geometry.paths.Ways`.
-    """
+    """How far both ends of a way may move while something certainly stays in it; arguments as for `room_beside`."""
     room = 0.0
     for k in range(len(walls)):
         if is_crossed(x, y, to_x, to_y, walls[k]):

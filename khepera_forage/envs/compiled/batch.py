@@ -21,8 +21,6 @@ from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
-_SMALL = 1 << 63
-
 
 class CompiledBatch:
     """Recalls in many worlds. Each has one episode after another, with random numbers of its own.
@@ -85,7 +83,7 @@ class CompiledBatch:
             seeds: One a world, each at least 0.
             worlds: Numbers of the worlds.
         """
-        if max(seeds) < _SMALL:
+        if max(seeds) < 1 << 63:  # else they do not fit into 64 bits
             keys = keys_of(np.array(seeds, np.uint64))
         else:
             keys = np.array([key_of(seed) for seed in seeds], np.uint64)

@@ -21,7 +21,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
 
 MOST_ARENAS = 1 << 14
-"""Prepared arenas of a batch, at which those in which no world is are forgotten; about 10 KB each."""
+"""Prepared arenas of a batch, at which those in which no world is are forgotten; 2 to 16 kB each."""
 
 
 class PreparedArenas:
