@@ -9,7 +9,7 @@ from typing import Any
 from khepera_forage.geometry.angles import length
 from khepera_forage.geometry.walls import to_wall
 
-NEARER = 0.85
+_NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 _BESIDE_HOME = 0.85
 """The same share for a robot or food beside the home."""
@@ -33,19 +33,39 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, wall
     """
     if past_home and crosses_home(x, y, to_x, to_y, ways):
         return False
-    return is_unobstructed(x, y, to_x, to_y, walls, ways)
+    return find_blocker(x, y, to_x, to_y, walls, ways) < 0
 
 
-def is_unobstructed(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> bool:
-    """Whether a way crosses no wall and passes every corner at the clearance."""
+def find_blocker(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> int:
+    """The first wall that a way crosses, or else the first corner that it passes too closely.
+
+    Returns:
+        Number of the wall; number of walls + number of the corner; or -1 if the way is clear. The home is left aside.
+    """
     for k in range(len(walls)):
         if is_crossed(x, y, to_x, to_y, walls[k]):
-            return False
+            return k
     for k in range(len(ways.corners)):
-        aside = passed_aside(x, y, to_x, to_y, ways.corners[k], walls, ways)
-        if aside >= 0.0:
-            return False
-    return True
+        if is_passed_closely(x, y, to_x, to_y, ways.corners[k], walls, ways):
+            return len(walls) + k
+    return -1
+
+
+def blocks(number: int, x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> bool:
+    """Whether a wall or corner blocks a way.
+
+    Args:
+        number: Of the wall or corner, see `find_blocker`.
+        x: As for `is_clear`; so are the others.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: `geometry.paths.Ways`.
+    """
+    if number < len(walls):
+        return is_crossed(x, y, to_x, to_y, walls[number])
+    return is_passed_closely(x, y, to_x, to_y, ways.corners[number - len(walls)], walls, ways)
 
 
 def crosses_home(x: float, y: float, to_x: float, to_y: float, ways: Any) -> bool:
@@ -74,21 +94,23 @@ def is_crossed(x: float, y: float, to_x: float, to_y: float, wall: Any) -> bool:
     return bool(0.0 <= along * wall.share <= 1.0)
 
 
-def passed_aside(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any, ways: Any) -> float:
-    """The distance at which a way passes a corner too closely; -1 if it does not."""
+def is_passed_closely(
+    x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any, ways: Any
+) -> bool:
+    """Whether a way passes a corner too closely."""
     dx, dy = to_x - x, to_y - y
     corner_x, corner_y = corner.x - x, corner.y - y
     squared, along = dx * dx + dy * dy, corner_x * dx + corner_y * dy
     if along <= 0.0 or along >= squared:
-        return -1.0
+        return False
     distance = math.sqrt(squared)
     aside = abs(corner_x * dy - corner_y * dx) / distance
     if aside >= min(ways.clearance, distance / 2.0):
-        return -1.0
-    return aside if aside < NEARER * nearest_end(x, y, to_x, to_y, corner, walls) else -1.0
+        return False
+    return aside < _NEARER * _nearest_end(x, y, to_x, to_y, corner, walls)
 
 
-def nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
+def _nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
     """The distance of the nearer end of a way from the walls that meet at a corner."""
     before, after = walls[corner.before], walls[corner.after]
     return min(

@@ -76,7 +76,7 @@ place_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """`task.placement.Place` and `geometry.paths.Spot`."""
 
 straight_way_dtype = np.dtype(
-    [*((name, "f4") for name in ("x", "y", "to_x", "to_y", "room")), ("waypoint", "i2"), ("clear", "?")],
+    [*((name, "f4") for name in ("x", "y", "to_x", "to_y", "room")), ("blocker", "i2"), ("waypoint", "i2")],
     align=True,
 )
 """`geometry.known_ways.StraightWay`."""

@@ -38,9 +38,10 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
     for k in range(worlds.links.shape[1]):
         worlds.links[i, k].label = -1
     for k in range(worlds.straight_ways.shape[1]):
-        worlds.straight_ways[i, k].room, worlds.straight_ways[i, k].waypoint = 0.0, 0
+        way = worlds.straight_ways[i, k]
+        way.room, way.blocker, way.waypoint = 0.0, -1, 0
     for k in range(worlds.to_waypoints.shape[1]):
-        worlds.to_waypoints[i, k].room = 0.0
+        worlds.to_waypoints[i, k].room, worlds.to_waypoints[i, k].blocker = 0.0, -1
 
 
 @kernel

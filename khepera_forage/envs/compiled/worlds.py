@@ -120,8 +120,8 @@ def known_ways(
     blocks: int, lanes: int, foods: int, waypoints: int
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """`straight_ways`, `to_waypoints` and `food_lengths` of robots that know nothing."""
-    return (
-        np.zeros((blocks, lanes, 1 + foods), straight_way_dtype),
-        np.zeros((blocks, lanes, waypoints), straight_way_dtype),
-        np.zeros((blocks, lanes, foods, waypoints)),
+    straight, to_waypoints = (
+        np.zeros((blocks, lanes, count), straight_way_dtype) for count in (1 + foods, waypoints)
     )
+    straight["blocker"] = to_waypoints["blocker"] = -1
+    return straight, to_waypoints, np.zeros((blocks, lanes, foods, waypoints))
