@@ -107,7 +107,7 @@ def is_passed_closely(
     aside = abs(corner_x * dy - corner_y * dx) / distance
     if aside >= min(ways.clearance, distance / 2.0):
         return False
-    return aside < _NEARER * _nearest_end(x, y, to_x, to_y, corner, walls)
+    return bool(aside < _NEARER * _nearest_end(x, y, to_x, to_y, corner, walls))
 
 
 def _nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
