@@ -14,6 +14,7 @@ SHOVED = RADIUS + FOOD_RADIUS + 1.0
 """Food that the body itself may push lies within this of its centre, mm."""
 GRIPPER_AHEAD, GRIPPER_RADIUS = 56.0, 40.0
 """A circle around the gripper and what it holds, mm."""
+_GRIPPER_REACH = GRIPPER_AHEAD + GRIPPER_RADIUS
 
 
 class WallWatch:
@@ -29,10 +30,15 @@ class WallWatch:
     def __init__(self, walls: Sequence[Segment]) -> None:
         self._walls = [(wall, *line_of(wall)) for wall in walls]
         self.near: list[Segment] = []
-        self._nearest_line = 0.0
+        self._x = self._y = self._nearest_line = self._moved = 0.0
 
     def survey(self, x: float, y: float) -> None:
         """Look which walls are near a robot at this place, mm."""
+        # No wall is nearer than its line was last time less what the robot has moved: mostly none comes in range.
+        dx, dy = x - self._x, y - self._y
+        moved = self._moved = math.sqrt(dx * dx + dy * dy)
+        if self._nearest_line > REACH + moved:
+            return
         # The distance from a wall's line is cheap, and mostly shows that the wall is out of range.
         nearest = math.inf
         near = []
@@ -43,7 +49,7 @@ class WallWatch:
             if off_line < REACH and distance(x, y, wall) < REACH:
                 near.append(wall)
         self.near = near
-        self._nearest_line = nearest
+        self._x, self._y, self._nearest_line, self._moved = x, y, nearest, 0.0
 
     def clear(self, pose: Pose, travel: float, pushing: bool) -> bool:
         """Whether nothing of the robot, or that it pushes, can touch a wall.
@@ -53,14 +59,16 @@ class WallWatch:
             travel: How far any point of it gets, mm.
             pushing: Whether there is something that it may push.
         """
-        if self._nearest_line > PUSHED + travel:
+        nearest = self._nearest_line - self._moved - travel
+        if nearest > (PUSHED if pushing else _GRIPPER_REACH):
             return True
         x, y, angle = pose
         reach, gripper_reach = travel + (PUSHED if pushing else RADIUS), travel + GRIPPER_RADIUS
+        beside = nearest < (PUSHED if pushing else RADIUS)
         tip_x, tip_y = x + GRIPPER_AHEAD * math.cos(angle), y + GRIPPER_AHEAD * math.sin(angle)
         for wall, normal_x, normal_y, offset in self._walls:
             # As in `survey`, the distance from the wall's line mostly shows that the wall is out of reach.
-            if abs(normal_x * x + normal_y * y - offset) < reach and distance(x, y, wall) < reach:
+            if beside and abs(normal_x * x + normal_y * y - offset) < reach and distance(x, y, wall) < reach:
                 return False
             off_line = abs(normal_x * tip_x + normal_y * tip_y - offset)
             if off_line < gripper_reach and distance(tip_x, tip_y, wall) < gripper_reach:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.geometry.angles import cosine_sine, length
+from khepera_forage.geometry.nearest_wall import NearestWall
 from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
@@ -76,7 +77,8 @@ class FoodTracker:
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
-        known_ways: What the robot knows of the ways in the arena.
+        nearest_wall: Which wall is nearest to the robot.
+        known_ways: What it knows of the ways in the arena.
         links: Twice as many slots as food objects.
     """
 
@@ -94,6 +96,7 @@ class FoodTracker:
     food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
+    nearest_wall: NearestWall = field(default_factory=NearestWall, compare=False)
     known_ways: KnownWays = field(default_factory=lambda: no_known_ways(0, 0))
     links: list[Link] = field(default_factory=list)
 

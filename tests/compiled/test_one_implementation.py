@@ -20,6 +20,7 @@ from khepera_forage.envs.compiled.records import (
     episode_dtype,
     food_object_dtype,
     link_dtype,
+    nearest_wall_dtype,
     place_dtype,
     start_dtype,
     straight_way_dtype,
@@ -29,6 +30,7 @@ from khepera_forage.envs.compiled.records import (
 )
 from khepera_forage.envs.compiled.rules import RULE_MODULES
 from khepera_forage.geometry.known_ways import StraightWay
+from khepera_forage.geometry.nearest_wall import NearestWall
 from khepera_forage.geometry.paths import Corner, Spot
 from khepera_forage.geometry.walls import Wall
 from khepera_forage.policies import nearest_neighbour
@@ -201,6 +203,7 @@ def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: st
         (food_object_dtype, FoodObject),
         (link_dtype, Link),
         (straight_way_dtype, StraightWay),
+        (nearest_wall_dtype, NearestWall),
         (track_dtype, Track),
         (episode_dtype, Episode),
         (decision_dtype, DecisionCounts),
@@ -213,7 +216,9 @@ def test_compiled_modules_call_the_rules_that_they_need(package: str, needed: st
 )
 def test_records_have_the_fields_of_the_dataclasses(record: Any, thing: Any) -> None:
     """Lists of records are arrays of their own."""
-    assert {field.name for field in fields(thing)} - {"foods", "known_ways", "links"} <= set(record.names)
+    assert {field.name for field in fields(thing)} - {"foods", "nearest_wall", "known_ways", "links"} <= set(
+        record.names
+    )
 
 
 def test_records_of_walls_arenas_and_detections_have_the_fields_of_the_tuples() -> None:

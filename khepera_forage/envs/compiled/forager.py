@@ -6,6 +6,7 @@ from khepera_forage.envs.compiled.one_world import OneWorld
 from khepera_forage.envs.compiled.records import VECTOR
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.geometry.known_ways import StraightWay
+from khepera_forage.geometry.nearest_wall import NearestWall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.behaviours import command
@@ -48,6 +49,7 @@ class CompiledForager:
         )
         self.tracker = FoodTracker(*worlds.trackers[0, 0].item())
         self.tracker.foods = [FoodObject(*food.item()) for food in worlds.foods[0, 0]]
+        self.tracker.nearest_wall = NearestWall(*worlds.nearest_walls[0, 0].item())
         self.tracker.known_ways = KnownWays(
             [StraightWay(*way.item()) for way in worlds.straight_ways[0, 0]],
             [StraightWay(*way.item()) for way in worlds.to_waypoints[0, 0]],

@@ -19,6 +19,7 @@ from khepera_forage.envs.compiled.records import (
     episode_dtype,
     food_object_dtype,
     link_dtype,
+    nearest_wall_dtype,
     place_dtype,
     start_dtype,
     straight_way_dtype,
@@ -143,36 +144,37 @@ def _step_one(table: NDArray[np.int64]) -> None:
         array_at(a[5], (1,), _TASK),
         array_at(a[6], (1, 1), tracker_dtype),
         array_at(a[7], (1, 1, foods), food_object_dtype),
-        array_at(a[8], (1, 1, 1 + foods), straight_way_dtype),
-        array_at(a[9], (1, 1, waypoints), straight_way_dtype),
-        array_at(a[10], (1, 1, foods, waypoints), _FLOAT),
-        array_at(a[11], (1, 1, 2 * foods), link_dtype),
-        array_at(a[12], (1, 1), episode_dtype),
-        array_at(a[13], (1, 1), start_dtype),
-        array_at(a[14], (1, foods), place_dtype),
+        array_at(a[8], (1, 1), nearest_wall_dtype),
+        array_at(a[9], (1, 1, 1 + foods), straight_way_dtype),
+        array_at(a[10], (1, 1, waypoints), straight_way_dtype),
+        array_at(a[11], (1, 1, foods, waypoints), _FLOAT),
+        array_at(a[12], (1, 1, 2 * foods), link_dtype),
+        array_at(a[13], (1, 1), episode_dtype),
+        array_at(a[14], (1, 1), start_dtype),
+        array_at(a[15], (1, foods), place_dtype),
     )
     parameters = Parameters(
         foods,
-        array_at(a[15], (walls,), _WALL),
-        array_at(a[16], (corners,), _CORNER),
-        array_at(a[17], (1,), _CONSTANTS),
+        array_at(a[16], (walls,), _WALL),
+        array_at(a[17], (corners,), _CORNER),
+        array_at(a[18], (1,), _CONSTANTS),
         (),
     )
     task = TaskParameters(
-        array_at(a[18], (1,), arena_dtype),
-        array_at(a[19], (walls,), wall_dtype),
+        array_at(a[19], (1,), arena_dtype),
         array_at(a[20], (walls,), wall_dtype),
-        array_at(a[21], (corners,), way_corner_dtype),
-        array_at(a[22], (waypoints,), place_dtype),
-        array_at(a[23], (waypoints * waypoints,), _FLOAT),
-        array_at(a[24], (waypoints,), _FLOAT),
+        array_at(a[21], (walls,), wall_dtype),
+        array_at(a[22], (corners,), way_corner_dtype),
+        array_at(a[23], (waypoints,), place_dtype),
+        array_at(a[24], (waypoints * waypoints,), _FLOAT),
         array_at(a[25], (waypoints,), _FLOAT),
-        array_at(a[26], (1,), decisions_dtype),
+        array_at(a[26], (waypoints,), _FLOAT),
+        array_at(a[27], (1,), decisions_dtype),
     )
-    action = array_at(a[27], (1, numbers), _FLOAT)
-    begins = array_at(a[28], (1,), _FLAG)
-    start = array_at(a[29], (1,), start_dtype)
-    places = array_at(a[30], (foods,), place_dtype)
-    has_room = array_at(a[31], (1,), _FLAG)
+    action = array_at(a[28], (1, numbers), _FLOAT)
+    begins = array_at(a[29], (1,), _FLAG)
+    start = array_at(a[30], (1,), start_dtype)
+    places = array_at(a[31], (foods,), place_dtype)
+    has_room = array_at(a[32], (1,), _FLAG)
     block, advance = worlds_of(worlds, 0, 0), table[ADVANCE]
     has_room[0] = step_block(block, parameters, task, action, begins, start, places, advance)

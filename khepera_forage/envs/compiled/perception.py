@@ -9,6 +9,7 @@ from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rule
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
+from khepera_forage.geometry.nearest_wall import to_nearest_wall
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import update_food
@@ -74,7 +75,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
-    _find_nearest_walls(maps, robot, task)
+    _find_nearest_walls(maps, worlds)
     _find_ways(worlds, maps)
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
@@ -109,33 +110,30 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
         task.state[i] = classify(vector, arena.home_radius, decisions).value
 
 
-def _find_nearest_walls(maps: Any, robot: Any, task: Any) -> None:
-    """The way from each robot to the nearest point of a wall, wall by wall."""
+def _find_nearest_walls(maps: Any, worlds: Worlds) -> None:
+    """From each robot to the nearest point of a wall: wall by wall, for many robots at once."""
+    robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
         task.wall_squared[i] = np.inf
     for k in range(maps.walls.shape[0]):
         wall = maps.walls[k]
         for i in range(robot.x.shape[0]):
-            _keep_nearest(robot, task, i, wall)
+            dx, dy = to_wall(
+                robot.marker_x[i], robot.marker_y[i], wall.x1, wall.y1, wall.ex, wall.ey, wall.share
+            )
+            squared = dx * dx + dy * dy
+            nearer = squared < task.wall_squared[i]
+            task.wall_squared[i] = squared if nearer else task.wall_squared[i]
+            task.wall_x[i] = dx if nearer else task.wall_x[i]
+            task.wall_y[i] = dy if nearer else task.wall_y[i]
 
 
 @variant(_find_nearest_walls, are_several)
-def _find_nearest_walls_world_by_world(maps: Any, robot: Any, task: Any) -> None:
+def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
+    robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
-        task.wall_squared[i] = np.inf
-        walls = map_in(maps, i).walls
-        for k in range(walls.shape[0]):
-            _keep_nearest(robot, task, i, walls[k])
-
-
-@inline
-def _keep_nearest(robot: Any, task: Any, i: int, wall: Any) -> None:
-    dx, dy = to_wall(robot.marker_x[i], robot.marker_y[i], wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
-    squared = dx * dx + dy * dy
-    nearer = squared < task.wall_squared[i]
-    task.wall_squared[i] = squared if nearer else task.wall_squared[i]
-    task.wall_x[i] = dx if nearer else task.wall_x[i]
-    task.wall_y[i] = dy if nearer else task.wall_y[i]
+        known, walls = worlds.nearest_walls[i], map_in(maps, i).walls
+        task.wall_x[i], task.wall_y[i] = to_nearest_wall(known, robot.marker_x[i], robot.marker_y[i], walls)
 
 
 @inline

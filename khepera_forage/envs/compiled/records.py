@@ -81,6 +81,9 @@ straight_way_dtype = np.dtype(
 )
 """`geometry.known_ways.StraightWay`."""
 
+nearest_wall_dtype = np.dtype([*((name, "f4") for name in ("x", "y", "room")), ("number", "i4")])
+"""`geometry.nearest_wall.NearestWall`."""
+
 way_corner_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("before", "i8"), ("after", "i8")])
 """`geometry.paths.Corner`."""
 

@@ -10,7 +10,7 @@ import math
 from khepera_forage.compilation import counter_rng  # noqa: F401 (registers the random numbers)
 from khepera_forage.compilation.decorators import inline, kernel, stand_in
 from khepera_forage.compilation.trigonometry import cosine_sine, direction
-from khepera_forage.geometry import angles, known_ways, paths, straight_ways, walls
+from khepera_forage.geometry import angles, known_ways, nearest_wall, paths, straight_ways, walls
 from khepera_forage.robots import footprint, khepera
 from khepera_forage.task import (
     actions,
@@ -33,6 +33,7 @@ from khepera_forage.task import (
 
 RULE_MODULES = (
     walls,
+    nearest_wall,
     straight_ways,
     known_ways,
     paths,
@@ -56,7 +57,7 @@ RULE_MODULES = (
 )
 """Modules whose functions kernels may call."""
 
-_RARE = (known_ways.examine, paths.find_lengths, paths.has_path)
+_RARE = (nearest_wall.find_nearest_wall, known_ways.examine, paths.find_lengths, paths.has_path)
 """Long functions that few rounds call, compiled once."""
 _DEGREES, _RADIANS = 180.0 / math.pi, math.pi / 180.0
 

@@ -11,6 +11,7 @@ from khepera_forage.envs.compiled.records import (
     episode_dtype,
     food_object_dtype,
     link_dtype,
+    nearest_wall_dtype,
     place_dtype,
     start_dtype,
     straight_way_dtype,
@@ -33,6 +34,7 @@ class Worlds(NamedTuple):
         tasks: `task_dtype`, shape (blocks,); of one block a record.
         trackers: `tracker_dtype`, shape (blocks, lanes); of one block (lanes,), and so on.
         foods: `food_object_dtype`, shape (blocks, lanes, foods).
+        nearest_walls: `nearest_wall_dtype`, shape (blocks, lanes).
         straight_ways: `straight_way_dtype`, shape (blocks, lanes, 1 + foods); this and the next two are the arrays of
             `task.way_finding.KnownWays`.
         to_waypoints: `straight_way_dtype`, shape (blocks, lanes, waypoints).
@@ -47,6 +49,7 @@ class Worlds(NamedTuple):
     tasks: Any
     trackers: Any
     foods: Any
+    nearest_walls: Any
     straight_ways: Any
     to_waypoints: Any
     food_lengths: Any
@@ -64,6 +67,7 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
         worlds.tasks[block],
         worlds.trackers[block],
         worlds.foods[block],
+        worlds.nearest_walls[block],
         worlds.straight_ways[block],
         worlds.to_waypoints[block],
         worlds.food_lengths[block],
@@ -103,6 +107,7 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
         np.zeros(blocks, task_dtype(lanes)),
         trackers,
         np.zeros((blocks, lanes, foods), food_object_dtype),
+        np.zeros((blocks, lanes), nearest_wall_dtype),
         *known_ways(blocks, lanes, foods, waypoints),
         links,
         np.zeros((blocks, lanes), episode_dtype),
@@ -113,7 +118,7 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
 
 def kept(worlds: Worlds) -> tuple[Any, ...]:
     """All arrays that hold something between rounds, but for the lists of near walls, which can be made again."""
-    return (*worlds.bodies[:3], *worlds[1:9])
+    return (*worlds.bodies[:3], *worlds[1:10])
 
 
 def known_ways(
