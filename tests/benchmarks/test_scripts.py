@@ -88,7 +88,7 @@ SCRIPTS = {
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
         ("trainings", "recalls"),
-        repeatable=("--only", "spatial_variety", "--replications", "1"),
+        repeatable=("--only", "spatial_variety", "--replications", "2"),
         page="spatial_variety/spatial_variety.md",
     ),
     "generalisation": Script(
