@@ -149,7 +149,9 @@ def test_only_the_experiments_given_are_run(quick_run: QuickRun) -> None:
 
 
 def test_replications_have_places_of_their_own(quick_run: QuickRun) -> None:
-    seeds = places_of(quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ())), "spatial_variety")
+    seeds = places_of(
+        quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ())), "spatial_variety"
+    )
     assert len(seeds) == 4
     assert all(len(kinds) == 1 for kinds in seeds.values())
     assert len(set.union(*seeds.values())) == 4
