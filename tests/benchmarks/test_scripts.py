@@ -131,6 +131,7 @@ SCRIPTS = {
     "virtual_lab": Script(
         ("--replications", "--rounds", "--jobs", "--fresh"),
         ("recalls", "trainings", "rounds", "attempts"),
+        run=("--jobs", "1"),
         needs=("serial", "cv2"),
     ),
     "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
