@@ -33,6 +33,7 @@ from khepera_forage.experiments.processes import Unit, collect
 from khepera_forage.experiments.row_folder import Rows
 from khepera_forage.experiments.tables import Table
 from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.thesis.design import THESIS
 
 COUNTS = (
     Count("episodes", 3_000, 50, "recalls of each condition with pymunk", adds_units=True, least=2),
@@ -58,11 +59,12 @@ def main() -> int:
     """Run the benchmark."""
     given = parse("agreement", __doc__, *COUNTS)
     seed = given.seed
-    imitators = samples.experience(seed, given.jobs)
+    imitators = samples.experience(seed, given.jobs, given.quick)
     arenas = [random_arena(seed, number, given.counts["recalls"]) for number in range(given.counts["arenas"])]
     work: list[Unit] = [*samples.blocks(seed, given.counts["episodes"], imitators)]
     work += paired.units(arenas, paired.trained_imitator(seed))
-    work += [experiments.Experiment(seed, number) for number in range(given.counts["experiments"])]
+    design = experiments.QUICK_DESIGN if given.quick else THESIS
+    work += [experiments.Experiment(seed, number, design) for number in range(given.counts["experiments"])]
     rows = collect(given, work, TABLES)
     parts = [
         page.SUMMARY,
@@ -110,7 +112,7 @@ def _in_thesis_arenas(given: Arguments, rows: Rows, imitators: tuple[samples.Vec
         slow_wheels += two_sample_tests.compare(condition, single, slow)
         power.append(two_sample_tests.power(condition, equal, slow, episodes, repeats, rng))
     return [
-        page.agreement_table(agreement, episodes, many),
+        page.agreement_table(agreement, episodes, many, len(imitators)),
         page.slow_wheels_table(slow_wheels),
         page.power_table(power, repeats),
         Picture("agreement", "distributions of steps and scores", page.picture(found)),

@@ -38,6 +38,8 @@ from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import delete_chunks
 
 START = Path("results/decisions")
+QUICK_FIELDS = tuple(PRIOR.decisions)[::4]
+"""Fields that are tried with simpler values with `--quick`."""
 
 
 class Search(NamedTuple):
@@ -116,7 +118,14 @@ def simplified(
         for start in finalists:
             first = judge(start.decisions, 0)
             if math.isfinite(first.misfit):
-                chosen, trials = simplify(start.decisions, first.misfit, PRIOR, judge, given.passes)
+                chosen, trials = simplify(
+                    start.decisions,
+                    first.misfit,
+                    PRIOR,
+                    judge,
+                    given.passes,
+                    QUICK_FIELDS if given.quick else (),
+                )
                 return start, replicated(chosen, len(trials) + 1, 2 * parts), trials
     raise ValueError(f"no finalist fits; the first one: {finalists[0].outcome}")
 

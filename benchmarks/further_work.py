@@ -46,7 +46,7 @@ EXPERIMENTS = {
     )
 }
 """In the order of the pages. To add an experiment, add a file and a line here."""
-QUICK = Size(files=2, recalls=1, generations=2, attempts=25, patience=2)
+QUICK = Size(files=2, recalls=1, generations=2, attempts=25, patience=2, steps=250, rounds=250)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,7 +60,7 @@ def main() -> int:
     replications = Count(
         "replications",
         20,
-        2,
+        1,
         "repetitions of each experiment, new training files included",
         adds_units=True,
     )

@@ -28,6 +28,8 @@ COUNTS = (
     Count("levels", 1, 1, "test arenas of each difficulty in each replication"),
 )
 QUICK_NAMED, QUICK_DIFFICULTIES = ("corridor", "rectangle", "t_maze", "mixed_foods"), ("easy", "medium")
+QUICK_LIMIT = 500
+"""Steps of a recall: the teacher needs no more."""
 TABLES = {ArenaRecalls: "recalls", WrongDecisions: "wrong_decisions"}
 
 
@@ -40,6 +42,7 @@ def main() -> int:
         levels,
         QUICK_NAMED if given.quick else ARENAS,
         QUICK_DIFFICULTIES if given.quick else tuple(DIFFICULTIES),
+        QUICK_LIMIT if given.quick else None,
     )
     rows = collect(given, [Replication(given.seed, number, size) for number in range(seeds)], TABLES)
     rng = np.random.default_rng((given.seed, 1))

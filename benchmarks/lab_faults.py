@@ -11,6 +11,7 @@ import sys
 
 from laboratory_faults import page
 from laboratory_faults.campaign import series
+from laboratory_faults.injector import PAUSE, QUICK_PAUSE
 from laboratory_faults.kinds import KINDS
 from laboratory_faults.rows import FaultRow, TrainingResult
 
@@ -29,8 +30,8 @@ def main() -> int:
     """Run the benchmark."""
     # Drivers wait for lost robots most of the time.
     given = parse("lab_faults", __doc__, COUNT, jobs=-1)
-    kinds = KINDS[::QUICK] if given.quick else KINDS
-    rows = collect(given, series(given.series, given.seed, kinds), TABLES)
+    kinds, pause = (KINDS[::QUICK], QUICK_PAUSE) if given.quick else (KINDS, PAUSE)
+    rows = collect(given, series(given.series, given.seed, kinds, pause), TABLES)
     faults, trainings = rows.of(FaultRow), rows.of(TrainingResult)
     parts: list[Table | Picture] = [
         page.robot_table(faults),

@@ -19,7 +19,7 @@ from khepera_forage.experiments.processes import collect
 
 def main() -> int:
     """Run the benchmark."""
-    forages = Count("forages", 500, 25, "random starts of each line", adds_units=True)
+    forages = Count("forages", 500, 15, "random starts of each line", adds_units=True)
     given = parse("teacher", __doc__, forages)
     rows = collect(given, blocks(given.seed, given.forages), {Forage: "forages"})
     return finish(given, page(rows.of(Forage)))

@@ -48,7 +48,7 @@ TABLES = {
     Trial: "calibrations",
 }
 FRAMES, REPEATS, IMAGES = 200, 5, 20
-QUICK_FRAMES, QUICK_REPEATS, QUICK_IMAGES = 40, 2, 1
+QUICK_FRAMES, QUICK_REPEATS, QUICK_IMAGES = 20, 2, 1
 """Frames and repeats of the speed; images of each layout of holes."""
 _SHOWN = 25
 """Round of a training that the picture shows: the robots are on their way to the food."""
@@ -86,7 +86,7 @@ def main() -> int:
             for n, sweep in SWEEPS.items()
             for curve in sweep.curves
         ),
-        *(Lenses(layout, seed, given.trials) for layout in lenses.LAYOUTS),
+        *(Lenses(layout, seed, given.trials, given.quick) for layout in lenses.LAYOUTS),
     ]
     given.fresh = False
     rows = collect(given, units, TABLES)

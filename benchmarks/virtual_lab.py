@@ -11,7 +11,7 @@ import os
 import sys
 
 from lab_comparison import comparison, page, pictures
-from lab_comparison.episodes import Exclusion, LabRecall, LabTraining, replications
+from lab_comparison.episodes import Exclusion, LabRecall, LabTraining, Size, replications
 from lab_comparison.fault_sums import fault_sums
 from lab_comparison.faults import DisturbedAttempt, conditions
 from lab_comparison.rounds import LOCK_STEP, PACED, TimedRound, Timing
@@ -25,8 +25,8 @@ COUNTS = (
     Count("replications", 16, 1, "trainings and recalls, in each world", adds_units=True),
     Count("rounds", 1000, 25, "rounds with each fault at each rate"),
 )
-FILES, RECALLS = 5, 4
-"""Training files of a replication, and recalls of each policy in each arena; one each with --quick."""
+QUICK = Size(files=1, recalls=1, rounds=250, steps=400)
+"""Of a replication with --quick."""
 TIMED_ROUNDS = {LOCK_STEP: (1000, 60), PACED: (300, 30)}
 """Rounds whose time is measured, and their number with --quick."""
 TABLES = {
@@ -44,10 +44,9 @@ def main() -> int:
     given = parse("virtual_lab", __doc__, *COUNTS, jobs=1 + (os.cpu_count() or 1))
     timings = [Timing(pace, counts[given.quick], given.seed) for pace, counts in TIMED_ROUNDS.items()]
     timed = collect(given, timings, TABLES, in_processes(1)).of(TimedRound)
-    files, recalls = (1, 1) if given.quick else (FILES, RECALLS)
     units: list[Unit] = [
         *conditions(given.rounds, given.seed),
-        *replications(given.replications, files, recalls, given.seed),
+        *replications(given.replications, QUICK if given.quick else Size(), given.seed),
     ]
     given.fresh = False
     rows = collect(given, units, TABLES)

@@ -235,7 +235,7 @@ def _picture(rows: Sequence[Round]) -> "Figure":
 
 def main() -> int:
     """Run the benchmark."""
-    rounds = Count("rounds", 200, 40, "rounds at each baud rate and with each number of robots")
+    rounds = Count("rounds", 200, 25, "rounds at each baud rate and with each number of robots")
     given = parse("wire", __doc__, rounds, jobs=None)
     units = [*drives(given.rounds, given.seed), *lines(given.rounds, given.seed)]
     tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}

@@ -28,6 +28,11 @@ for number, usual in (
 
 SCRIPT_TESTS = ("tests/benchmarks/test_scripts.py", "tests/benchmarks/test_pictures.py")
 """Each of their tests has a script as parameter."""
+SAME_RUN = {
+    "tests/benchmarks/test_best_decisions.py": "tests/benchmarks/test_decisions.py",
+    "tests/benchmarks/test_further_work_learning.py": "tests/benchmarks/test_further_work.py",
+}
+"""Files whose tests need the quick run of another file's script."""
 
 
 class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist is untyped
@@ -40,7 +45,9 @@ class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist 
     def _split_scope(self, nodeid: str) -> str:
         file, _, test = nodeid.partition("::")
         script = test.partition("[")[2].removesuffix("]")
-        return f"tests/benchmarks/test_{script}.py" if file in SCRIPT_TESTS and script else file
+        if file in SCRIPT_TESTS and script:
+            file = f"tests/benchmarks/test_{script}.py"
+        return SAME_RUN.get(file, file)
 
 
 @pytest.hookimpl(optionalhook=True)  # there is no such hook with -p no:xdist

@@ -20,10 +20,15 @@ LEGIBLE = 10.5
 """Pixels: least height of text in a figure as it is shown."""
 
 
-def check_readable(figure: Figure) -> None:
-    """Every text is large enough at the size at which the figure is shown, whole, and apart from all other texts."""
+def lay_out(figure: Figure) -> Figure:
+    """A figure after the layout, as the checks need it; one that was saved has been laid out already."""
     FigureCanvasAgg(figure)
     figure.draw_without_rendering()
+    return figure
+
+
+def check_readable(figure: Figure) -> None:
+    """Every text is large enough at the size at which the figure is shown, whole, and apart from all other texts."""
     texts = list(texts_of(figure))
     assert texts
     scale = SHOWN_WIDTH / (72 * figure.get_figwidth())
@@ -61,8 +66,6 @@ def legends_of(figure: Figure) -> list[Legend]:
 
 def check_shading_is_explained(figure: Figure) -> None:
     """Each shaded area has the colour of a patch in a legend."""
-    FigureCanvasAgg(figure)
-    figure.draw_without_rendering()
     handles = [handle for legend in legends_of(figure) for handle in legend.legend_handles]
     explained = {to_rgb(handle.get_facecolor()) for handle in handles if isinstance(handle, Patch)}
     shaded = [area for axes in figure.axes for area in axes.collections if type(area).__name__ in _AREAS]

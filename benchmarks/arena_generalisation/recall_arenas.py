@@ -31,6 +31,10 @@ class RecallArena(NamedTuple):
         """Steps of a recall at most."""
         return int(self.arguments["limit"])
 
+    def limited(self, limit: int) -> "RecallArena":
+        """The same with recalls of `limit` steps at most."""
+        return self._replace(arguments={**self.arguments, "limit": min(limit, self.limit)})
+
 
 def named_arenas(names: Sequence[str]) -> list[RecallArena]:
     """Arenas of the thesis and of the family.

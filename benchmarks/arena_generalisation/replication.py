@@ -39,12 +39,14 @@ class Size(NamedTuple):
         levels: Test levels of each difficulty in each replication.
         named: Names of the arenas of the thesis and of the family.
         difficulties: Of procedural arenas.
+        limit: Steps of a recall at most; by default each arena's own limit.
     """
 
     recalls: int
     levels: int
     named: tuple[str, ...]
     difficulties: tuple[str, ...]
+    limit: int | None = None
 
 
 class Contestant(NamedTuple):
@@ -144,7 +146,7 @@ class Replication(NamedTuple):
         arenas, levels = named_arenas(self.size.named), self.size.levels
         for difficulty in self.size.difficulties:
             arenas += procedural_arenas(difficulty, "test", self.number * levels, levels)
-        return arenas
+        return arenas if self.size.limit is None else [arena.limited(self.size.limit) for arena in arenas]
 
     def _recalls(
         self, arena: RecallArena, batch: ArenaBatch, contestants: Sequence[Contestant]

@@ -1,6 +1,7 @@
 """The thesis's experiments on both backends: training and recalls, each backend with training files of its own."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,8 @@ from khepera_forage.thesis.design import THESIS, Cell
 from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
 from khepera_forage.thesis.replication import Replication
 
+QUICK_DESIGN = tuple(replace(cell, subsets=cell.subsets[:2], recalls=1) for cell in THESIS)
+"""With `--quick`: one recall of two learners in every cell."""
 COMPILED_FACTOR = 20
 """Compiled replications for each one with pymunk."""
 MEASURES: Mapping[str, Callable[[RecallRow], float]] = {
@@ -61,10 +64,12 @@ class Experiment(NamedTuple):
     Attributes:
         seed: Of the benchmark.
         number: Of the replication.
+        cells: With fewer learners and recalls to do the same in small.
     """
 
     seed: int
     number: int
+    cells: tuple[Cell, ...] = THESIS
 
     @property
     def key(self) -> str:
@@ -73,7 +78,7 @@ class Experiment(NamedTuple):
 
     def run(self) -> Sequence[RecallRow]:
         """Train, and return the recalls."""
-        return Replication(self.seed, self.number).run().recalls
+        return Replication(self.seed, self.number, cells=self.cells).run().recalls
 
 
 def compiled_experiments(seed: int, count: int) -> list[RecallRow]:

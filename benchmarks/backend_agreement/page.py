@@ -8,7 +8,7 @@ import numpy as np
 from backend_agreement.arenas import MOST_FOODS, MOST_OBSTACLES
 from backend_agreement.paired import ODDS
 from backend_agreement.paired import TRAININGS as IMITATOR_TRAININGS
-from backend_agreement.samples import CONDITIONS, IMITATORS, SLOW, TRAININGS, Condition, Sample
+from backend_agreement.samples import CONDITIONS, SLOW, TRAININGS, Condition, Sample
 from backend_agreement.two_sample_tests import LEVEL, Comparison, Power
 from khepera_forage.experiments.figures import (
     GREY,
@@ -96,8 +96,15 @@ def random_arenas_text(arenas: int, recalls: int) -> str:
     )
 
 
-def agreement_table(results: Sequence[Comparison], pymunk: int, compiled: int) -> Table:
-    """Both backends side by side."""
+def agreement_table(results: Sequence[Comparison], pymunk: int, compiled: int, imitators: int) -> Table:
+    """Both backends side by side.
+
+    Args:
+        results: Of every condition and measure.
+        pymunk: Recalls under each condition.
+        compiled: The same.
+        imitators: How many take turns.
+    """
     corrected = _corrected(results)
     different = [
         f"{result.measure} of the {' in the '.join(result.condition)}"
@@ -107,7 +114,7 @@ def agreement_table(results: Sequence[Comparison], pymunk: int, compiled: int) -
     verdict = f"Differences: {', '.join(different)}." if different else "No test detects a difference."
     note = (
         f"{pymunk:,} recalls with pymunk and {compiled:,} compiled recalls in every line; noise of the laboratory, the "
-        f"thesis's arenas, food and limits, random starts. {IMITATORS} imitators of {TRAININGS} training episodes each "
+        f"thesis's arenas, food and limits, random starts. {imitators} imitators of {TRAININGS} training episodes each "
         "take turns, the same on both backends. Brackets: 95 % intervals. Means: Welch's test. Distributions: "
         "Kolmogorov-Smirnov test, whose p-value is too large for counts with many ties, never too small. Corrected by "
         f"Holm's rule for the {2 * len(results)} tests of this table. {verdict}"

@@ -19,8 +19,8 @@ FOODS, LIMITS = {"corridor": 1, "rectangle": 2}, {"corridor": 500, "rectangle": 
 """As in the thesis."""
 SLOW = 0.98
 """Speed of the wheels in the artificial difference."""
-IMITATORS, TRAININGS = 20, 3
-"""Imitators that take turns, the same on both backends, and training episodes of each."""
+IMITATORS, QUICK_IMITATORS, TRAININGS = 20, 5, 3
+"""Imitators that take turns, the same on both backends; their number with `--quick`; training episodes of each."""
 COMPILED_FACTOR = 10
 """Compiled recalls for each recall with pymunk."""
 BLOCK = 25
@@ -112,9 +112,10 @@ class Block(NamedTuple):
         return rows
 
 
-def experience(seed: int, jobs: int) -> tuple[Vectors, ...]:
+def experience(seed: int, jobs: int, quick: bool) -> tuple[Vectors, ...]:
     """The experience of each imitator, from training with pymunk."""
-    return tuple(Parallel(n_jobs=jobs)(delayed(_train)(seed, number) for number in range(IMITATORS)))
+    numbers = range(QUICK_IMITATORS if quick else IMITATORS)
+    return tuple(Parallel(n_jobs=jobs)(delayed(_train)(seed, number) for number in numbers))
 
 
 def _train(seed: int, imitator: int) -> Vectors:

@@ -1,6 +1,6 @@
 """The best set without changes that the tables do not ask for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from khepera_forage.task.decisions import Decisions
@@ -42,7 +42,12 @@ class Trial(NamedTuple):
 
 
 def simplify(
-    start: Decisions, misfit: float, prior: Prior, judge: Callable[[Decisions, int], Judgement], passes: int
+    start: Decisions,
+    misfit: float,
+    prior: Prior,
+    judge: Callable[[Decisions, int], Judgement],
+    passes: int,
+    fields: Sequence[str] = (),
 ) -> tuple[Decisions, list[Trial]]:
     """Give each field in turn the value of version 0.1, or a rounder one, unless the set then fits worse.
 
@@ -54,6 +59,7 @@ def simplify(
         prior: Its ranges and rules are kept.
         judge: Takes a set and the number of the trial, from 1.
         passes: Through all fields, at most.
+        fields: Their names; by default all of the prior.
 
     Returns:
         The simpler set, and all trials.
@@ -62,7 +68,7 @@ def simplify(
     current, trials = start, list[Trial]()
     for _ in range(passes):
         before = current
-        for name in prior.decisions:
+        for name in fields or tuple(prior.decisions):
             current = _simplify_field(current, name, prior, judge, most, trials)
         if current == before:
             break

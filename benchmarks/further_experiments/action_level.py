@@ -53,7 +53,7 @@ def condition_of(setup: str, learned: str) -> str:
 def run(trial: Trial) -> list[Row]:
     """Training with copied motors; recalls with a program and behaviours of which either, or both, are learned."""
     seeds, places = training_seeds(trial).spawn(2)
-    env = CopiedMotorsEnv()
+    env = CopiedMotorsEnv(max_cycles=trial.size.rounds)
     marks = setups(trial.condition, np.random.default_rng(places))
     trained = observe(env, trial, seeds.spawn(trial.size.files), marks)
     env.close()
@@ -61,7 +61,7 @@ def run(trial: Trial) -> list[Row]:
     behaviours = {amount: learned(trained[:amount], trial.replication) for amount in trial.size.amounts}
     rows: list[Row] = [episode.row for episode in trained]
     for arena in ARENAS:
-        given = recall_env(arena)
+        given = recall_env(arena, limit=trial.size.steps)
         own = LearnedBehavioursEnv(arena=arena, foods=given.foods, limit=given.limit)
         teacher = Teacher.of(given)
         rows += recall_all(given, teacher, trial, 0, condition=condition_of(trial.condition, TEACHER))

@@ -38,7 +38,7 @@ def run(trial: Trial) -> list[Row]:
     files, trainings = thesis_files(trial)
     rows: list[Row] = [*trainings]
     for arena in ARENAS:
-        env = recall_env(arena)
+        env = recall_env(arena, limit=trial.size.steps)
         teacher = Teacher.of(env)
         rows += recall_all(env, teacher, trial, 0, condition=TEACHER)
         until_goal = UntilGoal(teacher, env.home_radius)

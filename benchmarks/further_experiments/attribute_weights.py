@@ -54,7 +54,7 @@ def run(trial: Trial) -> list[Row]:
     files, trainings = thesis_files(trial)
     rows: list[Row] = [*trainings]
     for arena in ARENAS:
-        env = recall_env(arena)
+        env = recall_env(arena, limit=trial.size.steps)
         for amount in trial.size.amounts:
             for name, policy in _policies(files[:amount], env.diagonal, trial.replication):
                 rows += recall_all(env, policy, trial, amount, files[:amount], name)

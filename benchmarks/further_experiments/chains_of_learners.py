@@ -59,8 +59,8 @@ class SilentWhenSeparated:
 
 def run(trial: Trial) -> list[Row]:
     """One chain: each generation is trained by the one before it, the first by the teacher."""
-    env = TrainingEnv()
-    recall_envs = {arena: recall_env(arena) for arena in ARENAS}
+    env = TrainingEnv(max_cycles=trial.size.rounds)
+    recall_envs = {arena: recall_env(arena, limit=trial.size.steps) for arena in ARENAS}
     rows: list[Row] = []
     teacher: Policy | None = None
     episodes = min(EPISODES[trial.condition], trial.size.files)

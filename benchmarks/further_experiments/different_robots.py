@@ -49,7 +49,7 @@ def run(trial: Trial) -> list[Row]:
     decisions, timing = DEFAULT_DECISIONS, timing_of(DEFAULT_DECISIONS)
     corridors = copies(checked_arena(CORRIDOR, decisions), 2)
     pair = PymunkWorld(corridors, (1, 2), robot_parameters=(RobotParameters(), robot), timing=timing)
-    env = TrainingEnv(world=pair)
+    env = TrainingEnv(max_cycles=trial.size.rounds, world=pair)
     rows: list[Row] = []
     files: list[Experience] = []
     try:
@@ -66,7 +66,7 @@ def run(trial: Trial) -> list[Row]:
             robot_parameters=(robot,),
             timing=timing,
         )
-        alone = recall_env(arena, world=world)
+        alone = recall_env(arena, limit=trial.size.steps, world=world)
         rows += recall_all(alone, Teacher.of(alone), trial, 0)
         rows += recall_imitators(alone, trial, files)
         alone.close()

@@ -88,7 +88,7 @@ def thesis_files(
         trial: Seeds and rows.
         env: By default the paired corridors as the thesis has them; it is closed.
     """
-    env = env or TrainingEnv()
+    env = env or TrainingEnv(max_cycles=trial.size.rounds)
     trained = list(train_files(env, trial, training_seeds(trial).spawn(trial.size.files)))
     env.close()
     return [experience for experience, _ in trained], [row for _, row in trained]
@@ -166,7 +166,7 @@ def recall_everywhere(trial: Trial, files: Files) -> list[RecallEpisode]:
     """The same in both arenas."""
     rows = []
     for arena in ARENAS:
-        env = recall_env(arena)
+        env = recall_env(arena, limit=trial.size.steps)
         rows += recall_imitators(env, trial, files)
         env.close()
     return rows

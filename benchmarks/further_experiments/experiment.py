@@ -24,6 +24,8 @@ class Size(NamedTuple):
         generations: Of a chain.
         attempts: At a training episode, before the experiment gives it up.
         patience: Attempts at a training episode, after which a simulated person gives up. An assumption, not measured.
+        steps: Time limit of a recall; by default that of its arena.
+        rounds: Time limit of an attempt at a training episode.
     """
 
     files: int = 10
@@ -31,6 +33,8 @@ class Size(NamedTuple):
     generations: int = 5
     attempts: int = 100
     patience: int = 5
+    steps: int | None = None
+    rounds: int = 600
 
     @property
     def amounts(self) -> tuple[int, ...]:

@@ -98,8 +98,8 @@ class SimulatedPerson:
 def run(trial: Trial) -> list[Row]:
     """One learner for each delay, all with the same share of wrong keys."""
     trial = trial._replace(size=trial.size._replace(attempts=trial.size.patience))
-    env = TrainingEnv()
-    recall_envs = [recall_env(arena) for arena in ARENAS]
+    env = TrainingEnv(max_cycles=trial.size.rounds)
+    recall_envs = [recall_env(arena, limit=trial.size.steps) for arena in ARENAS]
     rows: list[Row] = []
     for delay in DELAYS:
         person = SimulatedPerson(env, delay, WRONG[trial.condition])

@@ -41,10 +41,10 @@ MAX_POISON_HOME = 5.0
 def run(trial: Trial) -> list[Row]:
     """Training and recall with one kind of food. The policy with 0 episodes draws behaviours at random."""
     odds = FOOD[trial.condition]
-    files, trainings = thesis_files(trial, TrainingEnv(food_types=odds))
+    files, trainings = thesis_files(trial, TrainingEnv(max_cycles=trial.size.rounds, food_types=odds))
     recalls: list[RecallEpisode] = []
     for arena in ARENAS:
-        env = recall_env(arena, food_types=odds)
+        env = recall_env(arena, limit=trial.size.steps, food_types=odds)
         recalls += recall_all(env, UniformPolicy(), trial, 0)
         recalls += recall_imitators(env, trial, files)
         env.close()

@@ -21,7 +21,7 @@ def run(trial: Trial) -> list[Row]:
     """Training episodes with some number of learners."""
     learners = int(trial.condition)
     trial = trial._replace(condition="one teacher")
-    env = TrainingEnv(num_learners=learners)
+    env = TrainingEnv(num_learners=learners, max_cycles=trial.size.rounds)
     seeds = training_seeds(trial).spawn(trial.size.files)
     rows: list[Row] = [row for _, row in train_files(env, trial, seeds, amount=learners)]
     env.close()

@@ -64,7 +64,7 @@ def setups(condition: str, rng: np.random.Generator) -> Iterator[Mapping[str, An
 def run(trial: Trial) -> list[Row]:
     """Training episodes of one kind, and recalls after some of them and after all."""
     seeds, places = training_seeds(trial).spawn(2)
-    env = TrainingEnv()
+    env = TrainingEnv(max_cycles=trial.size.rounds)
     marks = setups(trial.condition, np.random.default_rng(places))
     trained = list(train_files(env, trial, seeds.spawn(trial.size.files), setups=marks))
     env.close()

@@ -41,12 +41,12 @@ SAME = 10.0
 
 def run(trial: Trial) -> list[Row]:
     """The same training episodes for both state vectors, and the same recalls."""
-    env = TrainingEnv()
+    env = TrainingEnv(max_cycles=trial.size.rounds)
     trained = observe(env, trial, training_seeds(trial).spawn(trial.size.files))
     env.close()
     rows: list[Row] = [episode.row for episode in trained]
     for arena in ARENAS:
-        alone = recall_env(arena)
+        alone = recall_env(arena, limit=trial.size.steps)
         for amount in trial.size.amounts:
             files = [episode.experience for episode in trained[:amount]]
             rows += recall_all(alone, imitator(files, alone.diagonal), trial, amount, files, OLD)

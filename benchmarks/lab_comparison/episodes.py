@@ -65,6 +65,22 @@ class Exclusion:
 LabRow = LabRecall | LabTraining | Exclusion
 
 
+class Size(NamedTuple):
+    """How much is done in a replication.
+
+    Attributes:
+        files: Training files, a complete episode each.
+        recalls: In each arena, of the teacher and of the imitator, from the same places.
+        rounds: Time limit of an attempt at a training episode.
+        steps: Time limit of a recall; by default that of its arena.
+    """
+
+    files: int = 5
+    recalls: int = 4
+    rounds: int = 600
+    steps: int | None = None
+
+
 class Replication(NamedTuple):
     """Training files in one world, then recalls of the teacher and of the imitator of all these files there.
 
@@ -74,15 +90,13 @@ class Replication(NamedTuple):
     Attributes:
         world: One of `WORLDS`.
         number: Of the replication, from 0.
-        files: Training files, a complete episode each.
-        recalls: In each arena, of the teacher and of the imitator, from the same places.
+        size: How much is done.
         seed: Of the whole benchmark.
     """
 
     world: str
     number: int
-    files: int
-    recalls: int
+    size: Size
     seed: int
 
     @property
@@ -96,7 +110,7 @@ class Replication(NamedTuple):
         training, *recalling = seeds.spawn(1 + len(ARENAS))
         files, rows = self._train(training)
         for arena, seed in zip(ARENAS, recalling, strict=True):
-            self._recall(arena, files, seed.generate_state(self.recalls).tolist(), rows)
+            self._recall(arena, files, seed.generate_state(self.size.recalls).tolist(), rows)
         return rows
 
     def _train(self, seeds: np.random.SeedSequence) -> tuple[list[Experience], list[LabRow]]:
@@ -105,8 +119,8 @@ class Replication(NamedTuple):
         noise = None if world is None else Noise.none()
         files: list[Experience] = []
         rows: list[LabRow] = []
-        with closing(TrainingEnv(noise=noise, world=world)) as env:
-            for file, seed in enumerate(seeds.spawn(self.files), start=1):
+        with closing(TrainingEnv(noise=noise, max_cycles=self.size.rounds, world=world)) as env:
+            for file, seed in enumerate(seeds.spawn(self.size.files), start=1):
                 experience, attempts = train(env, seed, replication=self.number, file=file)
                 files.append(experience)
                 rows += [LabTraining(**asdict(row), world=self.world) for row in attempts]
@@ -117,7 +131,7 @@ class Replication(NamedTuple):
         vectors, behaviours = arrays(files)
         excluded = sum(isinstance(row, Exclusion) for row in rows)
         repeated = 0
-        with closing(recall_env(arena, world=self._world(arena, 1))) as env:
+        with closing(recall_env(arena, limit=self.size.steps, world=self._world(arena, 1))) as env:
             imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
             policies: dict[str, Policy] = {TEACHER: Teacher.of(env), IMITATOR: imitator}
             work = [(learner, number) for learner in LEARNERS for number in range(len(seeds))]
@@ -132,8 +146,8 @@ class Replication(NamedTuple):
                         seeds[number],
                         learner=learner,
                         replication=self.number,
-                        episodes=self.files if taught else 0,
-                        file_id=f"g1-{self.files}" if taught else "-",
+                        episodes=self.size.files if taught else 0,
+                        file_id=f"g1-{self.size.files}" if taught else "-",
                         number=number,
                         experience_size=len(behaviours) if taught else 0,
                     )
@@ -155,6 +169,6 @@ class Replication(NamedTuple):
         return virtual_laboratory(arena, robots) if self.world == VIRTUAL else None
 
 
-def replications(count: int, files: int, recalls: int, seed: int) -> list[Replication]:
+def replications(count: int, size: Size, seed: int) -> list[Replication]:
     """All replications, in both worlds."""
-    return [Replication(world, i, files, recalls, seed) for i in range(count) for world in WORLDS]
+    return [Replication(world, i, size, seed) for i in range(count) for world in WORLDS]

@@ -13,7 +13,7 @@ import numpy as np
 from khepera_forage.cli import train
 from khepera_forage.option_values import OneLineParser
 from laboratory_faults.files_on_disk import complete_files, differences, is_intact, stored_attempts
-from laboratory_faults.injector import Injector, Observed
+from laboratory_faults.injector import PAUSE, Injector, Observed
 from laboratory_faults.kinds import KINDS, Kind
 from laboratory_faults.laboratories import laboratory, write_lab_file
 from laboratory_faults.notices import collected
@@ -32,11 +32,13 @@ class Series(NamedTuple):
         number: Of the series.
         kinds: Of faults.
         seed: Of the campaign.
+        pause: Rounds, at most, from the end of one fault to the next.
     """
 
     number: int
     kinds: tuple[Kind, ...]
     seed: int
+    pause: int = PAUSE
 
     @property
     def key(self) -> str:
@@ -47,7 +49,7 @@ class Series(NamedTuple):
         """Train until all faults have happened and the last training is complete."""
         rng = np.random.default_rng((self.seed, self.number))
         order = [self.kinds[i] for i in rng.permutation(len(self.kinds))]
-        injector = Injector(order, rng)
+        injector = Injector(order, rng, self.pause)
         rows: list[FaultRow | TrainingResult] = []
         number = 0
         with collected(injector.notices):
@@ -185,6 +187,6 @@ class _Training:
         return rows
 
 
-def series(count: int, seed: int, kinds: tuple[Kind, ...] = KINDS) -> list[Series]:
+def series(count: int, seed: int, kinds: tuple[Kind, ...] = KINDS, pause: int = PAUSE) -> list[Series]:
     """All series of a campaign."""
-    return [Series(number, kinds, seed) for number in range(count)]
+    return [Series(number, kinds, seed, pause) for number in range(count)]

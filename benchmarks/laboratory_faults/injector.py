@@ -19,8 +19,8 @@ from laboratory_faults.virtual_camera import VirtualCamera
 from laboratory_faults.watched_training import WatchedTraining
 from laboratory_faults.wheels import WheelWatch, moving
 
-_PAUSE = (3, 30)
-"""Rounds from the end of one fault, or the beginning of an attempt, to the next fault."""
+PAUSE, QUICK_PAUSE = 30, 10
+"""Rounds, at most, from the end of one fault to the next, and with `--quick`."""
 _SETTLED = 8
 """Rounds without a loss after which a fault that has passed counts as recovered."""
 _IMPATIENCE = 0.25
@@ -66,16 +66,17 @@ class Injector:
     Args:
         kinds: In their order.
         rng: Draws rounds, robots and durations.
+        pause: Rounds, at most, from the end of one fault to the next.
 
     Attributes:
         observed: All faults so far.
         notices: What the user has read, and no fault has caused yet.
     """
 
-    def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator) -> None:
+    def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator, pause: int = PAUSE) -> None:
         self.observed: list[Observed] = []
         self.notices: list[str] = []
-        self._kinds, self._rng = list(kinds), rng
+        self._kinds, self._rng, self._pause = list(kinds), rng, pause
         self._wait = self._drawn_wait()
         self._present: Observed | None = None
         self._lab: VirtualLaboratory
@@ -212,4 +213,4 @@ class Injector:
         self._wait = self._drawn_wait()
 
     def _drawn_wait(self) -> int:
-        return int(self._rng.integers(*_PAUSE))
+        return int(self._rng.integers(3, self._pause))

@@ -84,11 +84,13 @@ class Lenses(NamedTuple):
         layout: One of `LAYOUTS`.
         seed: The same for all.
         trials: Of each lens.
+        thinned: Whether only the lenses of the table are used.
     """
 
     layout: str
     seed: int
     trials: int
+    thinned: bool
 
     @property
     def key(self) -> str:
@@ -98,7 +100,8 @@ class Lenses(NamedTuple):
     def run(self) -> list[Trial]:
         """All calibrations."""
         rng = np.random.default_rng(self.seed)
-        return [self._trial(k1, trial, rng) for trial in range(self.trials) for k1 in DISTORTIONS]
+        lenses = SHOWN if self.thinned else DISTORTIONS
+        return [self._trial(k1, trial, rng) for trial in range(self.trials) for k1 in lenses]
 
     def _trial(self, k1: float, trial: int, rng: np.random.Generator) -> Trial:
         size = np.array((PICTURE_WIDTH, PICTURE_HEIGHT))

@@ -115,9 +115,10 @@ def _errors(panel: "Axes", points: Sequence[Point]) -> None:
 
 def _lenses(panel: "Axes", trials: Sequence[Trial]) -> None:
     """Errors of calibrations by the lens's distortion."""
+    lenses = [k1 for k1 in DISTORTIONS if pick(trials, k1=k1)]
     for colour, layout in zip(COLOURS, LAYOUTS, strict=False):
-        errors = [np.median([t.error for t in pick(trials, layout=layout, k1=k1)]) for k1 in DISTORTIONS]
-        panel.plot([-k1 for k1 in DISTORTIONS], errors, "o-", ms=3, color=colour, label=layout)
+        errors = [np.median([t.error for t in pick(trials, layout=layout, k1=k1)]) for k1 in lenses]
+        panel.plot([-k1 for k1 in lenses], errors, "o-", ms=3, color=colour, label=layout)
     panel.set_yscale("log")
     panel.set_ylim(1, 100)
     panel.set_xlabel("barrel distortion of the lens, -k1")

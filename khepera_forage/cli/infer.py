@@ -9,7 +9,7 @@ from khepera_forage.extras import require
 NAME = "decisions"
 """Of the folder of results."""
 COUNTS = (
-    Count("sets", 10_000, 6, "admissible sets", least=3),
+    Count("sets", 10_000, 3, "admissible sets", least=3),
     Count("experiments", 20, 2, "replications of the thesis's design under each set"),
 )
 DESCRIPTION = """Approximate Bayesian computation by random forests:

@@ -43,9 +43,14 @@ def new_figure(width: float, height: float) -> "Figure":
 
 def save(figure: "Figure", path: Path) -> None:
     """Write a figure as PNG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     path.parent.mkdir(parents=True, exist_ok=True)
+    figure.set_dpi(DPI)
+    figure.set_facecolor("white")
     with NamingFile(path):
-        figure.savefig(path, dpi=DPI, facecolor="white")
+        # `Figure.savefig` would draw everything once more, only for the layout.
+        FigureCanvasAgg(figure).print_png(path)
 
 
 def mark(

@@ -141,7 +141,8 @@ def _fitted(
     """
 
     def misfit(k: NDArray[np.float64]) -> NDArray[np.float64]:
-        difference: NDArray[np.float64] = _mapped(points, k, _matrix(points, places, k)) - places
+        straight = _straightened(points, k)
+        difference: NDArray[np.float64] = _projected(straight, _homography(points, straight, places)) - places
         return difference.ravel()
 
     k = np.zeros(2)
@@ -168,9 +169,16 @@ def _matrix(
     points: NDArray[np.float64], places: NDArray[np.float64], k: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """The homography that maps the points, seen through a lens, to their places by least squares."""
+    return _homography(points, _straightened(points, k), places)
+
+
+def _homography(
+    points: NDArray[np.float64], straight: NDArray[np.float64], places: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The same for points without the lens's distortion; `points` are those of the picture, for the error."""
     import cv2
 
-    matrix, _ = cv2.findHomography(_straightened(points, k), places)
+    matrix, _ = cv2.findHomography(straight, places)
     if matrix is None:
         raise ValueError(
             f"calibration points {points.tolist()} fit no camera; allowed: points all over the picture"
@@ -181,9 +189,13 @@ def _matrix(
 def _mapped(
     points: NDArray[np.float64], k: NDArray[np.float64], matrix: NDArray[np.float64]
 ) -> NDArray[np.float64]:
+    return _projected(_straightened(points, k), matrix)
+
+
+def _projected(straight: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     import cv2
 
-    return cv2.perspectiveTransform(_straightened(points, k)[:, None], matrix)[:, 0]  # type: ignore[return-value]
+    return cv2.perspectiveTransform(straight[:, None], matrix)[:, 0]  # type: ignore[return-value]
 
 
 def _straightened(points: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:

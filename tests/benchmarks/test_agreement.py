@@ -69,7 +69,7 @@ def test_the_table_is_that_of_pymunks_rows(out: Path) -> None:
         own = [r for r in rows if (r["policy"], r["arena"]) == (policy, arena)]
         assert len(own) == EPISODES
         assert {r["imitator"] for r in own} == (
-            {"-1"} if policy == "teacher" else set(map(str, range(EPISODES)))
+            {"-1"} if policy == "teacher" else set(map(str, range(samples.QUICK_IMITATORS)))
         )
         (line,) = (
             r
@@ -208,7 +208,10 @@ def test_the_experiments_table_has_the_means_of_the_rows(out: Path) -> None:
         (row["arena"], row["episodes"], row["measure"]): row for row in read(out / "table_experiments.csv")
     }
     assert len(table) == 7 * len(experiments.MEASURES)
-    for cell in THESIS:
+    assert [(c.arena, c.episodes) for c in experiments.QUICK_DESIGN] == [
+        (c.arena, c.episodes) for c in THESIS
+    ]
+    for cell in experiments.QUICK_DESIGN:
         own = [row for row in rows if (row.arena, row.episodes) == (cell.arena, cell.episodes)]
         assert len(own) == 2 * cell.size
         for measure, value in experiments.MEASURES.items():

@@ -193,7 +193,7 @@ def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(ou
         name: [row | {"condition": ""} for row in read(out / name / "recalls.csv") if row["condition"] == own]
         for name, own in names.items()
     }
-    assert len(rows["alternatives"]) == 8
+    assert len(rows["alternatives"]) == 4
     assert rows["attribute_weights"] == rows["state_vector"] == rows["alternatives"]
 
 

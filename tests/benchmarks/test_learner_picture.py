@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sklearn.ensemble import RandomForestClassifier
 
@@ -13,7 +14,13 @@ from khepera_forage.comparison.rows import ARENAS, RecallBatch
 from khepera_forage.comparison.units import all_learners
 from khepera_forage.experiments.figures import COLOURS, MARKERS
 from khepera_forage.policies.learners import FromVectors, Needs
-from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, legends_of
+from tests.figure_checks import (
+    check_points_are_shown,
+    check_readable,
+    check_shading_is_explained,
+    lay_out,
+    legends_of,
+)
 
 AMOUNTS = {
     Needs.VECTORS: (200, 550, 750, 1_100, 2_200),
@@ -50,13 +57,18 @@ def found(learners: dict[str, Compared]) -> list[Curve]:
     return curves(rows_of(learners), np.random.default_rng(2))
 
 
+@pytest.fixture(scope="module")
+def drawn(found: list[Curve], learners: dict[str, Compared]) -> Figure:
+    return lay_out(figure(found, learners))
+
+
 def coloured(axes: Axes) -> list[Line2D]:
     """The curves of the panel's own learner; those of others are grey and without marks."""
     return [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
 
 
-def test_every_learner_has_a_panel_of_its_own(found: list[Curve], learners: dict[str, Compared]) -> None:
-    panels = [axes for axes in figure(found, learners).axes if axes.axison]
+def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str, Compared]) -> None:
+    panels = [axes for axes in drawn.axes if axes.axison]
     titles = [axes.get_title() for axes in panels]
     assert sorted(titles) == sorted(
         learner.title for learner in learners.values() if learner.needs is not None
@@ -69,12 +81,12 @@ def test_every_learner_has_a_panel_of_its_own(found: list[Curve], learners: dict
 
 
 def test_curves_in_a_panel_are_those_of_its_learner(
-    found: list[Curve], learners: dict[str, Compared]
+    drawn: Figure, found: list[Curve], learners: dict[str, Compared]
 ) -> None:
     by_title: dict[str, list[list[float]]] = {learners[curve.learner].title: [] for curve in found}
     for curve in found:
         by_title[learners[curve.learner].title].append([point.delivered.value for point in curve.points])
-    for axes in figure(found, learners).axes:
+    for axes in drawn.axes:
         if axes.axison:
             shown = [np.asarray(line.get_xydata())[:, 1].tolist() for line in coloured(axes)]
             assert shown == by_title[axes.get_title()]
@@ -82,21 +94,18 @@ def test_curves_in_a_panel_are_those_of_its_learner(
 
 
 def test_each_kind_has_an_axis_of_steps_for_its_own_range(
-    found: list[Curve], learners: dict[str, Compared]
+    drawn: Figure, learners: dict[str, Compared]
 ) -> None:
     """Imitators learn from 200 to 2,200 steps: on an axis up to 1,000,000 their curves cannot be told apart."""
     kinds = {learner.title: learner.needs for learner in learners.values()}
-    for axes in figure(found, learners).axes:
+    for axes in drawn.axes:
         if axes.axison:
             amounts = AMOUNTS[kinds[axes.get_title()]]
             low, high = axes.get_xlim()
             assert np.log(amounts[-1] / amounts[0]) > 0.8 * np.log(high / low)
 
 
-def test_picture_is_readable_and_complete_in_its_legend(
-    found: list[Curve], learners: dict[str, Compared]
-) -> None:
-    drawn = figure(found, learners)
+def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
     check_readable(drawn)
     check_shading_is_explained(drawn)
     labels = [text.get_text() for legend in legends_of(drawn) for text in legend.get_texts()]
@@ -107,7 +116,7 @@ def test_picture_is_readable_and_complete_in_its_legend(
 
 def test_picture_of_one_learner_is_readable(learners: dict[str, Compared]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
-    check_readable(figure(curves(rows_of(few), np.random.default_rng(3)), few))
+    check_readable(lay_out(figure(curves(rows_of(few), np.random.default_rng(3)), few)))
 
 
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:

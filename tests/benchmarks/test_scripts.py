@@ -88,7 +88,7 @@ SCRIPTS = {
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
         ("trainings", "recalls"),
-        repeatable=("--only", "spatial_variety", "--replications", "1"),
+        repeatable=("--only", "spatial_variety", "--replications", "2"),
         page="spatial_variety/spatial_variety.md",
     ),
     "generalisation": Script(
@@ -131,6 +131,7 @@ SCRIPTS = {
     "virtual_lab": Script(
         ("--replications", "--rounds", "--jobs", "--fresh"),
         ("recalls", "trainings", "rounds", "attempts"),
+        run=("--jobs", "1"),
         needs=("serial", "cv2"),
     ),
     "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),

@@ -7,7 +7,7 @@ import pytest
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
-FORAGES = 25
+FORAGES = 15
 FOODS = {"corridor": 1, "rectangle": 2}
 EXPERT = [(arena, food) for arena in FOODS for food in ("PICKABLE", "PUSHABLE", "POISONOUS")]
 

@@ -18,6 +18,7 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.task.states import Behaviour
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
+from tests.benchmarks.test_scripts import SCRIPTS
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -29,7 +30,7 @@ RATES = ("0.1", "1", "5")
 
 @pytest.fixture(scope="module")
 def out(quick_run: QuickRun) -> Path:
-    return quick_run("virtual_lab")
+    return quick_run("virtual_lab", *SCRIPTS["virtual_lab"].run)
 
 
 @pytest.fixture(scope="module")

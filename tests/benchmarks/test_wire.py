@@ -7,7 +7,7 @@ import pytest
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
-ROUNDS = 40
+ROUNDS = 25
 BAUDS = (9600, 19200, 38400, 57600, 115200)
 
 

@@ -20,7 +20,7 @@ def main(notes: Path, script: Path, arguments: list[str]) -> None:
     """Run the script as if it had been started itself."""
 
     def checked(figure: Figure, path: Path) -> None:
-        save(figure, path)  # before the check, which changes the layout a little
+        save(figure, path)  # before the check, which needs the layout of the file
         fault = ""
         try:
             check_readable(figure)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -21,6 +20,7 @@ from tests.figure_checks import (
     check_points_are_shown,
     check_readable,
     check_shading_is_explained,
+    lay_out,
     legends_of,
 )
 from tests.thesis.synthetic import recall
@@ -75,11 +75,12 @@ def test_every_colour_of_bars_is_in_the_legend(draw: Draw, results: list[CellRes
 @pytest.mark.parametrize("draw", BY_EPISODES)
 @pytest.mark.parametrize("compared", [False, True])
 def test_figures_by_episodes_are_readable(draw: Draw, compared: bool, results: list[CellResult]) -> None:
-    check_readable(draw(results, results if compared else ()))
+    check_readable(lay_out(draw(results, results if compared else ())))
 
 
 def test_noise_figure_is_readable(noise_rows: list[RecallRow], trainings: list[TrainingRow]) -> None:
     figure = noise_figure(noise_table(noise_rows, gather([], trainings, [], np.random.default_rng(1))))
+    lay_out(figure)
     check_readable(figure)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval", "without noise"]
@@ -96,9 +97,7 @@ def scattered(decisions: str) -> list[RecallRow]:
 
 @pytest.mark.parametrize("decisions", SET_UPS)
 def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
-    figure = fig_5_4(scattered(decisions))
-    FigureCanvasAgg(figure)
-    figure.draw_without_rendering()
+    figure = lay_out(fig_5_4(scattered(decisions)))
     axes = figure.axes[0]
     numbers = [text for text in axes.texts if text.get_text().isdigit()]
     marks = [line for line in axes.lines if np.asarray(line.get_xydata()).shape == (1, 2)]
@@ -114,7 +113,7 @@ def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
 
 
 def test_figure_5_4_is_readable_and_explains_its_shading() -> None:
-    figure = fig_5_4(scattered("v0.1"))
+    figure = lay_out(fig_5_4(scattered("v0.1")))
     check_readable(figure)
     check_shading_is_explained(figure)
     labels = [text.get_text() for legend in legends_of(figure) for text in legend.get_texts()]

@@ -14,7 +14,8 @@ from khepera_forage.thesis.inference.summary import NAMES
 
 Floats = NDArray[np.float64]
 OUTCOMES = tuple((arena, measure) for arena in ARENAS for measure in ("score", "food"))
-RESAMPLES = 100
+RESAMPLES, QUICK_RESAMPLES = 100, 10
+"""Of the bootstrap, and with `--quick`."""
 
 
 def outcome(statistics: NDArray[np.float32], arena: str, measure: str) -> Floats:
@@ -23,13 +24,16 @@ def outcome(statistics: NDArray[np.float32], arena: str, measure: str) -> Floats
     return np.asarray(statistics[:, :, columns].mean(axis=(1, 2)), dtype=np.float64)
 
 
-def first_order(parameters: Sequence[Parameter], values: Floats, seed: int) -> list[Estimate]:
+def first_order(
+    parameters: Sequence[Parameter], values: Floats, seed: int, resamples: int = RESAMPLES
+) -> list[Estimate]:
     """Sobol' indices of the first order from the sets as they are, with bootstrapped 95 % intervals.
 
     Args:
         parameters: What was drawn.
         values: The outcome, one a set.
         seed: Of the bootstrap.
+        resamples: Of the bootstrap.
 
     Raises:
         ImportError: SALib is not installed.
@@ -50,7 +54,7 @@ def first_order(parameters: Sequence[Parameter], values: Floats, seed: int) -> l
     try:
         with warnings.catch_warnings():  # SALib changes the filters of the whole process
             found = delta.analyze(
-                problem, inputs, values, num_resamples=RESAMPLES, seed=seed + 1, method="sobol"
+                problem, inputs, values, num_resamples=resamples, seed=seed + 1, method="sobol"
             )
     finally:
         np.random.set_state(state)  # noqa: NPY002

@@ -22,6 +22,7 @@ from khepera_forage.thesis.inference.pages import (
 from khepera_forage.thesis.inference.pages.cells_page import Predictions
 from khepera_forage.thesis.inference.posterior import Posterior, infer
 from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.inference.sensitivity import QUICK_RESAMPLES, RESAMPLES
 from khepera_forage.thesis.inference.simulate import recalls_under
 from khepera_forage.thesis.inference.summary import of_recalls, with_slopes
 from khepera_forage.thesis.inference.weighted import sample
@@ -68,10 +69,11 @@ def pages(given: Arguments, drawn: Drawn) -> dict[str, Page]:
         known.append(predictions_under("default", COLOURS[2], Decisions(), given))
     inferred = predictions_of_posterior(given, drawn, posterior)
     thesis = {arena: individual_recalls.of_thesis(arena) for arena in ARENAS}
+    resamples = QUICK_RESAMPLES if given.quick else RESAMPLES
     return {
         "prior": prior_page.page(drawn),
         "validation": validation_page.page(posterior),
-        "posterior": posterior_page.page(drawn, posterior, given.seed),
+        "posterior": posterior_page.page(drawn, posterior, given.seed, resamples),
         "cells": cells_page.page([*known, inferred], thesis),
         "test_set": test_set_page.page(inferred, drawn.statistics, posterior.weights, known),
         "claims": claims_page.page(given, drawn, posterior),

@@ -34,8 +34,15 @@ UNITS = {field.name: Field.of(field).unit for field in fields(Decisions)} | {
 """Units of decisions and of noise, for the picture."""
 
 
-def page(drawn: Drawn, posterior: Posterior, seed: int) -> Page:
-    """Marginals of the posterior, and Sobol' indices."""
+def page(drawn: Drawn, posterior: Posterior, seed: int, resamples: int = sensitivity.RESAMPLES) -> Page:
+    """Marginals of the posterior, and Sobol' indices.
+
+    Args:
+        drawn: The sets.
+        posterior: What is inferred from them.
+        seed: Of the bootstrap of the indices.
+        resamples: The same.
+    """
     return Page(
         "What tables A.1 to A.4 say about each decision",
         [
@@ -46,7 +53,7 @@ def page(drawn: Drawn, posterior: Posterior, seed: int) -> Page:
             _numbers(posterior),
             _readings(posterior),
             Picture("posterior", "admissible sets and posterior, decision by decision", _picture(posterior)),
-            _influence(drawn, seed),
+            _influence(drawn, seed, resamples),
         ],
     )
 
@@ -151,11 +158,11 @@ def _ends(values: Floats) -> tuple[float, float]:
     return (low, high) if low < high else (low - 0.5, low + 0.5)
 
 
-def _influence(drawn: Drawn, seed: int) -> Table:
+def _influence(drawn: Drawn, seed: int, resamples: int) -> Table:
     chance = np.random.default_rng(seed).random(len(drawn.admissible))
     parameters = [*drawn.parameters, Parameter("(a random number)", (), chance)]
     indices = [
-        sensitivity.first_order(parameters, sensitivity.outcome(drawn.statistics, *outcome), seed)
+        sensitivity.first_order(parameters, sensitivity.outcome(drawn.statistics, *outcome), seed, resamples)
         for outcome in sensitivity.OUTCOMES
     ]
     lines: list[tuple[str, Sequence[Estimate]]] = [
