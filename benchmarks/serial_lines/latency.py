@@ -23,9 +23,11 @@ _GRIPPER_PERIOD = 5
 """Rounds from one movement of the gripper to the next."""
 _NOTE = (
     f"One robot at {BAUD} baud; wheels and gripper move. Opening: until the line is measured and accepted or rejected. "
-    "A round ends when its readings have arrived. Measured from the end of the last round: median [5th, 95th "
-    "percentile], and the longest round. Bound: the period, and the latency or the time that the transmission of two "
-    "rounds can differ, whichever is longer."
+    "Periods begin at a fixed rate. At the beginning of a period, the readings are requested; when they have arrived, "
+    "the next commands are sent. From the beginning of the period: until these are sent; bound: the period and one "
+    "latency. Between rounds: from the arrival of a round's readings to that of the next round's; bound: the period, "
+    "and the latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, "
+    "95th percentile], and the longest."
 )
 
 
@@ -38,14 +40,18 @@ class SlowRound:
         opening: Milliseconds that opening took.
         pipelined: Whether requests are pipelined.
         number: Of the round, from 0; -1 for a line that was rejected.
-        taken: Milliseconds from the end of the last round; 0 for a rejected line.
-        bound: Milliseconds that it may take.
+        exchanged: Milliseconds from the beginning of the period to the end of its exchange; 0 for a rejected line.
+        latest: Milliseconds that these may be.
+        taken: Milliseconds from the arrival of the last round's readings to that of this one's; 0 for a rejected line.
+        bound: Milliseconds that these may be.
     """
 
     latency: int
     opening: float
     pipelined: bool
     number: int
+    exchanged: float
+    latest: float
     taken: float
     bound: float
 
@@ -78,32 +84,43 @@ class SlowLine(NamedTuple):
             try:
                 robot = SerialKhepera(ports[0].url, baud=BAUD, period=TIMING.round_duration)
             except LineTooSlow:
-                return [SlowRound(self.latency, 1000 * (time.perf_counter() - begin), False, -1, 0.0, 0.0)]
+                opening = 1000 * (time.perf_counter() - begin)
+                return [SlowRound(self.latency, opening, False, -1, 0.0, 0.0, 0.0, 0.0)]
             opening = 1000 * (time.perf_counter() - begin)
-            bound = 1000 * robot.timing._replace(latency=seconds).longest_round(TIMING.round_duration)
+            timing = robot.timing._replace(latency=seconds)
+            latest, bound = (
+                1000 * limit(TIMING.round_duration) for limit in (timing.latest_end, timing.longest_round)
+            )
             rows = []
             with robot:
                 robot.receive()  # as at the reset of a laboratory: all readings, twice
-                clock = WallClock(TIMING.round_duration)
-                end = time.perf_counter()
-                for number in range(
-                    -1, self.rounds
-                ):  # round -1 gives the moment from which the next is measured
-                    down = number // _GRIPPER_PERIOD % 2
-                    robot.drive(
-                        Motors(5, number % 9, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
-                    )
-                    robot.transmit()
+                clock = WallClock(TIMING.round_duration, time.perf_counter)
+                _command(robot, -1)
+                end = clock.beginning
+                # Round -1 gives the moment from which the next one is measured.
+                for number in range(-1, self.rounds):
                     clock.wait()
+                    # A long delay shortens the next period, which then begins at once.
+                    beginning = min(clock.beginning, time.perf_counter())
                     advance()  # by a whole round, after the command has arrived
                     robot.receive()
                     taken = time.perf_counter() - end
                     end += taken
+                    _command(robot, number + 1)
+                    exchanged = time.perf_counter() - beginning
                     if number >= 0:
+                        times = (1000 * exchanged, latest, 1000 * taken, bound)
                         pipelined = robot.timing.pipelined
-                        rows.append(SlowRound(self.latency, opening, pipelined, number, 1000 * taken, bound))
+                        rows.append(SlowRound(self.latency, opening, pipelined, number, *times))
                 ports[0].faults = Faults()
         return rows
+
+
+def _command(robot: SerialKhepera, number: int) -> None:
+    """Send the commands of a round."""
+    down = number // _GRIPPER_PERIOD % 2
+    robot.drive(Motors(5, number % 9, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN))))
+    robot.transmit()
 
 
 def latency_table(rows: Sequence[SlowRound]) -> Table:
@@ -112,8 +129,11 @@ def latency_table(rows: Sequence[SlowRound]) -> Table:
         Column("latency (ms)"),
         Column("opening (ms)", digits=0),
         Column("requests"),
-        Column("a round (ms)", digits=0, estimate=True),
+        Column("from the beginning of the period (ms)", digits=0, estimate=True),
         Column("longest (ms)", digits=0),
+        Column("bound: period + latency (ms)", digits=0),
+        Column("between rounds (ms)", digits=0, estimate=True),
+        Column("longest time between (ms)", digits=0),
         Column("bound (ms)", digits=0),
     )
     lines = []
@@ -122,9 +142,17 @@ def latency_table(rows: Sequence[SlowRound]) -> Table:
         if not own:
             continue
         if own[0].number < 0:
-            lines.append((latency, own[0].opening, "rejected", UNKNOWN, math.nan, math.nan))
+            lines.append((latency, own[0].opening, "rejected", *(2 * (UNKNOWN, math.nan, math.nan))))
             continue
-        taken = [row.taken for row in own]
         requests = "pipelined" if own[0].pipelined else "one by one"
-        lines.append((latency, own[0].opening, requests, quantiles(taken), max(taken), own[0].bound))
+        exchanged, taken = [row.exchanged for row in own], [row.taken for row in own]
+        lines.append(
+            (
+                latency,
+                own[0].opening,
+                requests,
+                *(quantiles(exchanged), max(exchanged), own[0].latest),
+                *(quantiles(taken), max(taken), own[0].bound),
+            )
+        )
     return Table("latency", "Lines with a latency", _NOTE, columns, lines)

@@ -76,6 +76,11 @@ class WallClock:
         self._due = clock() + period
         self._last_check = (0, 0)
 
+    @property
+    def beginning(self) -> float:
+        """When the current round was due to begin, by `clock`; a round that overruns may begin later."""
+        return self._due - self.period
+
     def start(self) -> None:
         """Begin the first round, or the first one after a pause."""
         self._due = self._clock() + self.period

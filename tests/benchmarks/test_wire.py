@@ -62,7 +62,10 @@ def test_every_latency_is_pipelined_or_rejected(out: Path) -> None:
         "rejected",
     ]
     assert all(float(row["opening (ms)"]) < 2000 for row in lines.values())
-    assert float(lines[80]["a round (ms)"]) < 180, "one by one, four requests would take 320 ms"
+    assert float(lines[80]["between rounds (ms)"]) < 180, "one by one, four requests would take 320 ms"
+    for latency in (0, 16, 80):
+        assert float(lines[latency]["bound: period + latency (ms)"]) == pytest.approx(100 + latency)
+        assert float(lines[latency]["from the beginning of the period (ms)"]) < 100 + latency
 
 
 def test_counters_are_right_on_disturbed_lines(out: Path) -> None:

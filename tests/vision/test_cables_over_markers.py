@@ -19,14 +19,23 @@ LABORATORY = CameraAppearance.laboratory()
 BLACK, GREY, LIGHT_GREY = 30.0, 60.0, 130.0
 
 
-def cable_across(marker: Marker, rng: np.random.Generator, angle: float | None) -> NDArray[np.float64]:
-    """A slightly curved line anywhere across a marker, at an angle in degrees, or at any: points in pixels."""
+def cable_across(
+    marker: Marker, rng: np.random.Generator, angle: float | None, place: float | None = None
+) -> NDArray[np.float64]:
+    """A slightly curved line across a marker: points in pixels.
+
+    Args:
+        marker: The marker.
+        rng: Draws what is None, and the curve.
+        angle: Between the line and the marker's axis, in degrees; None for any.
+        place: Where the line crosses the marker, pixels from its middle; None for anywhere.
+    """
     turn = float(rng.uniform(0, math.pi)) if angle is None else math.radians(angle)
     reach = 12 * abs(math.sin(turn)) + 8 * abs(math.cos(turn))
     along = np.array((math.cos(marker[2] + turn), math.sin(marker[2] + turn)))
     normal = np.array((-along[1], along[0]))
     shares = np.linspace(-1, 1, 13)[:, None]
-    offset, bend = rng.uniform(-reach, reach), rng.uniform(-1.5, 1.5)
+    offset, bend = rng.uniform(-reach, reach) if place is None else place, rng.uniform(-1.5, 1.5)
     middle = np.array(marker[:2]) / 5
     points: NDArray[np.float64] = middle + 40 * shares * along + (offset + bend * (1 - shares**2)) * normal
     return points
@@ -35,8 +44,8 @@ def cable_across(marker: Marker, rng: np.random.Generator, angle: float | None) 
 class CrossedFrames:
     """Frames with one marker under a cable, and food beside the marker where the gripper holds it."""
 
-    def __init__(self, width: float, grey: float, angle: float | None) -> None:
-        self.width, self.grey, self.angle = width, grey, angle
+    def __init__(self, width: float, grey: float, angle: float | None, place: float | None = None) -> None:
+        self.width, self.grey, self.angle, self.place = width, grey, angle, place
         self.rng = np.random.default_rng(5)
         self.truth = Truth((), ())
         self.renderer = FrameRenderer(lambda: self.truth, LABORATORY)
@@ -50,17 +59,17 @@ class CrossedFrames:
         held = (x + 88 * math.cos(heading), y + 88 * math.sin(heading))
         self.truth = Truth((marker,), (held,) if number % 3 == 0 else ())
         picture = self.renderer.picture()
-        curve = cable_across(marker, self.rng, self.angle)
+        curve = cable_across(marker, self.rng, self.angle, self.place)
         if self.width > 0:
             draw_cable(picture, curve, self.width / 5, self.grey)
         return marker, self.tracker.detect(self.light.expose(picture, float(number)))
 
 
 def errors(
-    width: float, grey: float, count: int, angle: float | None = None
+    width: float, grey: float, count: int, angle: float | None = None, place: float | None = None
 ) -> tuple[list[float], list[float]]:
     """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found."""
-    frames = CrossedFrames(width, grey, angle)
+    frames = CrossedFrames(width, grey, angle, place)
     distances, angles = [], []
     for number in range(count):
         (x, y, heading, holes), found = frames.next(number)
@@ -107,6 +116,38 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(
 def test_marker_under_a_cable_parallel_to_a_side_is_found(angle: float) -> None:
     """The cable hides a side, runs along it, or covers two holes."""
     assert len(errors(12.0, GREY, 100, angle)[0]) >= 96
+
+
+@pytest.mark.parametrize("grey", [BLACK, GREY])
+@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0, 85.0, 90.0])
+def test_marker_under_a_wide_cable_is_found_at_any_angle(angle: float, grey: float) -> None:
+    assert len(errors(12.0, grey, 200, angle)[0]) >= 0.98 * 200
+
+
+@pytest.mark.parametrize(
+    ("nearest", "furthest", "angle"),
+    [(8.6, 11.0, 90.0), (-11.0, -8.6, 90.0), (-8.4, -5.0, 88.0), (-8.4, -5.0, 90.0), (-8.4, -5.0, 92.0)],
+)
+def test_cable_near_a_short_side_does_not_move_the_marker(
+    nearest: float, furthest: float, angle: float
+) -> None:
+    """Its inner edge looks like the marker's border; a marker further ahead would have its holes elsewhere."""
+    distances = [
+        distance
+        for place in np.arange(nearest, furthest, 0.2)
+        for distance in errors(12.0, GREY, 10, angle, place)[0]
+    ]
+    count = 10 * len(np.arange(nearest, furthest, 0.2))
+    assert len(distances) >= 0.98 * count
+    assert np.count_nonzero(np.array(distances) < 0.5) >= 0.97 * count
+
+
+def test_cable_that_cuts_off_a_corner_does_not_turn_the_marker() -> None:
+    """The larger piece alone would fit, loosely, a marker that is turned by 26 degrees."""
+    for place in np.arange(3.6, 5.6, 0.2):
+        distances, angles = errors(8.0, GREY, 40, 45.0, place)
+        assert max(distances) < 0.5
+        assert max(angles) < 3
 
 
 def test_marker_under_a_very_wide_cable_is_lost_or_right() -> None:

@@ -83,6 +83,15 @@ class LineTiming(NamedTuple):
         # A clock that such rounds have delayed by half a period skips the rest of it.
         return max(usual, 1.5 * period + self.variation)
 
+    def latest_end(self, period: float) -> float:
+        """Seconds from the beginning of a period to the end of its exchange, at most: the period and one latency.
+
+        At the beginning of each period, the readings are requested. The exchange ends when they have arrived and the
+        next commands have been sent. This holds without late replies if the exchange of a round in which the gripper
+        moves takes at most half a period and one latency; `longest_round` limits the time between two such ends.
+        """
+        return period + self.latency
+
     def check(self, port: str, period: float) -> None:
         """Check that a round fits into its period.
 

@@ -69,12 +69,12 @@ class Detector:
                 if area >= _MIN_PIECE_AREA * self._food_area:
                     pieces.append(_Piece(contour, area))
         markers: list[DetectedMarker] = []
-        found, pieces = self._markers_among(segmentation, pieces, markers, beside=True)
+        found, pieces = self._markers_among(segmentation, pieces, markers, joined=False)
         rest = [piece for piece in pieces if piece.area <= self._most]
         if sum(piece.area for piece in rest) >= self._least:
             # A cable cuts a marker in pieces, or cuts notches into its border.
             joined = self._joined(segmentation, rest)
-            found += self._markers_among(segmentation, joined, markers, beside=False)[0]
+            found += self._markers_among(segmentation, joined, markers, joined=True)[0]
         covered = [self._markers.covered(marker, [piece.contour for piece in rest]) for marker in markers]
         rest = [piece for number, piece in enumerate(rest) if not any(on[number] for on in covered)]
         foods, rest = self._foods_among(segmentation, rest)
@@ -83,7 +83,7 @@ class Detector:
         return found + foods
 
     def _markers_among(
-        self, segmentation: Segmentation, pieces: list[_Piece], markers: list[DetectedMarker], beside: bool
+        self, segmentation: Segmentation, pieces: list[_Piece], markers: list[DetectedMarker], joined: bool
     ) -> tuple[list[OrientedDetection], list[_Piece]]:
         """Detections of the markers among some pieces, and the other pieces.
 
@@ -91,8 +91,8 @@ class Detector:
             segmentation: Of the frame.
             pieces: Bright shapes.
             markers: All markers are added to this list, even those whose number of holes is uncertain.
-            beside: Whether food whose contour has merged with a marker's is detected, too; joined pieces of food are
-                detected on their own.
+            joined: Whether the pieces result from joining. If not, food whose contour has merged with a marker's is
+                detected, too; joined pieces of food are detected on their own.
         """
         found: list[OrientedDetection] = []
         rest = []
@@ -100,14 +100,14 @@ class Detector:
             patch = (
                 cut_patch(segmentation, piece.contour) if self._least <= piece.area <= self._most else None
             )
-            marker = None if patch is None else self._markers.detect(patch)
+            marker = None if patch is None else self._markers.detect(patch, joined)
             if patch is None or marker is None:
                 rest.append(piece)
                 continue
             markers.append(marker)
             if marker.holes:
                 found.append(OrientedDetection(self._marker(patch, piece, marker), marker.front_known))
-            if beside and piece.area > self._marker_area + 0.5 * self._food_area:
+            if not joined and piece.area > self._marker_area + 0.5 * self._food_area:
                 found += self._food_beside(segmentation, patch, marker)
         return found, rest
 

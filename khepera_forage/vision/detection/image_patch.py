@@ -22,7 +22,8 @@ class ImagePatch(NamedTuple):
     Attributes:
         column: Column of the frame at the patch's left side.
         row: Row of the frame at the patch's top.
-        grey: Grey levels of the frame; read only.
+        grey: Grey levels within the patch; read only.
+        frame: Grey levels of the whole frame, for what lies beyond the patch; read only.
         white: Mask of bright pixels from the segmentation, before gaps were closed.
         filled: 255 within the contour, holes included.
         floor: Brightness of the floor around the shape.
@@ -32,6 +33,7 @@ class ImagePatch(NamedTuple):
     column: int
     row: int
     grey: Frame
+    frame: Frame
     white: Frame
     filled: Frame
     floor: int
@@ -78,6 +80,7 @@ def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
         column,
         row,
         segmentation.frame[row:bottom, column:right],
+        segmentation.frame,
         segmentation.mask[row:bottom, column:right],
         filled,
         segmentation.floor_at(left + width // 2, top + height // 2),

@@ -85,8 +85,13 @@ class MarkerDetector:
         self._cables = CableBands(self._holes.rows, self._holes.columns)
         self._pattern = HolePattern(settings, self._holes.rows, self._holes.columns)
 
-    def detect(self, patch: ImagePatch) -> DetectedMarker | None:
+    def detect(self, patch: ImagePatch, joined: bool) -> DetectedMarker | None:
         """The marker in a patch.
+
+        Args:
+            patch: Contains the shape.
+            joined: Whether the shape results from joining pieces. The border of a single piece must fit exactly: a part
+                of a marker would fit loosely at a wrong place.
 
         Returns:
             None for anything else, or for a marker whose pose or number of holes is uncertain.
@@ -99,7 +104,7 @@ class MarkerDetector:
         estimate = shape_moments(patch, mask, self._calibration, self._settings.marker_height)
         if estimate is None or not self._has_marker_size(estimate):
             return None
-        moments = self._fitted(patch, estimate)
+        moments = self._fitted(patch, estimate, joined)
         if moments is None or (patch.edge and self._is_cut_off(moments)):
             return None
         mask = self._marker_mask(patch, moments)
@@ -139,25 +144,25 @@ class MarkerDetector:
             and abs(moments.minor / self._minor - 1) <= tolerance
         )
 
-    def _fitted(self, patch: ImagePatch, estimate: ShapeMoments) -> ShapeMoments | None:
+    def _fitted(self, patch: ImagePatch, estimate: ShapeMoments, loose: bool) -> ShapeMoments | None:
         """The moments with centre and axis of the marker whose border lies near the estimate."""
-        fitted, clear = self._fitted_at(patch, estimate, 1.0)
+        fitted, clear = self._fitted_at(patch, estimate, 1.0, loose)
         scale = 1.0 if clear else self._scale(estimate)
         if scale != 1:
-            own_size, clear = self._fitted_at(patch, estimate, scale)
+            own_size, clear = self._fitted_at(patch, estimate, scale, loose)
             return own_size if clear else fitted
         return fitted
 
     def _fitted_at(
-        self, patch: ImagePatch, moments: ShapeMoments, scale: float
+        self, patch: ImagePatch, moments: ShapeMoments, scale: float, loose: bool
     ) -> tuple[ShapeMoments | None, bool]:
         """The same for a marker of another size, as a multiple of its true size; and whether little of it is hidden."""
         clear = False
         for _ in range(_MAX_REPEATS):
             along, across = self._steps(moments, MM_PER_PIXEL * scale)
-            start = (moments.u - 0.5 - patch.column, moments.v - 0.5 - patch.row)
+            start = (moments.u - 0.5, moments.v - 0.5)
             affine = np.array([[along[0], across[0], start[0]], [along[1], across[1], start[1]]])
-            rectangle = self._border.fit(patch.grey, affine, moments.level, patch.floor)
+            rectangle = self._border.fit(patch.frame, affine, moments.level, patch.floor, loose)
             if rectangle is None:
                 return None, False
             (a, b), turn, clear = rectangle
@@ -217,8 +222,8 @@ class MarkerDetector:
 
         along, across = self._steps(moments, SAMPLE)
         middle = ((self._holes.columns - 1) / 2, (self._holes.rows - 1) / 2)
-        start_u = moments.u - 0.5 - patch.column - along[0] * middle[0] - across[0] * middle[1]
-        start_v = moments.v - 0.5 - patch.row - along[1] * middle[0] - across[1] * middle[1]
+        start_u = moments.u - 0.5 - along[0] * middle[0] - across[0] * middle[1]
+        start_v = moments.v - 0.5 - along[1] * middle[0] - across[1] * middle[1]
         affine = np.array([[along[0], across[0], start_u], [along[1], across[1], start_v]])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return cv2.warpAffine(patch.grey, affine, (self._holes.columns, self._holes.rows), flags=flags)  # type: ignore[return-value]
+        return cv2.warpAffine(patch.frame, affine, (self._holes.columns, self._holes.rows), flags=flags)  # type: ignore[return-value]

@@ -36,6 +36,12 @@ _BEHIND, _FLOOR_DEVIATION = (2.6, 5.4), 0.15
 share of the floor's brightness by which it differs at most."""
 _USUAL_DIFFERENCE = 0.4
 """Region pixels by which sides differ in this without a cable."""
+_USUAL_GROWTH, _GROWTH_DEVIATION = -0.45, 0.6
+"""Region pixels by which blur and exposure move all sides outwards, and by which they differ from it at most: measured
+over all disturbances of `benchmarks/tracker.py`."""
+_GROWTH_PENALTY = 10.0
+"""Number of points that every further region pixel costs when it is decided which side is hidden: a marker that seems
+too small has its border where a cable begins."""
 _LEAST_SHARE = 0.35
 """Share of all points that must lie on the rectangle."""
 _LEAST_ON_SIDE = 3
@@ -97,7 +103,9 @@ class RectangleFit:
         # Keeps the solution finite when too few points are visible.
         self._prior = 1e-3 * np.diag((1.0, 1.0, a * a, 1.0))
 
-    def fit(self, grey: Frame, affine: NDArray[np.float64], white: float, floor: float) -> Rectangle | None:
+    def fit(
+        self, grey: Frame, affine: NDArray[np.float64], white: float, floor: float, loose: bool
+    ) -> Rectangle | None:
         """The rectangle near an expected pose.
 
         Args:
@@ -105,6 +113,7 @@ class RectangleFit:
             affine: 2 x 3: from places in the expected rectangle's own frame (region pixels) to columns and rows.
             white: Grey level of the marker.
             floor: Grey level of the floor around it.
+            loose: Whether points far from the rectangle count, too, if no rectangle fits exactly.
 
         Returns:
             None if too little of the border is visible.
@@ -133,9 +142,10 @@ class RectangleFit:
             ([0.0], np.maximum(strange - strange.min() - _USUAL_DIFFERENCE, 0.0))
         )
         trusted = self._trusted & visible
-        for spread_cutoff in (0.0, _SPREAD_CUTOFF):
+        for spread_cutoff in (0.0, _SPREAD_CUTOFF) if loose else (0.0,):
             solutions, weights = self._solutions(edges, trusted, _CUTOFFS, spread_cutoff)
-            best = int((weights.sum(axis=1) + bonus).argmax())
+            unusual = np.maximum(np.abs(solutions[:, 3] - _USUAL_GROWTH) - _GROWTH_DEVIATION, 0.0)
+            best = int((weights.sum(axis=1) + bonus - _GROWTH_PENALTY * unusual).argmax())
             fitting = weights[best] > 0
             counts = np.bincount(self._sides[fitting], minlength=4)
             if fitting.sum() >= _LEAST_SHARE * points and (counts >= _LEAST_ON_SIDE).sum() >= 3:
@@ -207,7 +217,9 @@ class RectangleFit:
         points = np.arange(self._points)
         first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
         candidates = []
-        for i, found in ((first, ends.any(axis=1)), (last, last > first)):
+        # The first and the last of no ends lie apart, too.
+        some = ends.any(axis=1)
+        for i, found in ((first, some), (last, some & (last > first))):
             inner, outer = samples[points, i], samples[points, i + 1]
             shares = (inner - middle) / np.maximum(inner - outer, 1e-9)
             candidates.append(np.where(found, self._offsets[i] + _STEP * shares, np.nan))
