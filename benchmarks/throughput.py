@@ -38,7 +38,7 @@ from khepera_forage.experiments.page import finish, write
 from khepera_forage.experiments.processes import collect
 
 COUNTS = (
-    Count("steps", 10_000, 400, "steps, rounds or decisions of each measure in a repeat"),
+    Count("steps", 10_000, 150, "steps, rounds or decisions of each measure in a repeat"),
     Count("repeats", 7, 2, "repeats, of which the median counts"),
 )
 ROOT = Path(__file__).resolve().parents[1]

@@ -50,7 +50,7 @@ def save(figure: "Figure", path: Path) -> None:
     figure.set_facecolor("white")
     with NamingFile(path):
         # `Figure.savefig` would draw everything once more, only for the layout.
-        FigureCanvasAgg(figure).print_png(path)
+        FigureCanvasAgg(figure).print_png(path)  # type: ignore[no-untyped-call]
 
 
 def mark(
