@@ -33,6 +33,26 @@ SAME_RUN = {
     "tests/benchmarks/test_further_work_learning.py": "tests/benchmarks/test_further_work.py",
 }
 """Files whose tests need the quick run of another file's script."""
+FIRST = tuple(
+    f"tests/benchmarks/test_{script}.py"
+    for script in ("agreement", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
+)
+"""What takes longest begins. Only the first of these compiles kernels: others that need them would wait for it."""
+
+
+def group_of(nodeid: str) -> str:
+    """The file with whose tests a test runs."""
+    file, _, test = nodeid.partition("::")
+    script = test.partition("[")[2].removesuffix("]")
+    if file in SCRIPT_TESTS and script:
+        file = f"tests/benchmarks/test_{script}.py"
+    return SAME_RUN.get(file, file)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the groups of `FIRST`; all other tests keep their order."""
+    place = {group: number for number, group in enumerate(FIRST)}
+    items.sort(key=lambda item: place.get(group_of(item.nodeid), len(FIRST)))
 
 
 class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist is untyped
@@ -43,11 +63,7 @@ class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist 
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        file, _, test = nodeid.partition("::")
-        script = test.partition("[")[2].removesuffix("]")
-        if file in SCRIPT_TESTS and script:
-            file = f"tests/benchmarks/test_{script}.py"
-        return SAME_RUN.get(file, file)
+        return group_of(nodeid)
 
 
 @pytest.hookimpl(optionalhook=True)  # there is no such hook with -p no:xdist
