@@ -96,7 +96,7 @@ def job(steps: int, seed: int) -> Job:
 def picture(lines: Sequence[Line]) -> "Figure":
     """The cost of a step against the number of worlds, and against that of food objects."""
     by_measure = {line.measure: line for line in lines}
-    figure = new_figure(WIDTH, 3.8)
+    figure = new_figure(WIDTH, 4.4)
     left, right = figure.subplots(1, 2)
     _curve(left, by_measure, VECTOR, "make_vec", OURS, "o")
     _curve(left, by_measure, KERNEL, "kernel", THESIS, "s")
@@ -116,9 +116,9 @@ def picture(lines: Sequence[Line]) -> "Figure":
     right.set_xlabel("food objects")
     right.set_ylim(0, 1.1 * max(max(by_measure[measure].values) for measure in OBJECTS.values()))
     right.set_ylabel("time of a step of one world (ns)")
-    for axes, place in ((left, "upper right"), (right, "lower right")):
+    for axes in (left, right):
         axes.tick_params(labelsize=SMALL)
-        axes.legend(fontsize=SMALL, loc=place)
+        axes.legend(fontsize=SMALL, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
         grid(axes)
     return figure
 
