@@ -59,7 +59,7 @@ def simplify(
         prior: Its ranges and rules are kept.
         judge: Takes a set and the number of the trial, from 1.
         passes: Through all fields, at most.
-        fields: Their names; by default all of the prior.
+        fields: Names of the fields that are tried; by default all decisions of the prior.
 
     Returns:
         The simpler set, and all trials.

@@ -23,7 +23,9 @@ KERNEL = Measure(
     "whole episodes, the fewest worlds that keep all cores busy",
     15e6,
 )
-ONE_CORE = Measure(SECTION, "the same on one core", "steps/s", "one thread")
+ONE_CORE = Measure(
+    SECTION, "recall in the corridor under the teacher, in the kernel, one core", "steps/s", "one thread"
+)
 VECTOR = Measure(
     SECTION,
     f"Corridor-v1 of make_vec, {WORLDS:,} worlds",
@@ -32,7 +34,11 @@ VECTOR = Measure(
     5e6,
 )
 TIMES_PYMUNK = Measure(
-    SECTION, "the same, as a multiple of Corridor-v1 on pymunk", "times", "same repeat, resets included", 300
+    SECTION,
+    "Corridor-v1 of make_vec, as a multiple of that on pymunk",
+    "times",
+    "same repeat, resets included",
+    300,
 )
 SINGLE = Measure(
     SECTION, 'Corridor-v1 with backend="compiled"', "steps/s", "gym.make, one world, resets included", 150_000
