@@ -30,11 +30,13 @@ class WallWatch:
     def __init__(self, walls: Sequence[Segment]) -> None:
         self._walls = [(wall, *line_of(wall)) for wall in walls]
         self.near: list[Segment] = []
+        # Where all walls were last looked at, how far the nearest line of a wall was then, and how far the robot has
+        # moved since.
         self._x = self._y = self._nearest_line = self._moved = 0.0
 
     def survey(self, x: float, y: float) -> None:
         """Look which walls are near a robot at this place, mm."""
-        # No wall is nearer than its line was last time less what the robot has moved: mostly none comes in range.
+        # Lines come nearer by no more than the robot moves: mostly none can be in range yet.
         dx, dy = x - self._x, y - self._y
         moved = self._moved = math.sqrt(dx * dx + dy * dy)
         if self._nearest_line > REACH + moved:

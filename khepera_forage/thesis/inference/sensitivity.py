@@ -15,7 +15,7 @@ from khepera_forage.thesis.inference.summary import NAMES
 Floats = NDArray[np.float64]
 OUTCOMES = tuple((arena, measure) for arena in ARENAS for measure in ("score", "food"))
 RESAMPLES, QUICK_RESAMPLES = 100, 10
-"""Of the bootstrap, and with `--quick`."""
+"""How often the bootstrap draws the sets anew, and with `--quick`."""
 
 
 def outcome(statistics: NDArray[np.float32], arena: str, measure: str) -> Floats:
@@ -33,7 +33,7 @@ def first_order(
         parameters: What was drawn.
         values: The outcome, one a set.
         seed: Of the bootstrap.
-        resamples: Of the bootstrap.
+        resamples: How often the bootstrap draws the sets anew.
 
     Raises:
         ImportError: SALib is not installed.
