@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.vision.detection.cable_along_side import places_beyond_ends, sides_along_cables
 from khepera_forage.vision.detection.segmentation import Frame
 
 _POINTS = 13
@@ -25,7 +26,8 @@ _COARSE = 2.0
 _CLEAR_CUTOFFS = (1.5, 0.6, 0.3, 0.2, 0.2)
 """The same for a border of which little is hidden."""
 _CLEAR_SHARE = 0.78
-"""Share of all points that must lie on the rectangle for that: more than three sides."""
+"""Share of the points without sides that a cable lies along, which must lie on the rectangle for that: more than three
+of four sides."""
 _SPREAD_CUTOFF = 4.0
 """Least cutoff in median distances of the points from the rectangle: markers of another size have no exact fit."""
 _DARK, _DARK_BONUS = 0.85, 2.0
@@ -86,7 +88,7 @@ class RectangleFit:
         sides = np.repeat(np.arange(4), _POINTS)
         self._offsets = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
         samples = places[:, None, :] + normals[:, None, :] * self._offsets[:, None]
-        self._samples = samples.reshape(-1, 2)
+        self._places = np.concatenate((samples.reshape(-1, 2), places_beyond_ends(length, width)))
         # Outward shift of each point with the centre, the turn, and the size: blur, exposure and paper move all sides
         # about equally.
         levers = normals[:, 1] * places[:, 0] - normals[:, 0] * places[:, 1]
@@ -118,7 +120,9 @@ class RectangleFit:
         Returns:
             None if too little of the border is visible.
         """
-        samples = self._sampled(grey, affine)
+        levels = self._sampled(grey, affine)
+        border = self._points * len(self._offsets)
+        samples = levels[:border].reshape(self._points, -1)
         edges = self._edges(samples, (white + floor) / 2)
         visible = np.isfinite(edges)
         if visible[: self._points].sum() < _LEAST_SHARE * self._points:
@@ -127,7 +131,8 @@ class RectangleFit:
         first = edges[: self._points]
         # A border of which little is hidden needs only its first candidates, and only one choice of trusted points.
         points = self._points
-        solution = self._clear_solution(edges[:points], visible[:points])
+        shown = ~np.repeat(sides_along_cables(levels[border:], floor), _POINTS)
+        solution = self._clear_solution(edges[:points], visible[:points], shown)
         if solution is not None:
             return _rectangle(solution, clear=True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
@@ -153,23 +158,24 @@ class RectangleFit:
         return None
 
     def _clear_solution(
-        self, edges: NDArray[np.float64], visible: NDArray[np.bool_]
+        self, edges: NDArray[np.float64], visible: NDArray[np.bool_], shown: NDArray[np.bool_]
     ) -> NDArray[np.float64] | None:
         """Shift, turn and growth of a rectangle of which little is hidden; None if more is."""
         import cv2
 
         terms, products = self._terms[: self._points], self._products[: self._points]
         solution = np.zeros(4)
-        weights = shown = visible.astype(np.float64)
+        weights = usable = (visible & shown).astype(np.float64)
+        least = _CLEAR_SHARE * np.count_nonzero(shown)
         for cutoff in _CLEAR_CUTOFFS:
             # For one small system, several times faster than numpy.
             matrix = (weights @ products).reshape(4, 4) + self._prior
             vector = ((weights * edges) @ terms)[:, None]
             solution = cv2.solve(matrix, vector, flags=cv2.DECOMP_CHOLESKY)[1].ravel()  # type: ignore[assignment] # float64
             residuals = edges - terms @ solution
-            weights = np.maximum(1 - residuals * residuals / (cutoff * cutoff), 0.0) ** 2 * shown
+            weights = np.maximum(1 - residuals * residuals / (cutoff * cutoff), 0.0) ** 2 * usable
             # The cutoffs fall, so points that do not fit now hardly do in the end.
-            if np.count_nonzero(weights) < _CLEAR_SHARE * self._points:
+            if np.count_nonzero(weights) < least:
                 return None
         return solution
 
@@ -199,13 +205,13 @@ class RectangleFit:
         return solutions, weights  # type: ignore[return-value] # float64
 
     def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Grey levels across the border at each point, from inside to outside."""
+        """Grey levels across the border at each point, from inside to outside, and beyond the ends of the sides."""
         import cv2
 
-        places = (self._samples @ affine[:, :2].T + affine[:, 2]).astype(np.float32)
-        columns, rows = places.T.reshape(2, self._points, -1)
-        samples = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return samples.astype(np.float64)
+        places = (self._places @ affine[:, :2].T + affine[:, 2]).astype(np.float32)
+        columns, rows = places.T
+        levels = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return levels.astype(np.float64).ravel()
 
     def _edges(self, samples: NDArray[np.float64], middle: float) -> NDArray[np.float64]:
         """Outward distances of the border from its expected place, region pixels: two candidates for each point.
