@@ -1,7 +1,6 @@
 """Invalid and incomplete experience files, and their error messages."""
 
 import re
-import tempfile
 import warnings
 from pathlib import Path
 
@@ -184,12 +183,12 @@ def test_incomplete_file_can_be_recovered(kind: str, tmp_path: Path) -> None:
     assert list(kept) == list(EXPERIENCE)[:rows]
 
 
-def recovered(content: bytes) -> Experience | None:
+def recovered(folder: Path, content: bytes) -> Experience | None:
     """The experience recovered from a file; None for an `ExperienceError`. Any other exception fails the test."""
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperienceWarning)
         try:
-            return Experience.load(write(Path(folder), content), recover=True)
+            return Experience.load(write(folder, content), recover=True)
         except ExperienceError:
             return None
 
@@ -200,18 +199,23 @@ LONG = Experience(
 
 
 @pytest.fixture(scope="module")
-def long_file(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    path = tmp_path_factory.mktemp("long") / "g1.csv"
-    LONG.save(path)
-    return path.read_bytes()
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One folder for hundreds of files, one after the other: a folder for each would take most of the time."""
+    return tmp_path_factory.mktemp("damaged")
 
 
-def test_file_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def long_file(folder: Path) -> bytes:
+    LONG.save(folder / "whole.csv")
+    return (folder / "whole.csv").read_bytes()
+
+
+def test_file_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, folder: Path) -> None:
     header = long_file.index(b"behaviour\n") + len(b"behaviour\n")
     for end in range(len(long_file)):
         with pytest.raises(ExperienceError):
-            Experience.load(write(tmp_path, long_file[:end]))
-        kept = recovered(long_file[:end])
+            Experience.load(write(folder, long_file[:end]))
+        kept = recovered(folder, long_file[:end])
         if end < header:
             assert kept is None
         else:
@@ -221,10 +225,12 @@ def test_file_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, tmp_path
 
 @settings(deadline=None)
 @given(st.data())
-def test_damaged_file_is_an_error_or_valid_experience(long_file: bytes, data: st.DataObject) -> None:
+def test_damaged_file_is_an_error_or_valid_experience(
+    long_file: bytes, folder: Path, data: st.DataObject
+) -> None:
     start = data.draw(st.integers(0, len(long_file)))
     stop = data.draw(st.integers(start, min(start + 40, len(long_file))))
-    kept = recovered(long_file[:start] + data.draw(st.binary(max_size=10)) + long_file[stop:])
+    kept = recovered(folder, long_file[:start] + data.draw(st.binary(max_size=10)) + long_file[stop:])
     if kept is not None:
         for vector, behaviour in kept:
             assert 215 <= vector.arms_height <= 255
