@@ -4,7 +4,9 @@ import re
 from enum import Enum
 from typing import Any
 
+from numpy.typing import ArrayLike
 from sphinx.application import Sphinx
+from sphinx.util.typing import stringify_annotation
 
 from site_extension.docstring_markup import to_rst
 
@@ -13,6 +15,8 @@ BEFORE_NAPOLEON = 400
 """Napoleon, which reads Google's sections, has Sphinx's priority of 500."""
 _ARRAY = re.compile(r"~?numpy\.ndarray\[tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\[([\w.~]+)\]\]")
 """What autodoc writes for `NDArray`."""
+_ARRAY_LIKE = stringify_annotation(ArrayLike, "smart")
+"""What autodoc writes for `ArrayLike`: a union of seven types."""
 
 
 def setup(app: Sphinx) -> None:
@@ -44,9 +48,11 @@ def _skip(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any)
 def _shorten(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, result: str | None
 ) -> tuple[str | None, str | None]:
-    """Write `NDArray[int64]` as the source does."""
+    """Write `NDArray[int64]` and `ArrayLike` as the source does."""
     return _shortened(arguments), _shortened(result)
 
 
 def _shortened(text: str | None) -> str | None:
-    return text and _ARRAY.sub(r"~numpy.typing.NDArray[\1]", text)
+    return text and _ARRAY.sub(r"~numpy.typing.NDArray[\1]", text).replace(
+        _ARRAY_LIKE, "~numpy.typing.ArrayLike"
+    )
