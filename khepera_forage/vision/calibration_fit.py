@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.homography import Point
-from khepera_forage.vision.lens import MIDDLE, UNIT, Lens
+from khepera_forage.vision.lens import MIDDLE, UNIT, Lens, shows_every_point_once
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -55,7 +55,7 @@ def fit_calibration(
 ) -> CalibrationFit:
     """Fit a calibration: exactly to four points, by least squares on the floor to more.
 
-    The lens is fitted to at least `LENS_POINTS` points, and used if it lowers the held-out error.
+    The lens is fitted to at least `LENS_POINTS` points, and used if it is possible and lowers the held-out error.
 
     Args:
         picture: Four or more points (u, v) in pixels.
@@ -74,14 +74,16 @@ def fit_calibration(
     if len(points) == 4:
         calibration = Calibration(tuple(picture), tuple(floor), camera)
         return CalibrationFit(calibration, _distances(calibration, picture, floor), (), (), coverage)
-    plain = _held_out(points, places, 0)
-    best, coefficients = plain, 0
+    plain = best = _held_out(points, places, 0)
+    k, matrix = _fitted(points, places, 0)
     for count, least in enumerate(LENS_POINTS, start=1):
         if len(points) >= least:
             errors = _held_out(points, places, count)
             if root_mean_square(errors) < _GAIN * root_mean_square(best):
-                best, coefficients = errors, count
-    k, matrix = _fitted(points, places, coefficients)
+                k_of_lens, matrix_of_lens = _fitted(points, places, count)
+                # Errors of clicks can make a distortion fit best that no lens has.
+                if shows_every_point_once(*k_of_lens.tolist()):
+                    best, k, matrix = errors, k_of_lens, matrix_of_lens
     calibration = _calibration(k, matrix, camera)
     return CalibrationFit(calibration, _distances(calibration, picture, floor), best, plain, coverage)
 

@@ -12,6 +12,8 @@ UNIT = math.hypot(PICTURE_WIDTH, PICTURE_HEIGHT) / 2
 MIDDLE = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
 _REPEATS = 20
 _CONVERGED = 1e-12
+_LEAST_SLOPE = 0.05
+"""By which a lens at least moves a point outwards in the picture, as a share of how far the point itself moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +38,11 @@ class Lens:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
             raise ValueError(f"calibration lens is {(self.k1, self.k2)}; allowed: two finite numbers")
-        r = 0.0
-        while self._shown(r) < 1.0:
-            r += 0.01
-            if self._slope(r) <= 0.05 or r > 3:
-                raise ValueError(
-                    f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
-                    "(k1 above -0.14 if k2 is 0)"
-                )
+        if not shows_every_point_once(self.k1, self.k2):
+            raise ValueError(
+                f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
+                "(k1 above -0.14 if k2 is 0)"
+            )
 
     def straightened(self, u: float, v: float) -> Point:
         """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
@@ -71,18 +70,31 @@ class Lens:
         determinant = uu * vv - uv * uv
         return vv / determinant, -uv / determinant, -uv / determinant, uu / determinant
 
-    def _shown(self, r: float) -> float:
-        return r * (1 + r * r * (self.k1 + r * r * self.k2))
-
-    def _slope(self, r: float) -> float:
-        return 1 + r * r * (3 * self.k1 + 5 * self.k2 * r * r)
-
     def _true(self, shown: float) -> float:
         """The distance that appears as another one, by Newton's method."""
         r = shown
         for _ in range(_REPEATS):
-            step = (self._shown(r) - shown) / max(self._slope(r), 0.05)
+            step = (_shown(r, self.k1, self.k2) - shown) / max(_slope(r, self.k1, self.k2), _LEAST_SLOPE)
             r -= step
             if abs(step) < _CONVERGED:
                 break
         return r
+
+
+def shows_every_point_once(k1: float, k2: float) -> bool:
+    """Whether a lens, anywhere in the picture, shows a point further out if it lies further out; see `Lens`."""
+    r = 0.0
+    while _shown(r, k1, k2) < 1.0:
+        r += 0.01
+        if _slope(r, k1, k2) <= _LEAST_SLOPE or r > 3:
+            return False
+    return True
+
+
+def _shown(r: float, k1: float, k2: float) -> float:
+    """The distance from the middle at which a point at the distance r appears."""
+    return r * (1 + r * r * (k1 + r * r * k2))
+
+
+def _slope(r: float, k1: float, k2: float) -> float:
+    return 1 + r * r * (3 * k1 + 5 * k2 * r * r)
