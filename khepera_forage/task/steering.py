@@ -103,4 +103,4 @@ def wander(raw: RawData, speed: float, decisions: DecisionValues) -> tuple[float
 
 def clip(value: float, limit: float) -> float:
     """A value within -limit..limit."""
-    return max(-limit, min(limit, value))
+    return -limit if value < -limit else limit if value > limit else value

@@ -96,9 +96,9 @@ def touches_plate(x: float, y: float, radius: float, plate: Plate) -> bool:
     plate_x, plate_y, cos, sin = plate
     dx, dy = x - plate_x, y - plate_y
     # In the marker's own frame: distance of the centre beyond its sides, zero between them.
-    ahead = max(abs(dx * cos + dy * sin) - _HALF_LENGTH, 0.0)
-    aside = max(abs(dy * cos - dx * sin) - _HALF_WIDTH, 0.0)
-    return ahead * ahead + aside * aside <= radius * radius
+    ahead, aside = abs(dx * cos + dy * sin) - _HALF_LENGTH, abs(dy * cos - dx * sin) - _HALF_WIDTH
+    squared = (ahead * ahead if ahead > 0.0 else 0.0) + (aside * aside if aside > 0.0 else 0.0)
+    return squared <= radius * radius
 
 
 def visible_clearance(position_jitter: float) -> float:

@@ -90,8 +90,9 @@ class PymunkGripper:
             food_x, food_y = food.place
             dx, dy = food_x - x, food_y - y
             ahead = dx * cosine + dy * sine - BARRIER
-            aside = max(abs(dy * cosine - dx * sine) - gap, 0.0)
-            crosses = ahead * ahead + aside * aside < FOOD_RADIUS * FOOD_RADIUS
+            aside = abs(dy * cosine - dx * sine) - gap
+            squared = ahead * ahead + (aside * aside if aside > 0.0 else 0.0)
+            crosses = squared < FOOD_RADIUS * FOOD_RADIUS
             if crosses and (food is held or not food.lifted):
                 return True
         return False
