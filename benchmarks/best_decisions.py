@@ -38,7 +38,7 @@ from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from khepera_forage.thesis.inference.table import delete_chunks
 
 START = Path("results/decisions")
-QUICK_FIELDS = tuple(PRIOR.decisions)[::4]
+QUICK_FIELDS = tuple(PRIOR.decisions)[::8]
 """Fields that are tried with simpler values with `--quick`."""
 
 
