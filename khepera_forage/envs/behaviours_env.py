@@ -91,7 +91,7 @@ class BehavioursEnv(RecallEnv[int]):
     def _observation(self, forager: Forager) -> Observation:
         presence, home, food_type, arm, food = forager.vector
         diagonal = self._map.diagonal
-        # One fresh array for all three numbers: making an array takes longer than a slice, and `min` half as long.
+        # One fresh array for all three numbers: making an array takes longer than a slice, and `min` nearly as long.
         home, food = home if home < diagonal else diagonal, food if food < diagonal else diagonal
         numbers = np.array((home, arm, food))
         return {

@@ -13,7 +13,8 @@ MIDDLE = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
 _REPEATS = 20
 _CONVERGED = 1e-12
 _LEAST_SLOPE = 0.05
-"""By which a lens at least moves a point outwards in the picture, as a share of how far the point itself moves."""
+"""Least distance by which a point moves outwards in the picture, as a share of how far it would move without the
+distortion."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ _DEVIATION = 0.1
 """Share of the floor's brightness by which a cable differs from it: a grey one, 4 mm wide and blurred, differs by 0.15
 to 0.2, and floor with its texture, noise and light by up to 0.09."""
 _OPPOSITE = [1, 0, 3, 2]
+"""Number of the side that is opposite to each: front, back, left, right."""
 
 
 def places_beyond_ends(length: float, width: float) -> NDArray[np.float64]:

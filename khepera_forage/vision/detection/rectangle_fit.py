@@ -160,7 +160,13 @@ class RectangleFit:
     def _clear_solution(
         self, edges: NDArray[np.float64], visible: NDArray[np.bool_], shown: NDArray[np.bool_]
     ) -> NDArray[np.float64] | None:
-        """Shift, turn and growth of a rectangle of which little is hidden; None if more is."""
+        """Shift, turn and growth of a rectangle of which little is hidden; None if more is.
+
+        Args:
+            edges: Outward distances of the border at each point.
+            visible: Whether the border was found there.
+            shown: Whether the point is on a side that no cable lies along.
+        """
         import cv2
 
         terms, products = self._terms[: self._points], self._products[: self._points]
