@@ -77,7 +77,8 @@ def test_work_is_that_of_its_seed_and_on_the_free_floor() -> None:
     assert work.starts.shape == (500, 3)
     units = work.wheels * MAX_SPEED
     assert np.allclose(units, np.round(units))
-    assert (units.min(), units.max()) == (-MAX_SPEED, MAX_SPEED)
+    assert units.min() == -MAX_SPEED
+    assert units.max() == MAX_SPEED
     x1, y1, x2, y2 = ARENA.bounds
     for x, y, _ in work.starts:
         assert min(x - x1, x2 - x, y - y1, y2 - y) > RADIUS

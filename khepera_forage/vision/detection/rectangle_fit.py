@@ -208,7 +208,7 @@ class RectangleFit:
                 spreads = np.median(squares[:, visible], axis=1)
                 limits = np.maximum(limits, spread_cutoff**2 * spreads[:, None])
             weights = np.maximum(1 - squares / limits, 0.0) ** 2 * (trusted if cutoff > _COARSE else visible)
-        return solutions, weights  # type: ignore[return-value] # float64
+        return np.asarray(solutions, np.float64), np.asarray(weights, np.float64)
 
     def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
         """Grey levels across the border at each point, from inside to outside, and beyond the ends of the sides."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import cv2
 import numpy as np
@@ -245,5 +246,5 @@ def _draw_floor(
     coverage = wall_mask.astype(np.float32) / 255
     shade = 1 - _SHADE * cv2.GaussianBlur(coverage, (0, 0), _SHADE_WIDTH) if walls else 1.0
     floor = (appearance.floor + texture) * shade
-    picture: NDArray[np.float32] = floor + coverage * (appearance.wall + texture - floor)
+    picture: NDArray[np.floating[Any]] = floor + coverage * (appearance.wall + texture - floor)
     return picture.round().clip(0, 255).astype(np.uint8)
