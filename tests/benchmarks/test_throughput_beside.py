@@ -80,7 +80,7 @@ def test_every_case_has_a_function() -> None:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_case_measures_this_version(case: Case) -> None:
     if case.name != "pymunk" and find_spec("numba") is None:
-        pytest.skip("needs numba")
+        pytest.skip("compiled worlds need numba, the extra `fast`")
     assert value_of(case.name, case.quick, 1, ROOT) > 0
 
 

@@ -15,7 +15,7 @@ from khepera_forage.thesis.inference.summary import NAMES
 Floats = NDArray[np.float64]
 OUTCOMES = tuple((arena, measure) for arena in ARENAS for measure in ("score", "food"))
 RESAMPLES, QUICK_RESAMPLES = 100, 10
-"""How often the bootstrap draws the sets anew, and with `--quick`."""
+"""Number of bootstrap samples of the sets, and with `--quick`."""
 
 
 def outcome(statistics: NDArray[np.float32], arena: str, measure: str) -> Floats:
@@ -33,7 +33,7 @@ def first_order(
         parameters: What was drawn.
         values: The outcome, one a set.
         seed: Of the bootstrap.
-        resamples: How often the bootstrap draws the sets anew.
+        resamples: Number of bootstrap samples of the sets.
 
     Raises:
         ImportError: SALib is not installed.

@@ -41,7 +41,7 @@ def page(drawn: Drawn, posterior: Posterior, seed: int, resamples: int = sensiti
         drawn: The sets.
         posterior: What is inferred from them.
         seed: Of the bootstrap of the indices.
-        resamples: How often the bootstrap draws the sets anew.
+        resamples: Number of bootstrap samples of the sets.
     """
     return Page(
         "What tables A.1 to A.4 say about each decision",
