@@ -71,8 +71,9 @@ SWEEPS = {
     ),
     "angle": Sweep(
         "angle between cable and marker (deg)",
-        tuple(map(float, range(0, 91, 10))),
+        (0.0, 2.0, 5.0, *map(float, range(10, 81, 10)), 85.0, 88.0, 90.0),
         {
+            "4 mm": lambda v: _cables(4.0, _GREY, v),
             "6 mm": lambda v: _cables(6.0, _GREY, v),
             "12 mm": lambda v: _cables(12.0, _GREY, v),
             "17 mm": lambda v: _cables(17.0, _GREY, v),
