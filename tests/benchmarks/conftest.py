@@ -8,11 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import ROOT, quick
+from tests.benchmarks.running import ROOT, quick, quick_here
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
 QuickRun = Callable[..., Path]
+APART = ("lab_faults", "throughput", "virtual_lab", "wire")
+"""Scripts with a process of their own: threads that are late, or times, depend on what else a process holds. All others
+run in a process of the tests, which does not import everything again; `test_started_alone.py` starts them as well."""
 
 
 @pytest.fixture(scope="session")
@@ -29,7 +32,8 @@ def quick_run(tmp_path_factory: pytest.TempPathFactory) -> QuickRun:
         with (folder / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not printed.exists():
-                text = quick(script, folder / "out", *arguments, notes=folder / "pictures")
+                start = quick if script in APART else quick_here
+                text = start(script, folder / "out", *arguments, notes=folder / "pictures")
                 printed.write_text(text, encoding="utf-8")
         return folder / "out"
 

@@ -1,4 +1,4 @@
-"""Runs a script of `benchmarks/`, warnings as errors; in a process of its own, unless it has no work to do."""
+"""Runs a script of `benchmarks/`, warnings as errors: in a process of its own, or in that of the tests."""
 
 import csv
 import io
@@ -6,9 +6,12 @@ import os
 import runpy
 import subprocess
 import sys
-from contextlib import chdir, redirect_stderr, redirect_stdout
+import warnings
+from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest import mock
+
+from tests.benchmarks.checked_pictures import checked_pictures
 
 ROOT = Path(__file__).parents[2]
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -26,16 +29,17 @@ def command_of(script: str, *arguments: str) -> list[str]:
 
 
 def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) -> str:
-    """What a script prints with --quick, seed 1 and results in `out`; it must succeed without any error output.
+    """What a script prints with --quick, seed 1 and results in `out`, started as a user starts it.
 
-    With a file for notes, its pictures are checked on the way (`with_checked_pictures`).
+    It must succeed without any error output. With a file for notes, its pictures are checked on the way
+    (`checked_pictures`).
     """
     out.parent.mkdir(parents=True, exist_ok=True)
     command = command_of(script, "--quick", "--seed", "1", "--out", str(out), *arguments)
     # One process unless --jobs says otherwise: the other cores run other tests.
     environment = {**os.environ, "LOKY_MAX_CPU_COUNT": "1"}
     if notes is not None:
-        command[3:3] = ["-m", "tests.benchmarks.with_checked_pictures", str(notes)]
+        command[3:3] = ["-m", "tests.benchmarks.checked_pictures", str(notes)]
         # For this process and those that it starts.
         environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(ROOT / "benchmarks")])
     # Not the repository's folder: a script must not depend on the folder it is started in.
@@ -47,10 +51,11 @@ def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) ->
     return finished.stdout
 
 
-def quick_here(script: str, out: Path, *arguments: str) -> str:
-    """As `quick`, but in this process: for further runs of scripts that another test runs in a process of its own."""
+def quick_here(script: str, out: Path, *arguments: str, notes: Path | None = None) -> str:
+    """As `quick`, but in this process, which has imported most modules already."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    with mock.patch.dict(os.environ, LOKY_MAX_CPU_COUNT="1"), chdir(out.parent):
+    pictures = nullcontext() if notes is None else checked_pictures(notes)
+    with mock.patch.dict(os.environ, LOKY_MAX_CPU_COUNT="1"), chdir(out.parent), pictures:
         status, output, errors = _run_here(script, "--quick", "--seed", "1", "--out", str(out), *arguments)
     assert not status, errors
     assert errors == ""
@@ -58,7 +63,7 @@ def quick_here(script: str, out: Path, *arguments: str) -> str:
 
 
 def _run_here(script: str, *arguments: str) -> tuple[object, str, str]:
-    """Run a script in this process, which has imported most modules already.
+    """Run a script in this process, which has imported most modules already; warnings are errors.
 
     An error other than `SystemExit`, for which Python prints a traceback, is raised here.
 
@@ -67,7 +72,12 @@ def _run_here(script: str, *arguments: str) -> tuple[object, str, str]:
     """
     path = str(ROOT / "benchmarks" / f"{script}.py")
     output, errors, status = io.StringIO(), io.StringIO(), None
-    with mock.patch("sys.argv", [path, *arguments]), redirect_stdout(output), redirect_stderr(errors):
+    with (
+        mock.patch("sys.argv", [path, *arguments]),
+        redirect_stdout(output),
+        redirect_stderr(errors),
+        warnings.catch_warnings(action="error"),
+    ):
         try:
             runpy.run_path(path, run_name="__main__")
         except SystemExit as end:

@@ -7,7 +7,7 @@ import pytest
 from best_decisions import arguments, evolved
 
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import quick, read, refused
+from tests.benchmarks.running import quick_here, read, refused
 
 pytest.importorskip("numba")
 
@@ -15,7 +15,7 @@ pytest.importorskip("numba")
 @pytest.fixture(scope="module")
 def out(quick_run: QuickRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("best")
-    quick("best_decisions", folder, "--start", str(quick_run("decisions")))
+    quick_here("best_decisions", folder, "--start", str(quick_run("decisions")))
     return folder
 
 

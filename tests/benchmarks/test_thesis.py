@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import help_of, is_picture, quick, read
+from tests.benchmarks.running import help_of, is_picture, quick_here, read
 
 ARGUMENTS = {"pymunk": ("--replications", "1", "--no-comparison"), "compiled": ()}
 """On pymunk a replication takes seconds; `tests/thesis/test_comparison.py` compares with version 0.1 there."""
@@ -15,7 +15,7 @@ def out(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     if request.param == "compiled":
         pytest.importorskip("numba")
     folder = tmp_path_factory.mktemp("run") / "thesis"
-    printed = quick("thesis", folder, "--backend", request.param, *ARGUMENTS[request.param])
+    printed = quick_here("thesis", folder, "--backend", request.param, *ARGUMENTS[request.param])
     (folder.parent / "printed").write_text(printed, encoding="utf-8")
     return folder
 
