@@ -1,7 +1,10 @@
 """Settings of all tests."""
 
+import fcntl
 import signal
+from collections.abc import Generator
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -53,6 +56,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the groups of `FIRST`; all other tests keep their order."""
     place = {group: number for number, group in enumerate(FIRST)}
     items.sort(key=lambda item: place.get(group_of(item.nodeid), len(FIRST)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
+    """Let one process collect before the others, which then find all imported modules compiled.
+
+    On a fresh machine each process would compile them: two thirds of the time of a collection.
+    """
+    if not hasattr(session.config, "workerinput"):  # there is only this process
+        return (yield)
+    with Path(__file__).open() as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            fcntl.flock(lock, fcntl.LOCK_SH)
+            fcntl.flock(lock, fcntl.LOCK_UN)
+        return (yield)
 
 
 class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist is untyped
