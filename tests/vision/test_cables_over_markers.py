@@ -1,6 +1,7 @@
 """Markers under cables of other robots: found, with the right number of holes, exact, and without phantom food."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -76,6 +77,7 @@ class CrossedFrames:
         return left + x, below + y, float(self.rng.uniform(-math.pi, math.pi)), 1 + tile % 2
 
 
+@cache  # two tests measure the same frames
 def errors(
     width: float, grey: float, count: int, angle: float | None = None, place: float | None = None
 ) -> tuple[list[float], list[float]]:
