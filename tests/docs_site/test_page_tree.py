@@ -1,6 +1,7 @@
 """Every page is in the tree of pages, and every public name in the API reference."""
 
 import re
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -12,7 +13,12 @@ PAGES = {path.relative_to(DOCS).with_suffix("").as_posix(): path for path in DOC
 WRITTEN = {
     name: path for name, path in PAGES.items() if not name.startswith("api/")
 }  # those are made by `make docs`
-MODULES = [path for paths in public_modules().values() for path in paths]
+
+
+@cache
+def modules() -> list[Path]:
+    """The files of all public modules; to read them takes a second, which only these tests need."""
+    return [path for paths in public_modules().values() for path in paths]
 
 
 def entries(page: str) -> set[str]:
@@ -43,7 +49,7 @@ def test_every_page_can_be_reached_from_the_index() -> None:
 
 
 def test_every_module_is_public_or_left_out_for_a_reason() -> None:
-    for path in set(PACKAGE.rglob("*.py")) - set(MODULES):
+    for path in set(PACKAGE.rglob("*.py")) - set(modules()):
         name = module_name(path)
         command_or_compiler = name.startswith(("khepera_forage.cli", "khepera_forage.compilation"))
         assert command_or_compiler or "khepera_forage.compilation.decorators" in path.read_text(
@@ -76,14 +82,14 @@ def test_every_module_is_public_or_left_out_for_a_reason() -> None:
 )
 def test_name_that_users_import_is_public(name: str) -> None:
     module, _, last = f"khepera_forage.{name}".rpartition(".")
-    (path,) = (path for path in MODULES if module_name(path) == module)
+    (path,) = (path for path in modules() if module_name(path) == module)
     assert last in public_names(path) + exported_names(path)
 
 
 def test_exported_names_exist_where_their_documentation_is() -> None:
-    exporting = [path for path in MODULES if path.name == "__init__.py" and exported_names(path)]
+    exporting = [path for path in modules() if path.name == "__init__.py" and exported_names(path)]
     assert len(exporting) >= 4
-    documented = {f"{module_name(path)}.{name}" for path in MODULES for name in public_names(path)}
+    documented = {f"{module_name(path)}.{name}" for path in modules() for name in public_names(path)}
     for path in exporting:
         package = import_module(module_name(path))
         for name in exported_names(path):
