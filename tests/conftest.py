@@ -1,6 +1,7 @@
 """Settings of all tests."""
 
 import fcntl
+import gc
 import signal
 from collections.abc import Generator
 from importlib.util import find_spec
@@ -73,6 +74,16 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
             fcntl.flock(lock, fcntl.LOCK_SH)
             fcntl.flock(lock, fcntl.LOCK_UN)
         return (yield)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Look for unreachable objects less often, and never among modules and tests, which stay until the end.
+
+    Python would search these millions of objects again and again: a twentieth of the time of all tests.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 10, 20)
 
 
 class FileScheduling(LoadScopeScheduling):  # type: ignore[misc] # pytest-xdist is untyped
