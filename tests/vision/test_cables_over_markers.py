@@ -1,5 +1,6 @@
 """Markers under cables of other robots: found, with the right number of holes, exact, and without phantom food."""
 
+import copy
 import math
 from functools import cache
 
@@ -45,16 +46,31 @@ def cable_across(
     return points
 
 
+class Stage:
+    """What every series of frames begins with: the same floor, light and generator."""
+
+    def __init__(self) -> None:
+        self.rng = np.random.default_rng(5)
+        self.truth = Truth((), ())
+        self.renderer = FrameRenderer(self.shown, LABORATORY)
+        self.renderer.reset(self.rng)
+        self.light = Light(LABORATORY, self.rng)
+
+    def shown(self) -> Truth:
+        return self.truth
+
+
+STAGE = cache(Stage)
+"""Floor and light take longer to draw than a frame."""
+
+
 class CrossedFrames:
     """Frames with one marker in each tile, under a cable, and food beside every third where the gripper holds it."""
 
     def __init__(self, width: float, grey: float, angle: float | None, place: float | None = None) -> None:
         self.width, self.grey, self.angle, self.place = width, grey, angle, place
-        self.rng = np.random.default_rng(5)
-        self.truth = Truth((), ())
-        self.renderer = FrameRenderer(lambda: self.truth, LABORATORY)
-        self.renderer.reset(self.rng)
-        self.light = Light(LABORATORY, self.rng)
+        self.stage = copy.deepcopy(STAGE())
+        self.rng = self.stage.rng
         self.tracker = Tracker()
 
     def next(self, number: int, count: int) -> tuple[tuple[Marker, ...], list[Detection]]:
@@ -63,13 +79,13 @@ class CrossedFrames:
         held = tuple(
             (x + 88 * math.cos(heading), y + 88 * math.sin(heading)) for x, y, heading, _ in markers[::3]
         )
-        self.truth = Truth(markers, held)
-        picture = self.renderer.picture()
+        self.stage.truth = Truth(markers, held)
+        picture = self.stage.renderer.picture()
         for marker in markers:
             curve = cable_across(marker, self.rng, self.angle, self.place)
             if self.width > 0:
                 draw_cable(picture, curve, self.width / 5, self.grey)
-        return markers, self.tracker.detect(self.light.expose(picture, float(number)))
+        return markers, self.tracker.detect(self.stage.light.expose(picture, float(number)))
 
     def _marker(self, tile: int) -> Marker:
         left, below = tile % COLUMNS * TILE[0], tile // COLUMNS * TILE[1]
@@ -93,7 +109,7 @@ def errors(
                 distances.append(math.hypot(d.x - x / 5, d.y - y / 5))
                 angles.append(abs(math.remainder(d.orientation - math.degrees(heading), 360)))
             else:
-                assert min(math.hypot(d.x - x / 5, d.y - y / 5) for x, y in frames.truth.foods) < 2
+                assert min(math.hypot(d.x - x / 5, d.y - y / 5) for x, y in frames.stage.truth.foods) < 2
     assert len(distances) <= count
     return distances, angles
 
