@@ -41,7 +41,7 @@ from khepera_forage.task.decision_readings import AS_IT_IS, BACK_OFF, DRIVE_ON, 
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from khepera_forage.task.steering import clip, detour, steer, wander
+from khepera_forage.task.steering import clip, detour, is_home_across, steer, wander
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CLEAR = (FINGER_TIP + FOOD_RADIUS + 1.0) / MM_PER_PIXEL
@@ -101,6 +101,13 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     if behaviour == _RELEASE_FOOD:
         return _release(raw, decisions)
     return wait(raw)
+
+
+def uses_way_home(behaviour: int, raw: RawData) -> bool:
+    """Whether motors of a behaviour depend on the way home around walls; arguments as for `command`."""
+    if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY):
+        return is_home_across(raw)
+    return behaviour in (_PUSH_FOOD, _GO_HOME, _AVOID_HOME, _RELEASE_FOOD)
 
 
 def wait(raw: RawData) -> Motors:

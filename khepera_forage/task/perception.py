@@ -148,9 +148,9 @@ def raw_data(
         arena: Its arena.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
-    home_way_x, home_way_y, home_path = to_home
     food_way_x, food_way_y, food_path = to_food
     home_distance = length(arena.home_x - x, arena.home_y - y)
+    home_bearing, home_path = along_way_home(to_home, x, y, orientation, home_distance)
     food_distance = length(food_x - x, food_y - y)
     food_bearing = turn_to(bearing_of(food_way_x - x, food_way_y - y), orientation)
     return RawData(
@@ -173,14 +173,23 @@ def raw_data(
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
         home_distance,
-        turn_to(bearing_of(home_way_x - x, home_way_y - y), orientation),
-        home_path if home_path > home_distance else home_distance,
+        home_bearing,
+        home_path,
         food_distance if food_seen else 0.0,
         food_bearing if food_seen else 0.0,
         (food_path if food_path > food_distance else food_distance) if food_seen else 0.0,
         food_way_x,
         food_way_y,
     )
+
+
+def along_way_home(
+    to_home: Way, x: float, y: float, orientation: int, home_distance: float
+) -> tuple[float, float]:
+    """Bearing and length of the way home; arguments as for `raw_data`, and the straight distance."""
+    way_x, way_y, path = to_home
+    bearing = turn_to(bearing_of(way_x - x, way_y - y), orientation)
+    return bearing, path if path > home_distance else home_distance
 
 
 def state_vector(raw: RawData, distance_without_food: float, decisions: DecisionValues) -> StateVector:
@@ -191,7 +200,7 @@ def state_vector(raw: RawData, distance_without_food: float, decisions: Decision
         distance_without_food: Pixels: the food distance where there is no candidate, see `without_food`.
         decisions: `DecisionValues`.
     """
-    by_path = decisions.distances == ALONG_PATH
+    by_path = perceives_paths(decisions)
     food = raw.food_path if by_path else raw.food_distance
     food = food if raw.food_seen else distance_without_food
     return StateVector(
@@ -201,6 +210,11 @@ def state_vector(raw: RawData, distance_without_food: float, decisions: Decision
         raw.arm,
         int(food + 0.5),
     )
+
+
+def perceives_paths(decisions: DecisionValues) -> bool:
+    """Whether the distances of the state vector are lengths of paths around walls."""
+    return bool(decisions.distances == ALONG_PATH)
 
 
 def without_food(tracker: FoodTracker, arena: ArenaMap, decisions: DecisionValues) -> float:

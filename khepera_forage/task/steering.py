@@ -2,7 +2,7 @@
 
 import math
 
-from khepera_forage.geometry.angles import arcsine, length, sine, turn_to
+from khepera_forage.geometry.angles import arcsine, sine, turn_to
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
@@ -24,19 +24,20 @@ _BLOCKED = 600
 """Infra-red reading (about 14 mm) in front from which it backs off."""
 
 
+def is_home_across(raw: RawData) -> bool:
+    """Whether the home lies between a searching robot and where it drives for food, or beside that way."""
+    if not raw.food_seen or raw.home_distance <= raw.home_radius:
+        return False
+    fx, fy = raw.food_way_x - raw.x, raw.food_way_y - raw.y
+    along = (raw.home_x - raw.x) * fx + (raw.home_y - raw.y) * fy
+    return 0.0 < along < fx * fx + fy * fy
+
+
 def detour(raw: RawData) -> float:
     """Degrees by which a searching robot aims past its home when that lies across the way to the food."""
     home = raw.home_distance
     # A home behind walls, to which the way is longer than the distance, does not lie across any way.
-    if not raw.food_seen or home <= raw.home_radius or raw.home_path > home:
-        return 0.0
-    hx, hy = raw.home_x - raw.x, raw.home_y - raw.y
-    fx, fy = raw.food_way_x - raw.x, raw.food_way_y - raw.y
-    food = length(fx, fy)
-    if food == 0.0:
-        return 0.0
-    along = (hx * fx + hy * fy) / food
-    if along <= 0.0 or along >= food:
+    if not is_home_across(raw) or raw.home_path > home:
         return 0.0
     aside = turn_to(raw.food_bearing, raw.home_bearing)
     berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))

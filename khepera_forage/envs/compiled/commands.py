@@ -6,55 +6,15 @@ from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.arena_maps import arena_maps, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
+from khepera_forage.envs.compiled.raw_data import raw_data_in
+from khepera_forage.envs.compiled.ways_home import find_ways_home
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, applicable
 from khepera_forage.task.actions import decode_motors
-from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command
-from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 
 _WAIT = float(Behaviour.WAIT)
-
-
-@inline
-def raw_data_in(robot: Any, task: Any, i: int, arena: ArenaMap) -> RawData:
-    """The raw data of the last round in one lane."""
-    return RawData(
-        (
-            int(robot.proximity[0, i]),
-            int(robot.proximity[1, i]),
-            int(robot.proximity[2, i]),
-            int(robot.proximity[3, i]),
-            int(robot.proximity[4, i]),
-            int(robot.proximity[5, i]),
-        ),
-        int(robot.arm_reading[i]),
-        int(robot.jaw_reading[i]),
-        int(robot.object_presence[i]),
-        robot.marker_x[i],
-        robot.marker_y[i],
-        int(robot.marker_heading[i]),
-        robot.marker_found[i] != 0.0,
-        task.food_seen[i] != 0.0,
-        task.food_x[i],
-        task.food_y[i],
-        int(task.food_type[i]),
-        arena.home_x,
-        arena.home_y,
-        arena.home_radius,
-        arena.home_opening,
-        task.wall_distance[i],
-        task.wall_bearing[i],
-        task.home_distance[i],
-        task.home_bearing[i],
-        task.home_path[i],
-        task.food_distance[i],
-        task.food_bearing[i],
-        task.food_path[i],
-        task.food_way_x[i],
-        task.food_way_y[i],
-    )
 
 
 @inline
@@ -72,6 +32,7 @@ def drive_behaviours(worlds: Worlds, parameters: TaskParameters) -> None:
     """Command what the behaviour decided on commands, in every lane."""
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
+    find_ways_home(worlds, parameters, task.behaviour)
     for i in range(robot.x.shape[0]):
         motors = command(
             int(task.behaviour[i]), raw_data_in(robot, task, i, numbers_in(maps, task, i)), decisions
@@ -87,6 +48,7 @@ def drive_actions(worlds: Worlds, actions: Any, parameters: TaskParameters) -> N
     """
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
+    find_ways_home(worlds, parameters, task.state)
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
         given = applicable(decode_motors(actions[i, 0], actions[i, 1], actions[i, 2], actions[i, 3]))

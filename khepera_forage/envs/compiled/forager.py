@@ -13,9 +13,9 @@ from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_links import Link
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.perception import RawData
+from khepera_forage.task.perception import RawData, along_way_home
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
-from khepera_forage.task.way_finding import KnownWays
+from khepera_forage.task.way_finding import KnownWays, way_home
 
 
 class CompiledForager:
@@ -78,6 +78,13 @@ class CompiledForager:
             *(_of(task, name) for name in ("food_distance", "food_bearing")),
             *(_of(task, name) for name in ("food_path", "food_way_x", "food_way_y")),
         )
+        if self.arena.ways.corners:
+            # In compiled worlds, the way home is only looked up when a behaviour uses it.
+            x, y, known = self.raw.x, self.raw.y, self.tracker.known_ways
+            bearing, path = along_way_home(
+                way_home(x, y, known, self.arena), x, y, self.raw.orientation, self.raw.home_distance
+            )
+            self.raw = self.raw._replace(home_bearing=bearing, home_path=path)
         self.vector = StateVector(*(int(_of(task, name)) for name in VECTOR))
         self.state = State(int(_of(task, "state")))
 

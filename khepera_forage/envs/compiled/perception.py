@@ -8,8 +8,9 @@ from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
-from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
-from khepera_forage.geometry.nearest_wall import to_nearest_wall
+from khepera_forage.envs.compiled.ways_home import begin_ways_home, known_ways_in
+from khepera_forage.envs.compiled.worlds import Worlds
+from khepera_forage.geometry.nearest_wall import find_nearest_wall, is_still_nearest
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import update_food
@@ -20,7 +21,6 @@ from khepera_forage.task.perception import (
     without_food,
 )
 from khepera_forage.task.states import classify
-from khepera_forage.task.way_finding import KnownWays, way_home
 
 
 @inline
@@ -51,7 +51,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
         update_food(
             tracker,
             worlds.foods[i],
-            _known_ways(worlds, i),
+            known_ways_in(worlds, i),
             worlds.links[i],
             worlds.bodies.tracks[i],
             map_in(maps, i),
@@ -76,7 +76,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     _find_nearest_walls(maps, worlds)
-    _find_ways(worlds, maps)
+    begin_ways_home(worlds, maps, decisions)
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
         raw = raw_data(
@@ -132,23 +132,14 @@ def _find_nearest_walls(maps: Any, worlds: Worlds) -> None:
 def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
-        known, walls = worlds.nearest_walls[i], map_in(maps, i).walls
-        task.wall_x[i], task.wall_y[i] = to_nearest_wall(known, robot.marker_x[i], robot.marker_y[i], walls)
-
-
-@inline
-def _find_ways(worlds: Worlds, maps: Any) -> None:
-    """The ways home."""
-    robot, task = worlds.bodies.robots, worlds.tasks
+        known, x, y = worlds.nearest_walls[i], robot.marker_x[i], robot.marker_y[i]
+        if not is_still_nearest(known, x, y):
+            walls = map_in(maps, i).walls
+            find_nearest_wall(known, x, y, walls)
+            wall = walls[known.number]
+            task.nearest_x1[i], task.nearest_y1[i], task.nearest_share[i] = wall.x1, wall.y1, wall.share
+            task.nearest_ex[i], task.nearest_ey[i] = wall.ex, wall.ey
     for i in range(robot.x.shape[0]):
-        arena = map_in(maps, i)
-        home = arena.home_x, arena.home_y, 0.0
-        # Robots in unused lanes would try all waypoints, in every round.
-        if len(arena.ways.corners) > 0 and robot.x[i] > UNUSED / 2.0:
-            home = way_home(robot.marker_x[i], robot.marker_y[i], _known_ways(worlds, i), arena)
-        task.home_way_x[i], task.home_way_y[i], task.home_path[i] = home
-
-
-@inline
-def _known_ways(worlds: Worlds, i: int) -> KnownWays:
-    return KnownWays(worlds.straight_ways[i], worlds.to_waypoints[i], worlds.food_lengths[i])
+        x, y, x1, y1 = robot.marker_x[i], robot.marker_y[i], task.nearest_x1[i], task.nearest_y1[i]
+        ex, ey, share = task.nearest_ex[i], task.nearest_ey[i], task.nearest_share[i]
+        task.wall_x[i], task.wall_y[i] = to_wall(x, y, x1, y1, ex, ey, share)

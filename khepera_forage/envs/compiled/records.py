@@ -22,6 +22,8 @@ TASK = (
     *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
+    # The nearest wall, if worlds are in different arenas.
+    *("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share"),
     # Numbers of the arena's map, if worlds are in different arenas.
     *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     # The state vector, and the state that it stands for.

@@ -3,8 +3,10 @@
 from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.envs.compiled.commands import drive, raw_data_in
+from khepera_forage.envs.compiled.commands import drive
 from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map
+from khepera_forage.envs.compiled.raw_data import raw_data_in
+from khepera_forage.envs.compiled.ways_home import find_ways_home
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.compiled.records import HEARD
@@ -94,6 +96,7 @@ def drive_learners(worlds: Worlds, pairs: Any, task: TaskParameters) -> None:
     """Command what the behaviour heard commands, bent towards the teacher (4.5.2)."""
     robot, known = worlds.bodies.robots, worlds.tasks
     arena, decisions = arena_map(task), task.decisions[0]
+    find_ways_home(worlds, task, known.behaviour)
     for i in range(robot.x.shape[0]):
         behaviour = int(known.behaviour[i])
         own = command(behaviour, raw_data_in(robot, known, i, arena), decisions)
