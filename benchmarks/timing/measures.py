@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-LOWER_IS_BETTER = ("s", "MB", "bytes", "µs a step", "ns a step")
+LOWER_IS_BETTER = ("s", "ms", "MB", "bytes", "µs a step", "ns a step")
 """Units of which less is better; of the others (rates, shares), more is better."""
 
 

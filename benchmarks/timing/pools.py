@@ -1,5 +1,9 @@
 """Compiled worlds in thousands of procedural arenas, beside worlds that are all in the corridor. Needs numba."""
 
+import sys
+from dataclasses import replace
+from functools import _lru_cache_wrapper, partial
+from itertools import count, islice
 from time import perf_counter
 from typing import Any
 
@@ -7,6 +11,11 @@ import gymnasium as gym
 import numpy as np
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.procedural import procedural_arena
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import FoodType
 from timing.compiled import SECTION, WORLDS
 from timing.measures import Job, Measure, Values
 
@@ -20,6 +29,15 @@ PREPARED = Measure(
     "drawing and preparing a medium procedural arena",
     "ms",
     f"mean of a pool, with {RESETS} resets of all worlds",
+)
+WALLS, TIMES = 30, 20
+"""Walls of an arena that is prepared alone, and how many of these arenas."""
+LONGEST = Measure(
+    SECTION,
+    f"preparing an arena of {WALLS} walls",
+    "ms",
+    f"the longest of {TIMES} extreme procedural arenas: checks, ways, and the kernels' arrays",
+    50.0,
 )
 POOL = Measure(
     SECTION,
@@ -50,6 +68,8 @@ def pool_job(arenas: int, rounds: int, seed: int) -> Job:
     for reset in range(RESETS):
         infos = pool.reset(seed=seed + WORLDS * reset)[1]
     prepared = 1000 * (perf_counter() - start) / arenas
+    levels = map(partial(procedural_arena, difficulty="extreme"), count())
+    large = list(islice((arena for arena in levels if len(arena.wall_records) == WALLS), TIMES))
     latest = {pool: infos, corridor: corridor.reset(seed=seed)[1]}
 
     def rate(env: Any) -> float:
@@ -63,6 +83,19 @@ def pool_job(arenas: int, rounds: int, seed: int) -> Job:
 
     def repeat() -> Values:
         alone, together = rate(corridor), rate(pool)
-        return {PREPARED: prepared, POOL: together, SHARE: together / alone}
+        longest = max(map(_preparation, large))
+        return {PREPARED: prepared, LONGEST: longest, POOL: together, SHARE: together / alone}
 
     return repeat
+
+
+def _preparation(arena: Arena) -> float:
+    """Milliseconds to prepare an arena of which nothing is known."""
+    for name, module in list(sys.modules.items()):
+        if name.startswith("khepera_forage."):
+            for thing in vars(module).values():
+                if isinstance(thing, _lru_cache_wrapper):
+                    thing.cache_clear()
+    start = perf_counter()
+    recall_arenas([replace(arena)], len(arena.foods), 500, None, FoodType.PICKABLE, Decisions())
+    return 1000 * (perf_counter() - start)
