@@ -10,7 +10,7 @@ from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.ways_home import begin_ways_home, known_ways_in
 from khepera_forage.envs.compiled.worlds import Worlds
-from khepera_forage.geometry.nearest_wall import find_nearest_wall, is_still_nearest
+from khepera_forage.geometry.nearest_wall import find_nearest_walls, is_nearer, is_still_nearest
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import update_food
@@ -135,11 +135,24 @@ def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
         known, x, y = worlds.nearest_walls[i], robot.marker_x[i], robot.marker_y[i]
         if not is_still_nearest(known, x, y):
             walls = map_in(maps, i).walls
-            find_nearest_wall(known, x, y, walls)
-            wall = walls[known.number]
-            task.nearest_x1[i], task.nearest_y1[i], task.nearest_share[i] = wall.x1, wall.y1, wall.share
-            task.nearest_ex[i], task.nearest_ey[i] = wall.ex, wall.ey
+            find_nearest_walls(known, x, y, walls)
+            _keep_wall(task, 0, i, walls[known.number])
+            _keep_wall(task, 1, i, walls[known.second])
     for i in range(robot.x.shape[0]):
-        x, y, x1, y1 = robot.marker_x[i], robot.marker_y[i], task.nearest_x1[i], task.nearest_y1[i]
-        ex, ey, share = task.nearest_ex[i], task.nearest_ey[i], task.nearest_share[i]
-        task.wall_x[i], task.wall_y[i] = to_wall(x, y, x1, y1, ex, ey, share)
+        one_x, one_y = _to_kept_wall(robot, task, 0, i)
+        other_x, other_y = _to_kept_wall(robot, task, 1, i)
+        nearer = is_nearer(one_x, one_y, other_x, other_y)
+        task.wall_x[i], task.wall_y[i] = one_x if nearer else other_x, one_y if nearer else other_y
+
+
+@inline
+def _keep_wall(task: Any, k: int, i: int, wall: Any) -> None:
+    task.nearest_x1[k, i], task.nearest_y1[k, i], task.nearest_share[k, i] = wall.x1, wall.y1, wall.share
+    task.nearest_ex[k, i], task.nearest_ey[k, i] = wall.ex, wall.ey
+
+
+@inline
+def _to_kept_wall(robot: Any, task: Any, k: int, i: int) -> tuple[float, float]:
+    x1, y1, share = task.nearest_x1[k, i], task.nearest_y1[k, i], task.nearest_share[k, i]
+    ex, ey = task.nearest_ex[k, i], task.nearest_ey[k, i]
+    return to_wall(robot.marker_x[i], robot.marker_y[i], x1, y1, ex, ey, share)

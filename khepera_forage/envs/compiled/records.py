@@ -22,8 +22,6 @@ TASK = (
     *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
-    # The nearest wall, if worlds are in different arenas.
-    *("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share"),
     # Numbers of the arena's map, if worlds are in different arenas.
     *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     # The state vector, and the state that it stands for.
@@ -33,6 +31,8 @@ TASK = (
     "begins",  # whether the last frame was the first of its episode
 )
 """Fields of the task of one world."""
+NEAREST_WALLS = ("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share")
+"""Fields of the task of one world that hold the two nearest walls, if worlds are in different arenas."""
 VECTOR = ("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance")
 """Fields of the state vector, in the thesis's order."""
 
@@ -83,7 +83,9 @@ straight_way_dtype = np.dtype(
 )
 """`geometry.known_ways.StraightWay`."""
 
-nearest_wall_dtype = np.dtype([*((name, "f4") for name in ("x", "y", "room")), ("number", "i4")])
+nearest_wall_dtype = np.dtype(
+    [*((name, "f4") for name in ("x", "y", "room")), *((name, "i2") for name in ("number", "second"))]
+)
 """`geometry.nearest_wall.NearestWall`."""
 
 way_corner_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("before", "i8"), ("after", "i8")])
@@ -111,4 +113,5 @@ corners and waypoints are this arena's, and where the lengths of its ways begin.
 
 def task_dtype(lanes: int) -> np.dtype[Any]:
     """The task of one block of worlds."""
-    return np.dtype([(name, "f8", (lanes,)) for name in TASK])
+    fields = [(name, "f8", (lanes,)) for name in TASK]
+    return np.dtype(fields + [(name, "f8", (2, lanes)) for name in NEAREST_WALLS])

@@ -57,7 +57,7 @@ RULE_MODULES = (
 )
 """Modules whose functions kernels may call."""
 
-_RARE = (nearest_wall.find_nearest_wall, known_ways.examine, paths.find_lengths, paths.has_path)
+_RARE = (nearest_wall.find_nearest_walls, known_ways.examine, paths.find_lengths, paths.has_path)
 """Long functions that few rounds call, compiled once."""
 _DEGREES, _RADIANS = 180.0 / math.pi, math.pi / 180.0
 
