@@ -143,11 +143,30 @@ def algorithm_named(name: str) -> Any:
     return getattr(stable_baselines3, name)
 
 
+def behaviour_probabilities(model: Any, shown: NDArray[np.float32]) -> NDArray[np.float64]:
+    """How probable each behaviour is in the distribution of a model of PPO.
+
+    Args:
+        model: Trained with behaviours as actions.
+        shown: Features, one row an observation.
+
+    Returns:
+        One row an observation.
+    """
+    probabilities = _distribution(model, shown).probs
+    return np.array(probabilities.tolist(), np.float64)
+
+
 def _drawn(model: Any, shown: Any, rng: Generator) -> Any:
     """An action, drawn from the distribution of a model of PPO."""
-    tensor, _ = model.policy.obs_to_tensor(shown)
-    distribution = model.policy.get_distribution(tensor).distribution
     if isinstance(model.action_space, spaces.Discrete):
-        steps = np.cumsum(distribution.probs[0].tolist())
+        steps = np.cumsum(behaviour_probabilities(model, shown)[0])
         return int(steps.searchsorted(rng.random() * steps[-1], side="right"))
+    distribution = _distribution(model, shown)
     return np.clip(rng.normal(distribution.mean[0].tolist(), distribution.stddev[0].tolist()), -1.0, 1.0)
+
+
+def _distribution(model: Any, shown: Any) -> Any:
+    """PyTorch's distribution of the actions of a model of PPO."""
+    tensor, _ = model.policy.obs_to_tensor(shown)
+    return model.policy.get_distribution(tensor).distribution
