@@ -2,10 +2,11 @@
 
     python benchmarks/generalisation.py --help
 
-Every learner from experience vectors, and a decision tree by DAgger. Recalls in the arenas of the thesis, in the named
-family and in procedural test arenas of rising difficulty; the teacher and random behaviours as bounds. Which attribute
-of the state vector the imitator's wrong decisions are due to, and what distances along the path change. Needs numba
-(the extra `fast`).
+Every learner from experience vectors, a decision tree by DAgger, and the reinforcement learners that act with
+behaviours. Recalls in the arenas of the thesis, in the named family and in procedural test arenas of rising difficulty;
+the teacher and random behaviours as bounds. Which attribute of the state vector the imitator's wrong decisions are due
+to, and what distances along the path change. Needs numba (the extra `fast`). Without stable-baselines3 (the extra
+`baselines`), reinforcement learners are left out.
 """
 
 import sys
@@ -13,12 +14,16 @@ import sys
 import numpy as np
 from arena_generalisation import page
 from arena_generalisation.analysis import Analysis
-from arena_generalisation.replication import Replication, Size
+from arena_generalisation.reinforcement import ReinforcementReplication, reinforcement_learners
+from arena_generalisation.replication import Replication
 from arena_generalisation.rows import ArenaRecalls, WrongDecisions
+from arena_generalisation.size import Size
 
-from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.comparison.units import missing_extra, settings_of
+from khepera_forage.experiments.arguments import Arguments, Count, parse
 from khepera_forage.experiments.page import finish
-from khepera_forage.experiments.processes import collect
+from khepera_forage.experiments.processes import Unit, collect
+from khepera_forage.experiments.row_folder import UNITS, finished_units
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS
 
@@ -26,6 +31,7 @@ COUNTS = (
     Count("seeds", 10, 1, "replications, each with training and test arenas of its own", adds_units=True),
     Count("recalls", 2, 1, "recalls of each learner in each arena, in each replication"),
     Count("levels", 1, 1, "test arenas of each difficulty in each replication"),
+    Count("steps", 1_000_000, 1_000, "environment steps of each training of a reinforcement learner"),
 )
 QUICK_NAMED, QUICK_DIFFICULTIES = ("corridor", "rectangle", "t_maze", "mixed_foods"), ("easy", "medium")
 QUICK_LIMIT = 500
@@ -36,18 +42,54 @@ TABLES = {ArenaRecalls: "recalls", WrongDecisions: "wrong_decisions"}
 def main() -> int:
     """Run the benchmark."""
     given = parse("generalisation", __doc__, *COUNTS)
-    seeds, recalls, levels = given.counts.values()
+    seeds, recalls, levels, steps = given.counts.values()
     size = Size(
         recalls,
         levels,
         QUICK_NAMED if given.quick else ARENAS,
         QUICK_DIFFICULTIES if given.quick else tuple(DIFFICULTIES),
+        steps,
         QUICK_LIMIT if given.quick else None,
     )
-    rows = collect(given, [Replication(given.seed, number, size) for number in range(seeds)], TABLES)
+    trained, left_out = reinforced(given, size, range(seeds))
+    for name, reason in left_out.items():
+        print(f"{name} is left out: {reason}")
+    units: list[Unit] = []
+    for number in range(seeds):
+        units.append(Replication(given.seed, number, size))
+        units += [unit for unit in trained if unit.number == number]
+    settings = {f"learner {unit.name}": settings_of(unit.learner) for unit in trained}
+    rows = collect(given, units, TABLES, settings=settings)
     rng = np.random.default_rng((given.seed, 1))
     found = Analysis(rows.of(ArenaRecalls), rows.of(WrongDecisions), rng)
-    return finish(given, page.page(found))
+    return finish(given, page.page(found, steps, left_out))
+
+
+def reinforced(
+    given: Arguments, size: Size, replications: range
+) -> tuple[list[ReinforcementReplication], dict[str, str]]:
+    """All work of the reinforcement learners, and why some of them are left out.
+
+    A learner that cannot be trained here takes part if an earlier run has left all of its rows in the folder.
+
+    Args:
+        given: Folder and seed.
+        size: Of the run.
+        replications: Of each learner.
+    """
+    try:
+        finished = set() if given.fresh else set(finished_units(given.out))
+    except ValueError as error:
+        given.refuse(f"{given.out / UNITS}: {error}")
+    units, left_out = [], {}
+    for name, learner in reinforcement_learners().items():
+        own = [ReinforcementReplication(given.seed, number, size, name, learner) for number in replications]
+        reason = missing_extra(learner)
+        if reason and not finished.issuperset(unit.key for unit in own):
+            left_out[name] = reason
+        else:
+            units += own
+    return units, left_out
 
 
 if __name__ == "__main__":

@@ -7,8 +7,10 @@ import numpy as np
 
 from arena_generalisation.learning import QUERYING, imitating_learners
 from arena_generalisation.recall_arenas import NAMED, THESIS
+from arena_generalisation.reinforcement import reinforcement_learners
 from arena_generalisation.rows import AS_IT_IS, RANDOM, TEACHER, UNTRAINED, ArenaRecalls, WrongDecisions
 from arena_generalisation.trainings import CORRIDOR
+from khepera_forage.comparison.units import all_learners
 from khepera_forage.experiments.measures import Measure, combined, mean, pick
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.policies.learners import LEARNERS
@@ -25,6 +27,7 @@ SCORE: Measure[ArenaRecalls] = Measure(
 POISON: Measure[ArenaRecalls] = Measure(
     "poison brought home per recall", lambda row: row.poison_home, lambda row: row.recalls, 2
 )
+VECTORS: Measure[ArenaRecalls] = Measure("vectors", lambda row: row.vectors)
 WRONG: Measure[WrongDecisions] = Measure(
     "wrong decisions (%)", lambda row: 100.0 * row.still_wrong, lambda row: row.decisions
 )
@@ -34,7 +37,6 @@ CORRECTED: Measure[WrongDecisions] = Measure(
 BEYOND: Measure[WrongDecisions] = Measure(
     "beyond the training (%)", lambda row: 100.0 * row.beyond, lambda row: row.wrong
 )
-_TITLES = {TEACHER: "the teacher", RANDOM: "random behaviours"}
 _ARENA_TITLES = {"t_maze": "T-maze", "l_room": "L-shaped room"}
 
 
@@ -52,7 +54,9 @@ class Analysis:
     ) -> None:
         self.recalls, self.wrong, self.rng = recalls, wrong, rng
         known = {row.learner for row in recalls}
-        self.learners = [name for name in (*imitating_learners(), QUERYING) if name in known]
+        self.reinforced = [name for name in reinforcement_learners() if name in known]
+        imitating = [name for name in (*imitating_learners(), QUERYING) if name in known]
+        self.learners = imitating + self.reinforced
         self.arenas = self._names(THESIS) + self._names(NAMED)
         groups = {row.group for row in recalls}
         self.difficulties = [name for name in DIFFICULTIES if name in groups]
@@ -113,9 +117,7 @@ class Analysis:
 
 def title(learner: str) -> str:
     """A learner's name for tables and figures."""
-    if learner in _TITLES:
-        return _TITLES[learner]
-    known = LEARNERS.get(learner) or imitating_learners()[learner]
+    known = LEARNERS.get(learner) or all_learners()[learner]
     return known.title
 
 

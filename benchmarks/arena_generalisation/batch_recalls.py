@@ -29,6 +29,8 @@ class ArenaBatch:
         delivered: Food brought home in each that is not poisonous.
         poison_home: Poisonous food brought home in each.
         not_poisonous: Food objects in each that are not poisonous.
+        behaviours: Those that are executed.
+        rounds: Since the recalls began.
     """
 
     batch: CompiledBatch
@@ -39,12 +41,15 @@ class ArenaBatch:
     delivered: NDArray[np.int64] = field(init=False)
     poison_home: NDArray[np.int64] = field(init=False)
     not_poisonous: NDArray[np.int64] = field(init=False)
+    behaviours: NDArray[np.int64] = field(init=False)
+    rounds: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         worlds = self.batch.num_worlds
         self.over = np.zeros(worlds, np.bool_)
         self.score = np.zeros(worlds)
-        self.steps, self.delivered, self.poison_home = (np.zeros(worlds, np.int64) for _ in range(3))
+        numbers = (np.zeros(worlds, np.int64) for _ in range(4))
+        self.steps, self.delivered, self.poison_home, self.behaviours = numbers
         self.batch.step(np.zeros(worlds), np.ones(worlds, np.bool_))  # begins the episodes
         types: NDArray[Any] = self.batch.worlds.foods["type"]
         own = types.reshape(-1, self.batch.foods)[:worlds]
@@ -56,15 +61,25 @@ class ArenaBatch:
         vectors = np.stack([self.batch.task(name, np.int64) for name in VECTOR], axis=1)
         return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonals[:, None]), vectors)
 
-    def step(self, behaviours: NDArray[np.int64]) -> None:
+    def deciding(self, holds: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """The worlds in which a behaviour is decided now: the last one has held for its rounds, or there is none.
+
+        Args:
+            holds: Rounds that a behaviour of each decider holds.
+        """
+        due: NDArray[np.bool_] = self.rounds % holds[self.deciders] == 0
+        return ~self.over & due
+
+    def step(self, deciding: NDArray[np.bool_], behaviours: NDArray[np.int64]) -> None:
         """One round.
 
         Args:
-            behaviours: One for each world whose recall has not ended.
+            deciding: Worlds that have decided; the behaviours of the others hold.
+            behaviours: One for each of them.
         """
-        actions = np.zeros(len(self.over))
-        actions[~self.over] = behaviours
-        self.batch.step(actions, np.zeros(len(self.over), np.bool_))
+        self.behaviours[deciding] = behaviours
+        self.rounds += 1
+        self.batch.step(self.behaviours.astype(np.float64), np.zeros(len(self.over), np.bool_))
         episodes, trackers = self.batch.episodes, self.batch.trackers
         ended = ~self.over & (episodes["terminated"] | episodes["truncated"])
         for name, records in (
@@ -101,11 +116,11 @@ def recall_all(batches: Sequence[ArenaBatch], table: DecisionTable, rng: np.rand
     """
     active = list(batches)
     while active:
-        waiting = [~batch.over for batch in active]
-        deciders = [batch.deciders[mask] for batch, mask in zip(active, waiting, strict=True)]
-        vectors = [batch.vectors[mask] for batch, mask in zip(active, waiting, strict=True)]
+        deciding = [batch.deciding(table.holds) for batch in active]
+        deciders = [batch.deciders[mask] for batch, mask in zip(active, deciding, strict=True)]
+        vectors = [batch.vectors[mask] for batch, mask in zip(active, deciding, strict=True)]
         behaviours = table.decide(np.concatenate(deciders), np.concatenate(vectors), rng)
         ends = np.cumsum([len(part) for part in deciders])[:-1]
-        for batch, own in zip(active, np.split(behaviours, ends), strict=True):
-            batch.step(own)
+        for batch, mask, own in zip(active, deciding, np.split(behaviours, ends), strict=True):
+            batch.step(mask, own)
         active = [batch for batch in active if not batch.over.all()]

@@ -18,10 +18,12 @@ class Decider(NamedTuple):
     Attributes:
         classifier: Fitted, with `classes_` and `predict_proba`.
         sample: Whether behaviours are drawn with their probabilities; if not, the most probable one is executed.
+        hold: Rounds that a behaviour holds.
     """
 
     classifier: Any
     sample: bool
+    hold: int = 1
 
     def levels(self, vectors: NDArray[np.int64]) -> NDArray[np.float64]:
         """The probability of each of the ten behaviours in each state vector."""
@@ -43,6 +45,8 @@ class DecisionTable:
 
     def __init__(self, deciders: Sequence[Decider]) -> None:
         self._deciders = deciders
+        self.holds = np.array([decider.hold for decider in deciders], np.int64)
+        """Rounds that a behaviour of each decider holds."""
         self._row_of: dict[int, int] = {}
         self._levels = np.zeros((1 << 12, NUM_BEHAVIOURS))
         self._visits = np.zeros(len(self._levels), np.int64)

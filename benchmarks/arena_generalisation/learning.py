@@ -1,6 +1,5 @@
-"""The learners that take part, each fitted once for all arenas."""
+"""The learners from vectors and from queries, each fitted once for all arenas."""
 
-import copy
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -39,19 +38,6 @@ def fitted(learner: FromVectors, training: Training, seed: int) -> Any:
     more = {"groups": training.episodes} if learner.grouped else {}
     classifier = learner.classifier(CORRIDOR_DIAGONAL, seed)
     return classifier.fit(training.vectors, training.behaviours, **more)
-
-
-def in_arena(learner: FromVectors, classifier: Any, diagonal: int) -> Any:
-    """The same classifier in an arena of another diagonal; itself if it takes none.
-
-    Args:
-        learner: That it belongs to.
-        classifier: Fitted.
-        diagonal: Of the arena, in pixels.
-    """
-    if not learner.diagonal:
-        return classifier
-    return copy.copy(classifier).set_params(diagonal=diagonal)
 
 
 def queried(

@@ -1,17 +1,26 @@
 """The page: the thesis's question first, then a paragraph, a figure and a table for each question."""
 
+from collections.abc import Mapping
+
 from arena_generalisation import pictures, tables, texts
 from arena_generalisation.analysis import Analysis
 from khepera_forage.experiments.page import Page, Picture
 
 
-def page(found: Analysis) -> Page:
-    """All that was found."""
+def page(found: Analysis, steps: int, left_out: Mapping[str, str]) -> Page:
+    """All that was found.
+
+    Args:
+        found: Estimates from the rows.
+        steps: Environment steps of each training of a reinforcement learner.
+        left_out: Why some learners were left out, by name.
+    """
     return Page(
         "Does foraging carry over to other arenas?",
         [
             texts.answer(found),
             texts.METHOD,
+            texts.reinforcement(found, steps, left_out),
             texts.arenas(found),
             Picture("generalisation_arenas", "food delivered in each arena", pictures.arenas_picture(found)),
             tables.arenas_table(found),

@@ -10,6 +10,7 @@ from arena_generalisation.analysis import (
     POISON,
     SCORE,
     STRAIGHT,
+    VECTORS,
     WRONG,
     Analysis,
     arena_title,
@@ -19,9 +20,9 @@ from arena_generalisation.attribution import CHANGES
 from arena_generalisation.pictures import TRAINED, change_title
 from arena_generalisation.recall_arenas import NAMED
 from arena_generalisation.replication import PATH
-from arena_generalisation.rows import IMITATOR, RANDOM, TEACHER, UNTRAINED, ArenaRecalls
+from arena_generalisation.rows import IMITATOR, RANDOM, TEACHER, UNTRAINED
 from arena_generalisation.trainings import CORRIDOR, TRAININGS, VARIED, WHOLE
-from khepera_forage.experiments.measures import Measure, mean, means_table
+from khepera_forage.experiments.measures import mean, means_table
 from khepera_forage.experiments.tables import Column, Table, Value
 
 INTERVALS = "Brackets: 95 % intervals over replications."
@@ -41,7 +42,9 @@ def arenas_table(found: Analysis) -> Table:
     names = ", ".join(arena_title(name) for name in found.named)
     note = (
         f"Food delivered, as a share of the food that is not poisonous, and scores. Family: {names}, each of which "
-        f"counts as much as any other. {INTERVALS}"
+        "counts as much as any other. The score counts steps in which a learner does what the teacher would have done "
+        "(5.4): a learner that forages in a different way scores low and may still deliver all food. "
+        f"{INTERVALS}"
     )
     return Table("arenas", "Each learner in each arena", note, tuple(columns), rows)
 
@@ -51,13 +54,12 @@ def trainings_table(found: Analysis) -> Table:
     columns = [Column("training"), Column("vectors", 0), Column("corridor (%)", 0, estimate=True)]
     columns += [Column("family (%)", 0, estimate=True)]
     columns += [Column(f"{name} (%)", 0, estimate=True) for name in found.difficulties]
-    vectors: Measure[ArenaRecalls] = Measure("vectors", lambda row: row.vectors)
     rows: list[tuple[Value, ...]] = []
     for training in TRAININGS:
         own = found.rows(IMITATOR, training)
         values = [found.delivered(IMITATOR, training, arena=CORRIDOR)]
         values += [found.delivered(IMITATOR, training, group=group) for group in (NAMED, *found.difficulties)]
-        rows.append((training, mean(own, vectors, found.rng).value, *values))
+        rows.append((training, mean(own, VECTORS, found.rng).value, *values))
     note = (
         "Food delivered by the thesis's imitator. Other places: start and food at random in each training episode, as "
         "in recalls. Varied: one episode in each of ten procedural training arenas, of every difficulty in turn; as "

@@ -1,8 +1,8 @@
 """The paragraphs of the page, with figures from the rows."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from arena_generalisation.analysis import BEYOND, STRAIGHT, WRONG, Analysis, title
+from arena_generalisation.analysis import BEYOND, STRAIGHT, VECTORS, WRONG, Analysis, title
 from arena_generalisation.attribution import CHANGES
 from arena_generalisation.learning import QUERYING
 from arena_generalisation.pictures import change_title
@@ -15,9 +15,9 @@ from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import interval
 
 METHOD = """\
-Each replication trains and tests once: ten episodes of paired training (5.3) in the corridor, or one episode in
-each of ten procedural training arenas, of which as many experience vectors are kept as the corridor gave. Every
-learner then forages alone in the arenas of the thesis, in the family, and in procedural test arenas that no
+Each replication trains and tests once: imitators in ten episodes of paired training (5.3) in the corridor, or in
+one episode in each of ten procedural training arenas, of which as many experience vectors are kept as the corridor
+gave. Every learner then forages alone in the arenas of the thesis, in the family, and in procedural test arenas that no
 learner was trained in. Places are random, and the same for all learners. Distances to the home and to food are
 straight, as in 4.3, unless the text says otherwise. The corridor's food is all pickable, as in the thesis. The
 arenas of the family have pickable food, except for mixed foods; procedural arenas also have pushable food (from
@@ -25,10 +25,12 @@ medium on) and poison (from hard on). Everything runs on compiled worlds with th
 arenas have half of it, extreme ones 1.5 times as much."""
 LIMITS = """## Limits
 
-- Reinforcement learners and DAgger with a network were left out, to keep the run within minutes, and so were learners
-  on wheels. [Compare learners](comparison.md) has their results in corridor and rectangle.
+- DAgger with a network was left out, to keep the run short, and so were learners on wheels.
+  [Compare learners](comparison.md) has their results in corridor and rectangle.
 - The decision tree of DAgger queried the teacher 1,000 times, in the corridor or 250 times in a training arena of each
   difficulty. Queries were answered on pymunk.
+- Reinforcement learners have as many steps in varied arenas as in the corridor, not as many episodes. Their networks
+  get distances divided by the corridor's diagonal in every arena.
 - Bodies, the radius of the home (80 mm), the teacher and the settings of learners were not varied. The settings were
   chosen in the corridor.
 - Difficulty changes several things at once: size, walls, number and types of food, and noise.
@@ -53,8 +55,29 @@ def answer(found: Analysis) -> str:
         f"many vectors from varied arenas, it delivers {varied} % in the family, and "
         f"{_series(found, IMITATOR, VARIED)}. Neither the corridor nor the state vector is the limit: a decision tree "
         "that queried the teacher in the same corridor, in the states into which its own behaviours led it, delivers "
-        f"{dagger} % in the family."
+        f"{dagger} % in the family.{_without_a_teacher(found)}"
     )
+
+
+def reinforcement(found: Analysis, steps: int, left_out: Mapping[str, str]) -> str:
+    """How reinforcement learners are trained, or why some are left out.
+
+    Args:
+        found: Estimates.
+        steps: Environment steps of each training.
+        left_out: Reasons by name.
+    """
+    parts = [f"`{name}` was left out: {reason}." for name, reason in left_out.items()]
+    if found.reinforced:
+        vectors = mean(found.rows(IMITATOR, CORRIDOR), VECTORS, found.rng)
+        parts.append(
+            f"Reinforcement learners ({_listed(found.reinforced)}) see no teacher. Each is trained for {steps:,} steps "
+            "of the environment, and for its reward: +1 for a delivery, -1 for poison, and a small cost for every "
+            "step. It is trained once in the corridor, and once in the ten training arenas in which the replication's "
+            "imitators are trained, in as many steps. Places are random in every episode. An imitator learns from "
+            f"{vectors.value:,.0f} experience vectors."
+        )
+    return "\n\n".join(parts)
 
 
 def arenas(found: Analysis) -> str:
@@ -94,6 +117,12 @@ def difficulty(found: Analysis) -> str:
             f"Trained in {name}, most of the food in {last} arenas is delivered by {title(best)}: "
             f"{_series(found, best, training)}."
         )
+        if found.reinforced and best not in found.reinforced:
+            best = _ranked(found, training, last, found.reinforced)[0]
+            parts.append(
+                f"Of the reinforcement learners, most of it is delivered by {title(best)}: "
+                f"{_series(found, best, training)}."
+            )
     return "## How do results fall with difficulty?\n\n" + " ".join(parts)
 
 
@@ -143,9 +172,26 @@ def _series(found: Analysis, learner: str, training: str) -> str:
     return ", ".join(shares)
 
 
-def _ranked(found: Analysis, training: str, group: str) -> list[str]:
-    """Learners, those first that deliver most."""
-    shares = {learner: found.delivered(learner, training, group=group).value for learner in found.learners}
+def _without_a_teacher(found: Analysis) -> str:
+    """What reinforcement learners deliver in the family; empty without them."""
+    if not found.reinforced:
+        return ""
+    corridor, varied = (
+        ", ".join(_share(found, learner, training) for learner in found.reinforced)
+        for training in (CORRIDOR, VARIED)
+    )
+    return (
+        " Reinforcement learners, which have no teacher, deliver there, trained in the corridor: "
+        f"{corridor}; trained in varied arenas: {varied}."
+    )
+
+
+def _ranked(found: Analysis, training: str, group: str, learners: Sequence[str] | None = None) -> list[str]:
+    """Learners, those first that deliver most; by default all of them."""
+    shares = {
+        learner: found.delivered(learner, training, group=group).value
+        for learner in (found.learners if learners is None else learners)
+    }
     return sorted(shares, key=lambda learner: -shares[learner])
 
 

@@ -27,6 +27,8 @@ CORRIDOR, VARIED = "corridor", "varied"
 HALF, MOVED, WHOLE = "corridor, 5 episodes", "corridor, other places", "varied, all vectors"
 """Further trainings of the thesis's imitator."""
 TRAININGS = (HALF, CORRIDOR, MOVED, VARIED, WHOLE)
+_Episode = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""State vectors and behaviours."""
 
 
 class Training(NamedTuple):
@@ -85,18 +87,35 @@ def varied_trainings(
         decisions: Of the training; others change nothing else.
     """
     episodes, drawing = np.random.SeedSequence(seed, spawn_key=(2, replication)).spawn(2)
-    levels = [_training_levels(name, replication) for name in difficulties]
-    whole = _joined(
-        [_first_complete(levels[k % len(levels)], key, decisions) for k, key in enumerate(_keys(episodes))]
-    )
+    whole = _joined([own for _, own in _varied_episodes(episodes, replication, difficulties, decisions)])
     number = len(whole.vectors)
     drawn = np.random.default_rng(drawing).choice(number, min(size, number), replace=False)
     return {VARIED: whole.chosen(np.sort(drawn)), WHOLE: whole}
 
 
+def varied_arenas(seed: int, replication: int, difficulties: Sequence[str]) -> list[RecallArena]:
+    """The arenas of the ten episodes of `varied_trainings`, with straight distances.
+
+    Args:
+        seed: As for `varied_trainings`; so are the others.
+        replication: Its number.
+        difficulties: Of the training arenas.
+    """
+    episodes, _ = np.random.SeedSequence(seed, spawn_key=(2, replication)).spawn(2)
+    return [arena for arena, _ in _varied_episodes(episodes, replication, difficulties, DEFAULT_DECISIONS)]
+
+
 def training_arenas(replication: int, difficulties: Sequence[str]) -> list[RecallArena]:
     """The first training arena of each difficulty in a replication."""
     return [next(_training_levels(name, replication)) for name in difficulties]
+
+
+def _varied_episodes(
+    seeds: np.random.SeedSequence, replication: int, difficulties: Sequence[str], decisions: Decisions
+) -> list[tuple[RecallArena, _Episode]]:
+    """One episode in each of ten training arenas, of every difficulty in turn."""
+    levels = [_training_levels(name, replication) for name in difficulties]
+    return [_first_complete(levels[k % len(levels)], key, decisions) for k, key in enumerate(_keys(seeds))]
 
 
 def _training_levels(difficulty: str, replication: int) -> Iterator[RecallArena]:
@@ -107,11 +126,11 @@ def _training_levels(difficulty: str, replication: int) -> Iterator[RecallArena]
 
 def _first_complete(
     levels: Iterator[RecallArena], key: int, decisions: Decisions
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """A training episode in the first level in which one is complete; the levels up to it are used up."""
+) -> tuple[RecallArena, _Episode]:
+    """The first level in which a training episode is complete, and the episode; the levels up to it are used up."""
     for level in levels:
         try:
-            return _episode(
+            return level, _episode(
                 level.arena,
                 key,
                 decisions,
@@ -125,16 +144,14 @@ def _first_complete(
     raise AssertionError("there are more levels than any training needs")
 
 
-def _episode(
-    arena: Any, key: int, decisions: Decisions, **kwargs: Any
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _episode(arena: Any, key: int, decisions: Decisions, **kwargs: Any) -> _Episode:
     """State vectors and behaviours of one training episode."""
     from khepera_forage.rollouts.compiled.training import train_learners
 
     return train_learners(1, arena, key, decisions=decisions, **kwargs).experience_of(0).arrays()
 
 
-def _joined(episodes: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]]) -> Training:
+def _joined(episodes: Sequence[_Episode]) -> Training:
     sizes = [len(behaviours) for _, behaviours in episodes]
     return Training(
         np.concatenate([vectors for vectors, _ in episodes]),

@@ -4,14 +4,20 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import generalisation
 import numpy as np
 import pytest
+from arena_generalisation import texts
+from arena_generalisation.analysis import Analysis
 from arena_generalisation.attribution import CHANGES, Visits, wrong_decisions
 from arena_generalisation.batch_recalls import arena_batch, recall_all
 from arena_generalisation.decision_table import Decider, DecisionTable
+from arena_generalisation.joined_envs import JoinedVectorEnv
 from arena_generalisation.learning import imitating_learners
 from arena_generalisation.recall_arenas import named_arenas, procedural_arenas
-from arena_generalisation.rows import AS_IT_IS
+from arena_generalisation.reinforcement import reinforcement_learners, varied_envs
+from arena_generalisation.rows import AS_IT_IS, IMITATOR, ArenaRecalls
+from arena_generalisation.size import Size
 from arena_generalisation.trainings import (
     CORRIDOR,
     EPISODES,
@@ -22,12 +28,18 @@ from arena_generalisation.trainings import (
     Training,
     corridor_trainings,
     training_arenas,
+    varied_arenas,
     varied_trainings,
 )
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from khepera_forage.comparison.units import missing_extra
 from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.experiments.arguments import parse
+from khepera_forage.experiments.row_folder import RowFolder
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES, Decisions
 from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State, StateVector, classify
@@ -115,6 +127,27 @@ def test_classifier_that_decides_like_the_teacher_forages_like_the_teacher(name:
     assert batch.delivered.sum() >= 0.9 * batch.not_poisonous.sum()
 
 
+def test_behaviours_hold_for_their_rounds() -> None:
+    (arena,) = named_arenas(["corridor"])
+    batch = arena_batch(arena.limited(58), [0, 1], [3, 1])
+    table = DecisionTable([Decider(Undecided(), sample=True, hold=hold) for hold in (5, 1)])
+    executed = []
+    while not batch.over.all():
+        deciding = batch.deciding(table.holds)
+        batch.step(
+            deciding,
+            table.decide(
+                batch.deciders[deciding], batch.vectors[deciding], np.random.default_rng(batch.rounds)
+            ),
+        )
+        executed.append(batch.behaviours.copy())
+    held, free = np.array(executed)[:, :2], np.array(executed)[:, 2:]
+    assert batch.steps.tolist() == [58] * 4
+    assert all((held[begin : begin + 5] == held[begin]).all() for begin in range(0, 58, 5))
+    assert not all((free[begin : begin + 5] == free[begin]).all() for begin in range(0, 58, 5))
+    assert [table.visited(number)[2].sum() for number in range(2)] == [2 * 12, 2 * 58]
+
+
 def test_corridor_trainings_share_their_episodes(corridor: dict[str, Training]) -> None:
     half, whole, moved = (corridor[name] for name in (HALF, CORRIDOR, MOVED))
     assert np.unique(whole.episodes).tolist() == list(range(EPISODES))
@@ -134,6 +167,60 @@ def test_varied_training_has_as_many_vectors_as_asked_for() -> None:
     assert np.unique(whole.episodes).tolist() == list(range(EPISODES))
     path = varied_trainings(0, 0, 300, DIFFICULTIES, Decisions(distances="along the path"))[WHOLE]
     assert path.vectors[:, HOME].mean() > whole.vectors[:, HOME].mean()
+
+
+def test_varied_arenas_are_those_of_the_varied_training() -> None:
+    arenas = varied_arenas(0, 0, DIFFICULTIES)
+    assert [arena.group for arena in arenas] == list(DIFFICULTIES) * 5
+    assert {arena.name for arena in training_arenas(0, DIFFICULTIES)} <= {arena.name for arena in arenas}
+    training = varied_trainings(0, 0, 300, DIFFICULTIES, DEFAULT_DECISIONS)[WHOLE]
+    for number, arena in enumerate(arenas):
+        diagonal = arena_map_of(checked_arena(arena.arena, DEFAULT_DECISIONS)).diagonal
+        own = training.vectors[training.episodes == number]
+        assert own[:, FOOD].max() <= diagonal, "without food the distance is the diagonal"
+    assert len({arena.name for arena in arenas}) == len(arenas)
+
+
+def test_difficulties_share_the_environments_as_they_share_the_arenas() -> None:
+    arenas = [arena for name in DIFFICULTIES for arena in procedural_arenas(name, "train", 0, 1)]
+    arenas += procedural_arenas("easy", "train", 1, 1)
+    env: Any = varied_envs(arenas)(8)
+    limits = [part.batch.limit for part in env.parts for _ in range(part.num_envs)]
+    assert limits == [arenas[0].limit] * 5 + [arenas[1].limit] * 3
+    env.close()
+
+
+def test_joined_environments_are_those_of_its_parts() -> None:
+    """Episodes end at different times, some worlds begin again alone."""
+    joined, (first, second) = JoinedVectorEnv(_parts()), _parts()
+    shown, infos = joined.reset(seed=7)
+    own: tuple[Any, ...] = first.reset(seed=7)
+    other: tuple[Any, ...] = second.reset(seed=9)
+    rng, ended = np.random.default_rng(0), 0
+    for round_number in range(60):
+        for name in shown:
+            np.testing.assert_array_equal(shown[name], np.concatenate((own[0][name], other[0][name])))
+        np.testing.assert_array_equal(infos["steps"], np.concatenate((own[-1]["steps"], other[-1]["steps"])))
+        actions = rng.integers(0, NUM_BEHAVIOURS, 5)
+        shown, rewards, terminated, truncated, infos = joined.step(actions)
+        own, other = first.step(actions[:2]), second.step(actions[2:])
+        results: list[Any] = [rewards, terminated, truncated]
+        for found, its, theirs in zip(results, own[1:4], other[1:4], strict=True):
+            assert found.tolist() == [*its.tolist(), *theirs.tolist()]
+        ends = terminated | truncated
+        if ends.any():
+            ended += int(ends.sum())
+            assert infos["_final_obs"].tolist() == ends.tolist()
+            assert [final is not None for final in infos["final_obs"]] == ends.tolist()
+            assert infos["final_info"]["steps"][ends].min() >= 20
+        if round_number == 30:
+            mask = np.array([False, False, True, False, True])
+            shown, infos = joined.reset(options={"reset_mask": mask})
+            own, other = (own[0], own[-1]), second.reset(options={"reset_mask": mask[2:]})
+            assert infos["_steps"].tolist() == mask.tolist()
+            infos["steps"][:2] = own[-1]["steps"]
+    assert ended == 2 * 3 + 3 * 2, "each of 20 or 26 rounds"
+    joined.close()
 
 
 def test_training_and_test_arenas_differ() -> None:
@@ -193,6 +280,17 @@ def test_values_beyond_all_experience_decide_like_the_nearest_one(corridor: dict
         assert imitator.predict_proba(far).tolist() == imitator.predict_proba(near).tolist()
 
 
+def _parts() -> list[BehavioursVectorEnv]:
+    """Two easy worlds and three medium ones, with food and limits of their own."""
+    parts = []
+    for count, limit, name in ((2, 20, "easy"), (3, 26, "medium")):
+        (arena,) = procedural_arenas(name, "train", 0, 1)
+        settings: dict[str, Any] = {**arena.arguments, "limit": limit}
+        mode = AutoresetMode.SAME_STEP
+        parts.append(BehavioursVectorEnv(count, arena.arena, autoreset_mode=mode, **settings))
+    return parts
+
+
 def _training(heard: list[tuple[StateVector, int]]) -> Training:
     vectors, behaviours = zip(*heard, strict=True)
     return Training(np.array(vectors), np.array(behaviours, np.int64), np.zeros(len(heard), np.int64))
@@ -216,6 +314,7 @@ def test_every_learner_has_a_line_for_each_training(out: Path) -> None:
     for name in ("table_arenas.csv", "table_difficulty.csv"):
         lines = [(row["learner"], row["trained in"]) for row in read(out / name)]
         titles = [learner.title for learner in imitating_learners().values()] + ["DAgger, tree"]
+        titles += [one.title for one in reinforcement_learners().values() if not missing_extra(one)]
         trained = [(title, training) for title in titles for training in (CORRIDOR, VARIED)]
         assert lines == [("the teacher", "-"), *trained, ("random behaviours", "-")]
 
@@ -258,3 +357,49 @@ def test_page_answers_the_thesis_first(out: Path) -> None:
         "Which attribute of the state vector fails where?",
         "What do distances along the path change?",
     ]
+
+
+def test_page_says_which_learners_were_left_out(out: Path) -> None:
+    page = (out / "generalisation.md").read_text(encoding="utf-8")
+    printed = (out.parent / "printed").read_text(encoding="utf-8")
+    for name, learner in reinforcement_learners().items():
+        reason = missing_extra(learner)
+        assert (f"`{name}` was left out: {reason}." in page) == bool(reason)
+        assert (f"{name} is left out: {reason}" in printed) == bool(reason)
+
+
+class TestWithoutBaselines:
+    """Reinforcement learners cannot be trained here, whatever is installed."""
+
+    REASON = "stable-baselines3 is not installed (pip install 'khepera-forage[baselines]')"
+    SIZE = Size(1, 1, ("corridor",), DIFFICULTIES, 1_000)
+
+    @pytest.fixture(autouse=True)
+    def missing(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(generalisation, "missing_extra", lambda _: self.REASON)
+
+    def test_learners_are_left_out(self, tmp_path: Path) -> None:
+        given = parse("generalisation", "", given=["--out", str(tmp_path)])
+        units, left_out = generalisation.reinforced(given, self.SIZE, range(2))
+        assert units == []
+        assert left_out == dict.fromkeys(reinforcement_learners(), self.REASON)
+        found = Analysis([_recalls(IMITATOR)], [], np.random.default_rng(0))
+        text = texts.reinforcement(found, 1_000, left_out)
+        assert text.startswith(f"`ppo` was left out: {self.REASON}.")
+        assert "1,000 steps" not in text
+
+    def test_learners_with_rows_of_an_earlier_run_take_part(self, tmp_path: Path) -> None:
+        folder = RowFolder(tmp_path, generalisation.TABLES, {})
+        for key in ("ppo 0", "ppo 1", "dqn 0"):
+            folder.add(key, [_recalls(key.split()[0])])
+        folder.close([])
+        given = parse("generalisation", "", given=["--out", str(tmp_path)])
+        units, left_out = generalisation.reinforced(given, self.SIZE, range(2))
+        assert [unit.key for unit in units] == ["ppo 0", "ppo 1"]
+        assert left_out == {"dqn": self.REASON}
+        given = parse("generalisation", "", given=["--out", str(tmp_path), "--fresh"])
+        assert generalisation.reinforced(given, self.SIZE, range(2))[0] == []
+
+
+def _recalls(learner: str) -> ArenaRecalls:
+    return ArenaRecalls(learner, CORRIDOR, "straight", 0, "thesis", "corridor", 0, 1, 1, 1, 0, 50.0, 90)

@@ -92,7 +92,7 @@ SCRIPTS = {
         page="spatial_variety/spatial_variety.md",
     ),
     "generalisation": Script(
-        ("--seeds", "--recalls", "--levels", "--jobs", "--fresh"),
+        ("--seeds", "--recalls", "--levels", "--steps", "--jobs", "--fresh"),
         ("recalls", "wrong_decisions"),
         needs=("numba",),
     ),
