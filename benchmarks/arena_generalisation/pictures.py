@@ -72,7 +72,7 @@ def difficulty_picture(found: Analysis) -> "Figure":
     figure = new_figure(WIDTH, 0.8 + 1.8 * lines)
     panels = figure.subplots(lines, _LINE, squeeze=False, sharex=True, sharey=True).flat
     places = range(len(found.difficulties))
-    for axes, learner in zip(panels, found.learners, strict=False):
+    for panel, (learner, axes) in enumerate(zip(found.learners, panels, strict=False)):
         for bound in (TEACHER, RANDOM):
             level = [found.delivered(bound, CORRIDOR, group=group).value for group in found.difficulties]
             axes.plot(places, level, color=GREY, ls="--" if bound == TEACHER else ":", lw=1.2)
@@ -88,6 +88,8 @@ def difficulty_picture(found: Analysis) -> "Figure":
         axes.set_xlim(-0.5, len(places) - 0.5)
         axes.set_xticks(places, found.difficulties, fontsize=SMALL)
         axes.tick_params(axis="y", labelsize=SMALL)
+        lowest = panel + _LINE >= len(found.learners)
+        axes.tick_params(axis="x", labelbottom=lowest)
         grid(axes)
     for axes in panels:  # those that no learner needs
         axes.set_axis_off()

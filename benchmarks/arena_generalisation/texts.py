@@ -25,8 +25,8 @@ medium on) and poison (from hard on). Everything runs on compiled worlds with th
 arenas have half of it, extreme ones 1.5 times as much."""
 LIMITS = """## Limits
 
-- DAgger with a network was left out, to keep the run short, and so were learners on wheels.
-  [Compare learners](comparison.md) has their results in corridor and rectangle.
+- DAgger with a network and learners on wheels were left out. [Compare learners](comparison.md) has their results in
+  corridor and rectangle.
 - The decision tree of DAgger queried the teacher 1,000 times, in the corridor or 250 times in a training arena of each
   difficulty. Queries were answered on pymunk.
 - Reinforcement learners have as many steps in varied arenas as in the corridor, not as many episodes. Their networks
@@ -71,11 +71,11 @@ def reinforcement(found: Analysis, steps: int, left_out: Mapping[str, str]) -> s
     if found.reinforced:
         vectors = mean(found.rows(IMITATOR, CORRIDOR), VECTORS, found.rng)
         parts.append(
-            f"Reinforcement learners ({_listed(found.reinforced)}) see no teacher. Each is trained for {steps:,} steps "
-            "of the environment, and for its reward: +1 for a delivery, -1 for poison, and a small cost for every "
-            "step. It is trained once in the corridor, and once in the ten training arenas in which the replication's "
-            "imitators are trained, in as many steps. Places are random in every episode. An imitator learns from "
-            f"{vectors.value:,.0f} experience vectors."
+            f"Reinforcement learners ({_listed(found.reinforced)}) see no teacher. In each replication they are "
+            "trained for the environment's reward: +1 for a delivery, -1 for poison, and a small cost for every step. "
+            f"They are trained once in the corridor for {steps:,} steps, which algorithms may overshoot, and once for "
+            "as many steps in the ten procedural arenas in which the replication's imitators are trained. Places are "
+            f"random in every episode. An imitator learns from {vectors.value:,.0f} experience vectors."
         )
     return "\n\n".join(parts)
 

@@ -111,7 +111,7 @@ def test_benchmark_has_lines_of_reinforcement_learners(tmp_path: Path) -> None:
         foods.setdefault(row["arena"], set()).add(row["foods"])
     assert all(len(found) == 1 for found in foods.values()), "the same food as for all other learners"
     page = (out / "generalisation.md").read_text(encoding="utf-8")
-    assert "Each is trained for 1,000 steps of the environment" in page
+    assert "trained once in the corridor for 1,000 steps," in page
     assert "left out:" not in page
     faults = (tmp_path / "pictures").read_text(encoding="utf-8").splitlines()
     assert [line for line in faults if not line.endswith("\t")] == []
