@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
-from arena_generalisation.analysis import BEYOND, STRAIGHT, VECTORS, WRONG, Analysis, title
+from arena_generalisation.analysis import BEYOND, POISON, STRAIGHT, VECTORS, WRONG, Analysis, title
 from arena_generalisation.attribution import CHANGES
 from arena_generalisation.learning import QUERYING
 from arena_generalisation.pictures import change_title
 from arena_generalisation.recall_arenas import NAMED
+from arena_generalisation.reinforcement import reinforcement_learners
 from arena_generalisation.replication import PATH
 from arena_generalisation.rows import AS_IT_IS, IMITATOR, RANDOM, TEACHER
 from arena_generalisation.trainings import CORRIDOR, MOVED, VARIED, WHOLE
@@ -70,12 +71,16 @@ def reinforcement(found: Analysis, steps: int, left_out: Mapping[str, str]) -> s
     parts = [f"`{name}` was left out: {reason}." for name, reason in left_out.items()]
     if found.reinforced:
         vectors = mean(found.rows(IMITATOR, CORRIDOR), VECTORS, found.rng)
+        known = reinforcement_learners()
+        holds = " or ".join(map(str, sorted({known[name].hold for name in found.reinforced})))
         parts.append(
             f"Reinforcement learners ({_listed(found.reinforced)}) see no teacher. In each replication they are "
             "trained for the environment's reward: +1 for a delivery, -1 for poison, and a small cost for every step. "
             f"They are trained once in the corridor for {steps:,} steps, which algorithms may overshoot, and once for "
             "as many steps in the ten procedural arenas in which the replication's imitators are trained. Places are "
-            f"random in every episode. An imitator learns from {vectors.value:,.0f} experience vectors."
+            f"random in every episode. An imitator learns from {vectors.value:,.0f} experience vectors. Behaviours of "
+            f"reinforcement learners hold for {holds} rounds, also in recalls; all others decide in every round, also "
+            "random behaviours."
         )
     return "\n\n".join(parts)
 
@@ -115,7 +120,8 @@ def difficulty(found: Analysis) -> str:
         best = _ranked(found, training, last)[0]
         parts.append(
             f"Trained in {name}, most of the food in {last} arenas is delivered by {title(best)}: "
-            f"{_series(found, best, training)}."
+            f"{_series(found, best, training)}. Poisonous food objects that it brings home there in a recall: "
+            f"{_poison(found, best, training, last)} (the teacher: {_poison(found, TEACHER, training, last)})."
         )
         if found.reinforced and best not in found.reinforced:
             best = _ranked(found, training, last, found.reinforced)[0]
@@ -184,6 +190,10 @@ def _without_a_teacher(found: Analysis) -> str:
         " Reinforcement learners, which have no teacher, deliver there, trained in the corridor: "
         f"{corridor}; trained in varied arenas: {varied}."
     )
+
+
+def _poison(found: Analysis, learner: str, training: str, group: str) -> str:
+    return interval(found.estimate(found.rows(learner, training, group=group), POISON), POISON.digits)
 
 
 def _ranked(found: Analysis, training: str, group: str, learners: Sequence[str] | None = None) -> list[str]:
