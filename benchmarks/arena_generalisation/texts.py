@@ -106,6 +106,15 @@ def arenas(found: Analysis) -> str:
     parts.append(
         f"Other places of start and food in the same corridor bring the imitator to {moved} % in the family."
     )
+    if found.reinforced:
+        failures = "; ".join(
+            f"{title(learner)}, {_failures(found, learner, CORRIDOR)} trained in the corridor and "
+            f"{_failures(found, learner, VARIED)} in varied arenas"
+            for learner in found.reinforced
+        )
+        parts.append(
+            f"Replications in which a reinforcement learner delivers nothing in the family: {failures}."
+        )
     return "## How much does each learner reach in each arena?\n\n" + " ".join(parts)
 
 
@@ -192,7 +201,16 @@ def _without_a_teacher(found: Analysis) -> str:
     )
 
 
+def _failures(found: Analysis, learner: str, training: str) -> str:
+    """Replications in which a learner delivers nothing in the family."""
+    delivered: dict[int, int] = {}
+    for row in found.rows(learner, training, group=NAMED):
+        delivered[row.replication] = delivered.get(row.replication, 0) + row.delivered
+    return f"{list(delivered.values()).count(0)} of {len(delivered)}"
+
+
 def _poison(found: Analysis, learner: str, training: str, group: str) -> str:
+    """Poisonous food objects that a learner brings home in a recall."""
     return interval(found.estimate(found.rows(learner, training, group=group), POISON), POISON.digits)
 
 
