@@ -2,11 +2,11 @@
 
     python benchmarks/generalisation.py --help
 
-Every learner from experience vectors, a decision tree by DAgger, and the reinforcement learners that act with
-behaviours. Recalls in the arenas of the thesis, in the named family and in procedural test arenas of rising difficulty;
-the teacher and random behaviours as bounds. Which attribute of the state vector the imitator's wrong decisions are due
-to, and what distances along the path change. Needs numba (the extra `fast`). Without stable-baselines3 (the extra
-`baselines`), reinforcement learners are left out.
+Every learner that acts with behaviours: those from experience vectors, DAgger with a network and with a decision tree,
+and reinforcement learners. Recalls in the arenas of the thesis, in the named family and in procedural test arenas of
+rising difficulty; the teacher and random behaviours as bounds. Which attribute of the state vector the imitator's wrong
+decisions are due to, and what distances along the path change. Needs numba (the extra `fast`). Without
+stable-baselines3 (the extra `baselines`), reinforcement learners are left out.
 """
 
 import sys
@@ -14,7 +14,7 @@ import sys
 import numpy as np
 from arena_generalisation import page
 from arena_generalisation.analysis import Analysis
-from arena_generalisation.reinforcement import ReinforcementReplication, reinforcement_learners
+from arena_generalisation.learner_replication import LearnerReplication, single_learners
 from arena_generalisation.replication import Replication
 from arena_generalisation.rows import ArenaRecalls, WrongDecisions
 from arena_generalisation.size import Size
@@ -34,8 +34,8 @@ COUNTS = (
     Count("steps", 1_000_000, 1_000, "environment steps of each training of a reinforcement learner"),
 )
 QUICK_NAMED, QUICK_DIFFICULTIES = ("corridor", "rectangle", "t_maze", "mixed_foods"), ("easy", "medium")
-QUICK_LIMIT = 500
-"""Steps of a recall: the teacher needs no more."""
+QUICK_LIMIT, QUICK_QUERIES = 500, 200
+"""Steps of a recall: the teacher needs no more. Queries to the teacher in each training."""
 TABLES = {ArenaRecalls: "recalls", WrongDecisions: "wrong_decisions"}
 
 
@@ -49,9 +49,9 @@ def main() -> int:
         QUICK_NAMED if given.quick else ARENAS,
         QUICK_DIFFICULTIES if given.quick else tuple(DIFFICULTIES),
         steps,
-        QUICK_LIMIT if given.quick else None,
+        *((QUICK_LIMIT, QUICK_QUERIES) if given.quick else ()),
     )
-    trained, left_out = reinforced(given, size, range(seeds))
+    trained, left_out = single(given, size, range(seeds))
     for name, reason in left_out.items():
         print(f"{name} is left out: {reason}")
     units: list[Unit] = []
@@ -65,10 +65,10 @@ def main() -> int:
     return finish(given, page.page(found, steps, left_out))
 
 
-def reinforced(
+def single(
     given: Arguments, size: Size, replications: range
-) -> tuple[list[ReinforcementReplication], dict[str, str]]:
-    """All work of the reinforcement learners, and why some of them are left out.
+) -> tuple[list[LearnerReplication], dict[str, str]]:
+    """All work of the learners that have units of their own, and why some of them are left out.
 
     A learner that cannot be trained here takes part if an earlier run has left all of its rows in the folder.
 
@@ -82,8 +82,8 @@ def reinforced(
     except ValueError as error:
         given.refuse(f"{given.out / UNITS}: {error}")
     units, left_out = [], {}
-    for name, learner in reinforcement_learners().items():
-        own = [ReinforcementReplication(given.seed, number, size, name, learner) for number in replications]
+    for name, learner in single_learners().items():
+        own = [LearnerReplication(given.seed, number, size, name, learner) for number in replications]
         reason = missing_extra(learner)
         if reason and not finished.issuperset(unit.key for unit in own):
             left_out[name] = reason

@@ -1,11 +1,11 @@
 """Estimates from the rows."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from arena_generalisation.learning import QUERYING, imitating_learners
+from arena_generalisation.learning import imitating_learners, querying_learners
 from arena_generalisation.recall_arenas import NAMED, THESIS
 from arena_generalisation.reinforcement import reinforcement_learners
 from arena_generalisation.rows import AS_IT_IS, RANDOM, TEACHER, UNTRAINED, ArenaRecalls, WrongDecisions
@@ -55,8 +55,9 @@ class Analysis:
         self.recalls, self.wrong, self.rng = recalls, wrong, rng
         known = {row.learner for row in recalls}
         self.reinforced = [name for name in reinforcement_learners() if name in known]
-        imitating = [name for name in (*imitating_learners(), QUERYING) if name in known]
-        self.learners = imitating + self.reinforced
+        self.querying = [name for name in querying_learners() if name in known]
+        imitating = [name for name in imitating_learners() if name in known]
+        self.learners = imitating + self.querying + self.reinforced
         self.arenas = self._names(THESIS) + self._names(NAMED)
         groups = {row.group for row in recalls}
         self.difficulties = [name for name in DIFFICULTIES if name in groups]
@@ -119,6 +120,11 @@ def title(learner: str) -> str:
     """A learner's name for tables and figures."""
     known = LEARNERS.get(learner) or all_learners()[learner]
     return known.title
+
+
+def titles(learners: Iterable[str]) -> str:
+    """Learners' names in a list; some of the names have a comma."""
+    return "; ".join(title(learner) for learner in learners) or "none"
 
 
 def arena_title(arena: str) -> str:

@@ -12,6 +12,7 @@ from arena_generalisation.recall_arenas import RecallArena
 from arena_generalisation.rows import ArenaRecalls
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.policies.learners import FromVectors
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
@@ -35,6 +36,21 @@ class Contestant(NamedTuple):
     vectors: int = 0
     diagonal: bool = False
     hold: int = 1
+
+    @classmethod
+    def imitating(
+        cls, name: str, training: str, learner: FromVectors, classifier: Any, vectors: int
+    ) -> "Contestant":
+        """A learner that was fitted on state vectors and the teacher's behaviours.
+
+        Args:
+            name: Of the learner.
+            training: A name of `trainings.TRAININGS`.
+            learner: Its settings.
+            classifier: Fitted.
+            vectors: That it learned from.
+        """
+        return cls(name, training, classifier, learner.sample, vectors, learner.diagonal)
 
     def decider(self, diagonal: int) -> Decider:
         """The learner in an arena.

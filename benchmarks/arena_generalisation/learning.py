@@ -1,30 +1,33 @@
 """The learners from vectors and from queries, each fitted once for all arenas."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_generalisation.contestants import Contestant
 from arena_generalisation.recall_arenas import RecallArena, named_arenas
+from arena_generalisation.size import Size
 from arena_generalisation.trainings import CORRIDOR, VARIED, Training, training_arenas
 from khepera_forage.comparison.learning import ARENA_MAPS
+from khepera_forage.comparison.units import all_learners
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies.learner_registry import installed_learners
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
+from khepera_forage.policies.learners import FromQueries, FromVectors
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
-QUERYING = "dagger_tree"
-"""The learner that queries the teacher."""
-QUERIES = 1000
 CORRIDOR_DIAGONAL = ARENA_MAPS[CORRIDOR].diagonal
 
 
 def imitating_learners() -> dict[str, FromVectors]:
     """All learners from experience vectors, those of installed packages too, by name."""
-    known = {**LEARNERS, **installed_learners().learners}
-    return {name: learner for name, learner in known.items() if isinstance(learner, FromVectors)}
+    return {name: learner for name, learner in all_learners().items() if isinstance(learner, FromVectors)}
+
+
+def querying_learners() -> dict[str, FromQueries]:
+    """All learners that query the teacher, those of installed packages too, by name."""
+    return {name: learner for name, learner in all_learners().items() if isinstance(learner, FromQueries)}
 
 
 def fitted(learner: FromVectors, training: Training, seed: int) -> Any:
@@ -40,40 +43,38 @@ def fitted(learner: FromVectors, training: Training, seed: int) -> Any:
     return classifier.fit(training.vectors, training.behaviours, **more)
 
 
-def queried(
-    replication: int, seed: int, difficulties: Sequence[str], decisions: Decisions
-) -> Mapping[str, tuple[FromVectors, Any, int]]:
-    """The learner that queries the teacher: by training, its settings, its classifier, and the number of queries.
+def queried(name: str, learner: FromQueries, replication: int, seed: int, size: Size) -> list[Contestant]:
+    """A learner that queries the teacher, in the corridor alone or as often in varied arenas.
 
-    `CORRIDOR`: all queries in the corridor. `VARIED`: as many in a training arena of each difficulty.
+    In varied arenas, each difficulty has one training arena and an equal share of the queries.
 
     Args:
+        name: Of the learner.
+        learner: From `querying_learners`.
         replication: Its number.
         seed: Of places and random choices.
-        difficulties: Of the training arenas.
-        decisions: Of the environments.
+        size: Of the run.
     """
-    learner = LEARNERS[QUERYING]
-    assert isinstance(learner, FromQueries)
-    corridor = named_arenas([CORRIDOR])
-    found = {}
-    for name, arenas, queries in (
-        (CORRIDOR, corridor, QUERIES),
-        (VARIED, training_arenas(replication, difficulties), QUERIES // len(difficulties)),
+    student = learner.learner
+    found = []
+    for training, arenas in (
+        (CORRIDOR, named_arenas([CORRIDOR])),
+        (VARIED, training_arenas(replication, size.difficulties)),
     ):
-        vectors, behaviours = _query(learner, arenas, queries, seed, decisions)
-        training = Training(vectors, behaviours, np.zeros(len(vectors), np.int64))
-        found[name] = (learner.learner, fitted(learner.learner, training, seed), len(vectors))
+        vectors, behaviours = _query(learner, arenas, size.queries // len(arenas), seed)
+        asked = Training(vectors, behaviours, np.zeros(len(vectors), np.int64))
+        classifier = fitted(student, asked, seed)
+        found.append(Contestant.imitating(name, training, student, classifier, len(vectors)))
     return found
 
 
 def _query(
-    learner: FromQueries, arenas: Sequence[RecallArena], queries: int, seed: int, decisions: Decisions
+    learner: FromQueries, arenas: Sequence[RecallArena], queries: int, seed: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The state vectors and answers of queries in one arena after the other."""
     student, asked = learner.learner, None
     for number, arena in enumerate(arenas):
-        env = BehavioursEnv(arena=arena.arena, decisions=decisions, **arena.arguments)
+        env = BehavioursEnv(arena=arena.arena, decisions=DEFAULT_DECISIONS, **arena.arguments)
         result = dagger(
             lambda: student.classifier(CORRIDOR_DIAGONAL, seed),
             env,

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from arena_generalisation import pictures, tables, texts
+from arena_generalisation import method_texts, pictures, tables, texts
 from arena_generalisation.analysis import Analysis
 from khepera_forage.experiments.page import Page, Picture
 
@@ -15,12 +15,17 @@ def page(found: Analysis, steps: int, left_out: Mapping[str, str]) -> Page:
         steps: Environment steps of each training of a reinforcement learner.
         left_out: Why some learners were left out, by name.
     """
+    training = (
+        method_texts.left_out(left_out),
+        method_texts.querying(found),
+        method_texts.reinforcement(found, steps),
+    )
     return Page(
         "Does foraging carry over to other arenas?",
         [
             texts.answer(found),
-            texts.METHOD,
-            texts.reinforcement(found, steps, left_out),
+            method_texts.method(found),
+            *filter(None, training),
             texts.arenas(found),
             Picture("generalisation_arenas", "food delivered in each arena", pictures.arenas_picture(found)),
             tables.arenas_table(found),
@@ -42,7 +47,7 @@ def page(found: Analysis, steps: int, left_out: Mapping[str, str]) -> Page:
                 pictures.path_picture(found),
             ),
             tables.path_table(found),
-            texts.LIMITS,
+            method_texts.limits(found),
         ],
         (tables.all_recalls(found), tables.all_decisions(found)),
     )

@@ -1,18 +1,16 @@
-"""Reinforcement learners: trained for the environment's reward in the corridor or in varied arenas, then recalled."""
+"""Reinforcement learners: trained for the environment's reward in the corridor or in varied arenas."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
-from arena_generalisation.contestants import Contestant, recall_rows, recalled
+from arena_generalisation.contestants import Contestant
 from arena_generalisation.joined_envs import JoinedVectorEnv
 from arena_generalisation.recall_arenas import RecallArena
-from arena_generalisation.rows import ArenaRecalls
-from arena_generalisation.size import Size, seeds_of
+from arena_generalisation.size import Size
 from arena_generalisation.trainings import CORRIDOR, VARIED, varied_arenas
 from khepera_forage.comparison.units import all_learners
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
@@ -25,10 +23,19 @@ from khepera_forage.task.states import NUM_BEHAVIOURS
 
 def reinforcement_learners() -> dict[str, FromSteps]:
     """All reinforcement learners that act with behaviours, those of installed packages too, by name."""
+    return _learners(wheels=False)
+
+
+def wheels_learners() -> dict[str, FromSteps]:
+    """All reinforcement learners that command motors, and cannot take part, by name."""
+    return _learners(wheels=True)
+
+
+def _learners(wheels: bool) -> dict[str, FromSteps]:
     return {
         name: learner
         for name, learner in all_learners().items()
-        if isinstance(learner, FromSteps) and not learner.wheels
+        if isinstance(learner, FromSteps) and learner.wheels == wheels
     }
 
 
@@ -54,52 +61,26 @@ class ModelClassifier:
         return levels
 
 
-class ReinforcementReplication(NamedTuple):
-    """One reinforcement learner in one replication.
+def reinforced(
+    name: str, learner: FromSteps, replication: int, run_seed: int, seed: int, size: Size
+) -> list[Contestant]:
+    """A reinforcement learner, trained in the corridor and, for as many steps, in varied arenas.
 
-    Attributes:
-        seed: Of the whole run.
-        number: Of the replication, from 0.
-        size: Of the whole run.
+    Args:
         name: Of the learner.
         learner: From `reinforcement_learners`.
+        replication: Its number.
+        run_seed: Of the whole run: the varied arenas are those of the replication's imitators.
+        seed: Of random choices.
+        size: Of the run.
     """
-
-    seed: int
-    number: int
-    size: Size
-    name: str
-    learner: FromSteps
-
-    @property
-    def key(self) -> str:
-        """Learner and number of the replication."""
-        return f"{self.name} {self.number}"
-
-    def run(self) -> list[ArenaRecalls]:
-        """Train and recall, with the arenas and places of all other learners.
-
-        Linear algebra runs on one thread, because sums depend on the number of threads.
-        """
-        with threadpool_limits(1):
-            seeds, arenas = seeds_of(self.seed, self.number, self.size), self.size.arenas(self.number)
-            contestants = list(self._contestants(seeds.learning))
-            rng = np.random.default_rng(seeds.drawing)
-            batches, _ = recalled(arenas, contestants, seeds.recalls, rng)
-            return [
-                row
-                for arena, batch in zip(arenas, batches, strict=True)
-                for row in recall_rows(arena, batch, contestants, self.number)
-            ]
-
-    def _contestants(self, seed: int) -> Iterator[Contestant]:
-        """The learner, trained in the corridor and in varied arenas."""
-        learner = self.learner
-        varied = varied_envs(varied_arenas(self.seed, self.number, self.size.difficulties))
-        for training, make_env in ((CORRIDOR, None), (VARIED, varied)):
-            (trained,) = reinforce(learner, [self.size.steps], seed, make_env, learner.worlds)
-            classifier = ModelClassifier(trained.policy)
-            yield Contestant(self.name, training, classifier, learner.sample, hold=learner.hold)
+    varied = varied_envs(varied_arenas(run_seed, replication, size.difficulties))
+    found = []
+    for training, make_env in ((CORRIDOR, None), (VARIED, varied)):
+        (trained,) = reinforce(learner, [size.steps], seed, make_env, learner.worlds)
+        classifier = ModelClassifier(trained.policy)
+        found.append(Contestant(name, training, classifier, learner.sample, hold=learner.hold))
+    return found
 
 
 def varied_envs(arenas: Sequence[RecallArena]) -> MakeEnv:

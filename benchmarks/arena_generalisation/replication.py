@@ -1,6 +1,9 @@
-"""One replication of all imitators: training, recalls in all arenas, and the imitator's wrong decisions."""
+"""One replication: all imitators and DAgger's tree are trained and forage in all arenas.
 
-from typing import Any, NamedTuple
+The imitator's wrong decisions are counted.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -8,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from arena_generalisation.attribution import Visits, wrong_decisions
 from arena_generalisation.contestants import Contestant, recall_rows, recalled
 from arena_generalisation.kernel_recalls import recall_memories
-from arena_generalisation.learning import QUERYING, fitted, imitating_learners, queried
+from arena_generalisation.learning import fitted, imitating_learners, queried, querying_learners
 from arena_generalisation.rows import IMITATOR, ArenaRecalls, WrongDecisions
 from arena_generalisation.size import Size, seeds_of
 from arena_generalisation.trainings import (
@@ -21,10 +24,11 @@ from arena_generalisation.trainings import (
     corridor_trainings,
     varied_trainings,
 )
-from khepera_forage.policies.learners import FromVectors
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 STRAIGHT, PATH = DEFAULT_DECISIONS, Decisions(distances="along the path")
+QUERYING = "dagger_tree"
+"""The learner that queries the teacher here; any other one has `LearnerReplication`."""
 
 
 class Replication(NamedTuple):
@@ -90,15 +94,9 @@ class Replication(NamedTuple):
     def _contestants(self, trained: dict[str, Training], seed: int) -> list[Contestant]:
         """All learners, trained in the corridor and in varied arenas."""
         found = [
-            _contestant(name, training, learner, fitted(learner, own, seed), len(own.vectors))
+            Contestant.imitating(name, training, learner, fitted(learner, own, seed), len(own.vectors))
             for training, own in trained.items()
             if training in (CORRIDOR, VARIED)
             for name, learner in imitating_learners().items()
         ]
-        answers = queried(self.number, seed, self.size.difficulties, STRAIGHT)
-        found += [_contestant(QUERYING, training, *answer) for training, answer in answers.items()]
-        return found
-
-
-def _contestant(name: str, training: str, learner: FromVectors, classifier: Any, vectors: int) -> Contestant:
-    return Contestant(name, training, classifier, learner.sample, vectors, learner.diagonal)
+        return found + queried(QUERYING, querying_learners()[QUERYING], self.number, seed, self.size)

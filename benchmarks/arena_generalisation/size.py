@@ -17,6 +17,7 @@ class Size(NamedTuple):
         difficulties: Of procedural arenas.
         steps: Environment steps of each training of a reinforcement learner.
         limit: Steps of a recall at most; by default each arena's own limit.
+        queries: To the teacher, in each training of a learner that queries it.
     """
 
     recalls: int
@@ -25,6 +26,7 @@ class Size(NamedTuple):
     difficulties: tuple[str, ...]
     steps: int
     limit: int | None = None
+    queries: int = 1_000
 
     def arenas(self, replication: int) -> list[RecallArena]:
         """All arenas in which the learners of a replication forage."""

@@ -1,42 +1,18 @@
 """The paragraphs of the page, with figures from the rows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from arena_generalisation.analysis import BEYOND, POISON, STRAIGHT, VECTORS, WRONG, Analysis, title
+from arena_generalisation.analysis import BEYOND, POISON, STRAIGHT, WRONG, Analysis, title, titles
 from arena_generalisation.attribution import CHANGES
-from arena_generalisation.learning import QUERYING
+from arena_generalisation.learning import querying_learners
 from arena_generalisation.pictures import change_title
 from arena_generalisation.recall_arenas import NAMED
-from arena_generalisation.reinforcement import reinforcement_learners
-from arena_generalisation.replication import PATH
+from arena_generalisation.replication import PATH, QUERYING
 from arena_generalisation.rows import AS_IT_IS, IMITATOR, RANDOM, TEACHER
 from arena_generalisation.trainings import CORRIDOR, MOVED, VARIED, WHOLE
 from khepera_forage.experiments.measures import mean
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import interval
-
-METHOD = """\
-Each replication trains and tests once: imitators in ten episodes of paired training (5.3) in the corridor, or in
-one episode in each of ten procedural training arenas, of which as many experience vectors are kept as the corridor
-gave. Every learner then forages alone in the arenas of the thesis, in the family, and in procedural test arenas that no
-learner was trained in. Places are random, and the same for all learners. Distances to the home and to food are
-straight, as in 4.3, unless the text says otherwise. The corridor's food is all pickable, as in the thesis. The
-arenas of the family have pickable food, except for mixed foods; procedural arenas also have pushable food (from
-medium on) and poison (from hard on). Everything runs on compiled worlds with the laboratory's noise; easy
-arenas have half of it, extreme ones 1.5 times as much."""
-LIMITS = """## Limits
-
-- DAgger with a network and learners on wheels were left out. [Compare learners](comparison.md) has their results in
-  corridor and rectangle.
-- The decision tree of DAgger queried the teacher 1,000 times, in the corridor or 250 times in a training arena of each
-  difficulty. Queries were answered on pymunk.
-- Reinforcement learners have as many steps in varied arenas as in the corridor, not as many episodes. Their networks
-  get distances divided by the corridor's diagonal in every arena.
-- Bodies, the radius of the home (80 mm), the teacher and the settings of learners were not varied. The settings were
-  chosen in the corridor.
-- Difficulty changes several things at once: size, walls, number and types of food, and noise.
-- Learners that use the arena's diagonal (4.6.1) were fitted with the corridor's and forage with that of the arena.
-- Each replication has few recalls, and one set of training files for all of them. Intervals are therefore wide."""
 
 
 def answer(found: Analysis) -> str:
@@ -56,33 +32,8 @@ def answer(found: Analysis) -> str:
         f"many vectors from varied arenas, it delivers {varied} % in the family, and "
         f"{_series(found, IMITATOR, VARIED)}. Neither the corridor nor the state vector is the limit: a decision tree "
         "that queried the teacher in the same corridor, in the states into which its own behaviours led it, delivers "
-        f"{dagger} % in the family.{_without_a_teacher(found)}"
+        f"{dagger} % in the family.{_other_students(found)}{_without_a_teacher(found)}"
     )
-
-
-def reinforcement(found: Analysis, steps: int, left_out: Mapping[str, str]) -> str:
-    """How reinforcement learners are trained, or why some are left out.
-
-    Args:
-        found: Estimates.
-        steps: Environment steps of each training.
-        left_out: Reasons by name.
-    """
-    parts = [f"`{name}` was left out: {reason}." for name, reason in left_out.items()]
-    if found.reinforced:
-        vectors = mean(found.rows(IMITATOR, CORRIDOR), VECTORS, found.rng)
-        known = reinforcement_learners()
-        holds = " or ".join(map(str, sorted({known[name].hold for name in found.reinforced})))
-        parts.append(
-            f"Reinforcement learners ({_listed(found.reinforced)}) see no teacher. In each replication they are "
-            "trained for the environment's reward: +1 for a delivery, -1 for poison, and a small cost for every step. "
-            f"They are trained once in the corridor for {steps:,} steps, which algorithms may overshoot, and once for "
-            "as many steps in the ten procedural arenas in which the replication's imitators are trained. Places are "
-            f"random in every episode. An imitator learns from {vectors.value:,.0f} experience vectors. Behaviours of "
-            f"reinforcement learners hold for {holds} rounds, also in recalls; all others decide in every round, also "
-            "random behaviours."
-        )
-    return "\n\n".join(parts)
 
 
 def arenas(found: Analysis) -> str:
@@ -99,12 +50,12 @@ def arenas(found: Analysis) -> str:
     better = [learner for learner, gain in gains.items() if gain.low > 0]
     worse = [learner for learner, gain in gains.items() if gain.high < 0]
     parts.append(
-        f"Varied arenas in place of the corridor measurably help {_listed(better)}, and measurably harm "
-        f"{_listed(worse)} (95 % intervals of the difference that exclude 0)."
+        f"Varied arenas in place of the corridor measurably help: {titles(better)}. They measurably harm: "
+        f"{titles(worse)}. (The 95 % interval of the difference excludes 0.)"
     )
     moved = interval(found.delivered(IMITATOR, MOVED, group=NAMED), 0)
     parts.append(
-        f"Other places of start and food in the same corridor bring the imitator to {moved} % in the family."
+        f"With other places of start and food in the same corridor, the imitator delivers {moved} % in the family."
     )
     if found.reinforced:
         failures = "; ".join(
@@ -187,6 +138,19 @@ def _series(found: Analysis, learner: str, training: str) -> str:
     return ", ".join(shares)
 
 
+def _other_students(found: Analysis) -> str:
+    """What is delivered in the family if something else than a tree is fitted to the teacher's answers."""
+    known = querying_learners()
+    shares = {
+        known[name].learner.title: interval(found.delivered(name, CORRIDOR, group=NAMED), 0)
+        for name in found.querying
+        if name != QUERYING
+    }
+    return "".join(
+        f" With {student} in place of the tree it is {share} %." for student, share in shares.items()
+    )
+
+
 def _without_a_teacher(found: Analysis) -> str:
     """What reinforcement learners deliver in the family; empty without them."""
     if not found.reinforced:
@@ -196,7 +160,7 @@ def _without_a_teacher(found: Analysis) -> str:
         for training in (CORRIDOR, VARIED)
     )
     return (
-        " Reinforcement learners, which have no teacher, deliver there, trained in the corridor: "
+        " Reinforcement learners, which have no teacher, deliver in the family, trained in the corridor: "
         f"{corridor}; trained in varied arenas: {varied}."
     )
 
@@ -242,7 +206,3 @@ def _most_wrong(found: Analysis, training: str) -> str:
 
 def _wrong(found: Analysis, training: str, change: str) -> Estimate:
     return mean(found.wrong_rows(training, change), WRONG, found.rng)
-
-
-def _listed(learners: Sequence[str]) -> str:
-    return ", ".join(title(learner) for learner in learners) if learners else "none"

@@ -7,13 +7,9 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from arena_generalisation.contestants import Contestant, recalled
+from arena_generalisation.learner_replication import LearnerReplication
 from arena_generalisation.recall_arenas import named_arenas
-from arena_generalisation.reinforcement import (
-    ModelClassifier,
-    ReinforcementReplication,
-    reinforcement_learners,
-    varied_envs,
-)
+from arena_generalisation.reinforcement import ModelClassifier, reinforcement_learners, varied_envs
 from arena_generalisation.rows import ArenaRecalls
 from arena_generalisation.size import Size
 from arena_generalisation.trainings import CORRIDOR, VARIED, training_arenas
@@ -38,7 +34,7 @@ def small(name: str) -> FromSteps:
 
 
 def rows_of(name: str, number: int = 0) -> list[ArenaRecalls]:
-    return ReinforcementReplication(0, number, SIZE, name, small(name)).run()
+    return LearnerReplication(0, number, SIZE, name, small(name)).run()
 
 
 def varied(name: str) -> Trained:

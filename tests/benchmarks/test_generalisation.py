@@ -7,7 +7,7 @@ from typing import Any
 import generalisation
 import numpy as np
 import pytest
-from arena_generalisation import texts
+from arena_generalisation import method_texts
 from arena_generalisation.analysis import Analysis
 from arena_generalisation.attribution import CHANGES, Visits, wrong_decisions
 from arena_generalisation.batch_recalls import arena_batch, recall_all
@@ -41,6 +41,7 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.experiments.arguments import parse
 from khepera_forage.experiments.row_folder import RowFolder
 from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.policies.learners import FromSteps
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES, Decisions
 from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State, StateVector, classify
 from tests.benchmarks.conftest import QuickRun
@@ -313,7 +314,7 @@ def out(quick_run: QuickRun) -> Path:
 def test_every_learner_has_a_line_for_each_training(out: Path) -> None:
     for name in ("table_arenas.csv", "table_difficulty.csv"):
         lines = [(row["learner"], row["trained in"]) for row in read(out / name)]
-        titles = [learner.title for learner in imitating_learners().values()] + ["DAgger, tree"]
+        titles = [learner.title for learner in imitating_learners().values()] + ["DAgger", "DAgger, tree"]
         titles += [one.title for one in reinforcement_learners().values() if not missing_extra(one)]
         trained = [(title, training) for title in titles for training in (CORRIDOR, VARIED)]
         assert lines == [("the teacher", "-"), *trained, ("random behaviours", "-")]
@@ -359,6 +360,19 @@ def test_page_answers_the_thesis_first(out: Path) -> None:
     ]
 
 
+def test_page_says_why_learners_on_wheels_are_missing(out: Path) -> None:
+    page = (out / "generalisation.md").read_text(encoding="utf-8")
+    assert (
+        "Learners on wheels (PPO on wheels; SAC on wheels) were left out, because they command motors" in page
+    )
+
+
+def test_page_says_how_often_the_teacher_is_queried(out: Path) -> None:
+    page = (out / "generalisation.md").read_text(encoding="utf-8")
+    assert "DAgger (behavioural cloning); DAgger, tree (decision tree)." in page
+    assert f"Each training has {generalisation.QUICK_QUERIES} queries" in page
+
+
 def test_page_says_which_learners_were_left_out(out: Path) -> None:
     page = (out / "generalisation.md").read_text(encoding="utf-8")
     printed = (out.parent / "printed").read_text(encoding="utf-8")
@@ -376,17 +390,19 @@ class TestWithoutBaselines:
 
     @pytest.fixture(autouse=True)
     def missing(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(generalisation, "missing_extra", lambda _: self.REASON)
+        monkeypatch.setattr(generalisation, "missing_extra", self.reason)
+
+    def reason(self, learner: Any) -> str:
+        return self.REASON if isinstance(learner, FromSteps) else ""
 
     def test_learners_are_left_out(self, tmp_path: Path) -> None:
         given = parse("generalisation", "", given=["--out", str(tmp_path)])
-        units, left_out = generalisation.reinforced(given, self.SIZE, range(2))
-        assert units == []
+        units, left_out = generalisation.single(given, self.SIZE, range(2))
+        assert [unit.key for unit in units] == ["dagger 0", "dagger 1"]
         assert left_out == dict.fromkeys(reinforcement_learners(), self.REASON)
         found = Analysis([_recalls(IMITATOR)], [], np.random.default_rng(0))
-        text = texts.reinforcement(found, 1_000, left_out)
-        assert text.startswith(f"`ppo` was left out: {self.REASON}.")
-        assert "1,000 steps" not in text
+        assert method_texts.left_out(left_out).startswith(f"`ppo` was left out: {self.REASON}.")
+        assert method_texts.reinforcement(found, 1_000) == method_texts.querying(found) == ""
 
     def test_learners_with_rows_of_an_earlier_run_take_part(self, tmp_path: Path) -> None:
         folder = RowFolder(tmp_path, generalisation.TABLES, {})
@@ -394,11 +410,12 @@ class TestWithoutBaselines:
             folder.add(key, [_recalls(key.split()[0])])
         folder.close([])
         given = parse("generalisation", "", given=["--out", str(tmp_path)])
-        units, left_out = generalisation.reinforced(given, self.SIZE, range(2))
-        assert [unit.key for unit in units] == ["ppo 0", "ppo 1"]
+        units, left_out = generalisation.single(given, self.SIZE, range(2))
+        assert [unit.key for unit in units] == ["dagger 0", "dagger 1", "ppo 0", "ppo 1"]
         assert left_out == {"dqn": self.REASON}
         given = parse("generalisation", "", given=["--out", str(tmp_path), "--fresh"])
-        assert generalisation.reinforced(given, self.SIZE, range(2))[0] == []
+        units, _ = generalisation.single(given, self.SIZE, range(2))
+        assert [unit.key for unit in units] == ["dagger 0", "dagger 1"]
 
 
 def _recalls(learner: str) -> ArenaRecalls:
