@@ -54,14 +54,15 @@ def find_nearest(
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
-    seen, nearest, food_x, food_y, way = False, -1, 0.0, 0.0, (0.0, 0.0, 0.0)
+    seen, nearest, food_x, food_y = False, -1, 0.0, 0.0
+    way_x = way_y = path = 0.0
     held, excluded, looks = tracker.held, -1, True
     if held >= 0:
         held_food = decisions.held_food
         looks = held_food != HIDES_ALL_FOOD and held_food != IN_GRIPPER
         if held_food == IN_GRIPPER:
             seen, food_x, food_y = True, foods[held].x, foods[held].y
-            way = food_x, food_y, 0.0
+            way_x, way_y = food_x, food_y
         if held_food == NO_CANDIDATE:
             excluded = held
     best, at_last_place = math.inf, decisions.food_beside_robot == SEEN_AT_LAST_PLACE
@@ -71,23 +72,26 @@ def find_nearest(
         dx, dy = track.x - x, track.y - y
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
-            k, number, this_way = link_of(track.label, links), -1, (track.x, track.y, 0.0)
+            k, number = link_of(track.label, links), -1
+            to_x, to_y, length = track.x, track.y, 0.0
             if k >= 0:
                 number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.ways.corners) > 0:
-                    this_way = way_to_food(x, y, track.x, track.y, foods[number], number, known_ways, arena)
-                    squared = min(this_way[2], _NO_PATH) ** 2
+                    to_x, to_y, length = way_to_food(
+                        x, y, track.x, track.y, foods[number], number, known_ways, arena
+                    )
+                    squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue
             if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
-                best, way = squared, this_way
+                best, way_x, way_y, path = squared, to_x, to_y, length
                 seen, nearest, food_x, food_y = True, number, track.x, track.y
-    if way[2] > 0.0:
-        way = drivable(way, food_x, food_y)
+    if path > 0.0:
+        way_x, way_y, path = drivable((way_x, way_y, path), food_x, food_y)
     tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
-    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way
+    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way_x, way_y, path
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -107,7 +107,9 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
-        way_home(x, y, tracker.known_ways, arena),
+        way_home(x, y, tracker.known_ways, arena)
+        if arena.ways.corners
+        else (arena.home_x, arena.home_y, 0.0),
         (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
     )
@@ -148,9 +150,9 @@ def raw_data(
         arena: Its arena.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
+    home_way_x, home_way_y, home_path = to_home
     food_way_x, food_way_y, food_path = to_food
     home_distance = length(arena.home_x - x, arena.home_y - y)
-    home_bearing, home_path = along_way_home(to_home, x, y, orientation, home_distance)
     food_distance = length(food_x - x, food_y - y)
     food_bearing = turn_to(bearing_of(food_way_x - x, food_way_y - y), orientation)
     return RawData(
@@ -173,23 +175,14 @@ def raw_data(
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
         home_distance,
-        home_bearing,
-        home_path,
+        turn_to(bearing_of(home_way_x - x, home_way_y - y), orientation),
+        home_path if home_path > home_distance else home_distance,
         food_distance if food_seen else 0.0,
         food_bearing if food_seen else 0.0,
         (food_path if food_path > food_distance else food_distance) if food_seen else 0.0,
         food_way_x,
         food_way_y,
     )
-
-
-def along_way_home(
-    to_home: Way, x: float, y: float, orientation: int, home_distance: float
-) -> tuple[float, float]:
-    """Bearing and length of the way home; arguments as for `raw_data`, and the straight distance."""
-    way_x, way_y, path = to_home
-    bearing = turn_to(bearing_of(way_x - x, way_y - y), orientation)
-    return bearing, path if path > home_distance else home_distance
 
 
 def state_vector(raw: RawData, distance_without_food: float, decisions: DecisionValues) -> StateVector:

@@ -13,7 +13,7 @@ from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_links import Link
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.perception import RawData, along_way_home
+from khepera_forage.task.perception import raw_data
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
 from khepera_forage.task.way_finding import KnownWays, way_home
 
@@ -56,35 +56,25 @@ class CompiledForager:
             worlds.food_lengths[0, 0].tolist(),
         )
         self.tracker.links = [Link(*link.item()) for link in worlds.links[0, 0]]
-        self.raw = RawData(
-            tuple(proximity[:6]),  # type: ignore[arg-type]
-            self.senses.arm,
-            self.senses.jaw,
-            self.senses.object_presence,
-            _of(robot, "marker_x"),
-            _of(robot, "marker_y"),
+        x, y, known = _of(robot, "marker_x"), _of(robot, "marker_y"), self.tracker.known_ways
+        # In compiled worlds, the way home is only looked up when a behaviour uses it.
+        straight = self.arena.home_x, self.arena.home_y, 0.0
+        self.raw = raw_data(
+            self.senses,
+            x,
+            y,
             int(_of(robot, "marker_heading")),
             _of(robot, "marker_found") != 0,
             _of(task, "food_seen") != 0,
             _of(task, "food_x"),
             _of(task, "food_y"),
             int(_of(task, "food_type")),
-            self.arena.home_x,
-            self.arena.home_y,
-            self.arena.home_radius,
-            self.arena.home_opening,
-            *(_of(task, name) for name in ("wall_distance", "wall_bearing")),
-            *(_of(task, name) for name in ("home_distance", "home_bearing", "home_path")),
-            *(_of(task, name) for name in ("food_distance", "food_bearing")),
-            *(_of(task, name) for name in ("food_path", "food_way_x", "food_way_y")),
+            _of(task, "wall_x"),
+            _of(task, "wall_y"),
+            way_home(x, y, known, self.arena) if self.arena.ways.corners else straight,
+            (_of(task, "food_way_x"), _of(task, "food_way_y"), _of(task, "food_path")),
+            self.arena,
         )
-        if self.arena.ways.corners:
-            # In compiled worlds, the way home is only looked up when a behaviour uses it.
-            x, y, known = self.raw.x, self.raw.y, self.tracker.known_ways
-            bearing, path = along_way_home(
-                way_home(x, y, known, self.arena), x, y, self.raw.orientation, self.raw.home_distance
-            )
-            self.raw = self.raw._replace(home_bearing=bearing, home_path=path)
         self.vector = StateVector(*(int(_of(task, name)) for name in VECTOR))
         self.state = State(int(_of(task, "state")))
 

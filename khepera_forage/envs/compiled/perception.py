@@ -8,25 +8,16 @@ from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
+from khepera_forage.envs.compiled.raw_data import perceived, senses_in
 from khepera_forage.envs.compiled.ways_home import begin_ways_home, known_ways_in
 from khepera_forage.envs.compiled.worlds import Worlds
 from khepera_forage.geometry.nearest_wall import find_nearest_walls, is_nearer, is_still_nearest
 from khepera_forage.geometry.walls import to_wall
-from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.khepera import Motors
 from khepera_forage.task.food_tracking import update_food
 from khepera_forage.task.identification import explored
-from khepera_forage.task.perception import (
-    raw_data,
-    state_vector,
-    without_food,
-)
+from khepera_forage.task.perception import state_vector, without_food
 from khepera_forage.task.states import classify
-
-
-@inline
-def _senses(present: float, arm: float, jaw: float) -> Senses:
-    """The senses that rules of the task need, without infra-reds and encoders."""
-    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, int(arm), int(jaw), int(present))
 
 
 @kernel
@@ -44,8 +35,8 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     for i in range(robot.x.shape[0]):
-        before = _senses(task.presence_before[i], task.arm_before[i], task.jaw_before[i])
-        after = _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i])
+        before = senses_in(task.presence_before[i], task.arm_before[i], task.jaw_before[i])
+        after = senses_in(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i])
         present = robot.object_presence[i] != 0.0
         tracker = worlds.trackers[i]
         update_food(
@@ -79,22 +70,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     begin_ways_home(worlds, maps, decisions)
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
-        raw = raw_data(
-            _senses(robot.object_presence[i], robot.arm_reading[i], robot.jaw_reading[i]),
-            robot.marker_x[i],
-            robot.marker_y[i],
-            int(robot.marker_heading[i]),
-            robot.marker_found[i] != 0.0,
-            task.food_seen[i] != 0.0,
-            task.food_x[i],
-            task.food_y[i],
-            int(task.food_type[i]),
-            task.wall_x[i],
-            task.wall_y[i],
-            (task.home_way_x[i], task.home_way_y[i], task.home_path[i]),
-            (task.food_way_x[i], task.food_way_y[i], task.food_path[i]),
-            arena,
-        )
+        raw = perceived(worlds, i, arena)
         task.food_type[i] = raw.food_type
         task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
         task.home_distance[i], task.home_bearing[i] = raw.home_distance, raw.home_bearing

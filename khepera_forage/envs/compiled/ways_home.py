@@ -10,10 +10,10 @@ from typing import Any
 from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
-from khepera_forage.envs.compiled.raw_data import raw_data_in
+from khepera_forage.envs.compiled.raw_data import perceived, raw_data_in
 from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
 from khepera_forage.task.behaviours import uses_way_home
-from khepera_forage.task.perception import along_way_home, perceives_paths
+from khepera_forage.task.perception import perceives_paths
 from khepera_forage.task.way_finding import KnownWays, Way, way_home
 
 
@@ -59,12 +59,13 @@ def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) 
     if perceives_paths(parameters.decisions[0]) or not have_corners(maps):
         return
     for i in range(robot.x.shape[0]):
-        raw = raw_data_in(robot, task, i, numbers_in(maps, task, i))
+        arena = numbers_in(maps, task, i)
+        raw = raw_data_in(robot, task, i, arena)
         # A robot before its first frame does nothing.
         if robot.first_frame[i] == 0.0 and uses_way_home(int(behaviours[i]), raw):
-            task.home_bearing[i], task.home_path[i] = along_way_home(
-                _way_home(worlds, maps, i), raw.x, raw.y, raw.orientation, raw.home_distance
-            )
+            task.home_way_x[i], task.home_way_y[i], task.home_path[i] = _way_home(worlds, maps, i)
+            raw = perceived(worlds, i, arena)
+            task.home_bearing[i], task.home_path[i] = raw.home_bearing, raw.home_path
 
 
 @inline
