@@ -45,7 +45,7 @@ def no_known_ways(foods: int, waypoints: int) -> KnownWays:
 
 
 def way_home(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
-    """The way home from a place, in an arena with corners that point into the floor; without, every way is straight.
+    """The way home from a place.
 
     Args:
         x: Of the robot, pixels.
@@ -54,6 +54,8 @@ def way_home(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
         arena: Its arena.
     """
     to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
+    if len(ways.corners) == 0:
+        return to_x, to_y, 0.0
     straight = known.straight[0]
     if is_known_clear(straight, x, y, to_x, to_y, False, arena.walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)

@@ -56,9 +56,7 @@ class CompiledForager:
             worlds.food_lengths[0, 0].tolist(),
         )
         self.tracker.links = [Link(*link.item()) for link in worlds.links[0, 0]]
-        x, y, known = _of(robot, "marker_x"), _of(robot, "marker_y"), self.tracker.known_ways
-        # In compiled worlds, the way home is only looked up when a behaviour uses it.
-        straight = self.arena.home_x, self.arena.home_y, 0.0
+        x, y = _of(robot, "marker_x"), _of(robot, "marker_y")
         self.raw = raw_data(
             self.senses,
             x,
@@ -71,7 +69,8 @@ class CompiledForager:
             int(_of(task, "food_type")),
             _of(task, "wall_x"),
             _of(task, "wall_y"),
-            way_home(x, y, known, self.arena) if self.arena.ways.corners else straight,
+            # Kernels only look it up when a behaviour uses it.
+            way_home(x, y, self.tracker.known_ways, self.arena),
             (_of(task, "food_way_x"), _of(task, "food_way_y"), _of(task, "food_path")),
             self.arena,
         )

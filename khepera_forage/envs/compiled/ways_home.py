@@ -35,7 +35,7 @@ def _have_corners(maps: Any) -> bool:
 
 @inline
 def begin_ways_home(worlds: Worlds, maps: Any, decisions: Any) -> None:
-    """The ways home for the state vector."""
+    """Begin with straight ways home, or look them up if the state vector needs them."""
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
@@ -47,7 +47,7 @@ def begin_ways_home(worlds: Worlds, maps: Any, decisions: Any) -> None:
 
 @kernel
 def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) -> None:
-    """The ways home for the coming commands.
+    """Look up the ways home that the coming commands use.
 
     Args:
         worlds: The records of one block.
@@ -72,6 +72,6 @@ def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) 
 def _way_home(worlds: Worlds, maps: Any, i: int) -> Way:
     robot, arena = worlds.bodies.robots, map_in(maps, i)
     # Robots in unused lanes would try all waypoints, in every round.
-    if len(arena.ways.corners) == 0 or robot.x[i] < UNUSED / 2.0:
+    if robot.x[i] < UNUSED / 2.0:
         return arena.home_x, arena.home_y, 0.0
     return way_home(robot.marker_x[i], robot.marker_y[i], known_ways_in(worlds, i), arena)
