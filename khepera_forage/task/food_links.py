@@ -30,8 +30,11 @@ def link_of(label: int, links: Any) -> int:
     return -1
 
 
-def link_track(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> int:
-    """Link a new track to the nearest food object that no other track shows, or that was carried since."""
+def link_track(track: Any, foods: Any, held: int, links: Any, tracks: Any, arena: ArenaMap) -> int:
+    """Link a new track to the nearest food object that no other track shows, or that was carried since.
+
+    Food in the gripper is hidden under the robot's marker: what turns up beside it is other food.
+    """
     for link in links:
         if link.label >= 0 and not _is_watched(link.label, tracks, arena):
             link.label = -1
@@ -44,7 +47,7 @@ def link_track(track: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap)
                 free = False
         dx, dy = food.x - track.x, food.y - track.y
         squared = dx * dx + dy * dy
-        if (free or food.carried) and squared < best:
+        if k != held and (free or food.carried) and squared < best:
             nearest, best = k, squared
     if nearest >= 0:
         for link in links:

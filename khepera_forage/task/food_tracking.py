@@ -188,7 +188,7 @@ def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: Are
     for track in tracks:
         if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
             k = link_of(track.label, links)
-            number = links[k].food if k >= 0 else link_track(track, foods, links, tracks, arena)
+            number = links[k].food if k >= 0 else link_track(track, foods, tracker.held, links, tracks, arena)
             if number >= 0 and number != tracker.held:
                 _see(foods[number], track, arena)
 

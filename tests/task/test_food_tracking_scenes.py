@@ -106,6 +106,19 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     assert nearest_of(story) == (42.0, 52.0)
 
 
+def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
+    """A robot shoves food out of its track: what it holds is nearer to the new one, but is hidden by the marker."""
+    story = Story()
+    story.explore_first()
+    shoved = (72.0, 52.0)
+    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(8, shoved))
+    assert linked_food(story.tracker, 8) == 1
+    assert known_types(story.tracker) == [FoodType.PICKABLE, FoodType.UNKNOWN]
+    first, second = story.tracker.foods
+    assert (second.x, second.y) == shoved
+    assert math.hypot(first.x - shoved[0], first.y - shoved[1]) < math.dist(SECOND, shoved)
+
+
 LOST = region(1, FIRST, found=False)
 RAISED = EMPTY._replace(arm=215)
 
