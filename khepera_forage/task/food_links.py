@@ -57,6 +57,16 @@ def link_track(track: Any, foods: Any, held: int, links: Any, tracks: Any, arena
     return nearest
 
 
+def is_shown(number: int, links: Any, tracks: Any) -> bool:
+    """Whether the camera sees a food object in this frame, by its number."""
+    for track in tracks:
+        if track.found and track.label >= 0 and track.holes == 0:
+            k = link_of(track.label, links)
+            if k >= 0 and links[k].food == number:
+                return True
+    return False
+
+
 def count_lost_rounds(links: Any, tracks: Any) -> None:
     """Count for how many rounds each linked track has been lost."""
     for track in tracks:

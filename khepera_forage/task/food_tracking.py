@@ -17,7 +17,7 @@ from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_links import Link, count_lost_rounds, link_of, link_track
+from khepera_forage.task.food_links import Link, count_lost_rounds, is_shown, link_of, link_track
 from khepera_forage.task.identification import at_home
 from khepera_forage.task.nearest_food import find_nearest
 from khepera_forage.task.states import FoodType
@@ -27,6 +27,8 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
 _DEGREE = math.pi / 180.0
+_SEEN = 1e8
+"""Squared pixels by which food that the camera sees counts as further from the gripper."""
 NOWHERE = -1e6
 """Coordinate in pixels of no place in any arena."""
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
@@ -43,6 +45,8 @@ class FoodObject:
         known: The type as far as it is identified, otherwise UNKNOWN.
         delivered: Whether it has been brought home.
         carried: Whether it has been in the gripper since it was last seen: it may turn up as another track.
+        may_be_poisonous: Whether there can be poison in this episode.
+        side: Where a robot that takes other food home passes it, see `past_poison`; 0 while it is not in the way.
         lengths_x: Place in pixels to which the lengths of paths from the waypoints are known; far away before.
         lengths_y: Likewise.
     """
@@ -53,6 +57,8 @@ class FoodObject:
     known: int = 0
     delivered: bool = False
     carried: bool = False
+    may_be_poisonous: bool = False
+    side: int = 0
     lengths_x: float = NOWHERE
     lengths_y: float = NOWHERE
 
@@ -135,7 +141,8 @@ def update_food(
     """
     if object_present:
         cosine, sine = cosine_sine(orientation * _DEGREE)
-        _follow_gripper(tracker, foods, x + _GRIPPER * cosine, y + _GRIPPER * sine, explored)
+        x_held, y_held = x + _GRIPPER * cosine, y + _GRIPPER * sine
+        _follow_gripper(tracker, foods, links, tracks, x_held, y_held, explored)
     else:
         tracker.held = -1
     _follow_tracks(tracker, foods, links, tracks, arena)
@@ -167,13 +174,18 @@ def is_collected(food: Any) -> bool:
     return bool(food.delivered and food.known != _POISONOUS)
 
 
-def _follow_gripper(tracker: Any, foods: Any, x: float, y: float, explored: bool) -> None:
+def _follow_gripper(
+    tracker: Any, foods: Any, links: Any, tracks: Any, x: float, y: float, explored: bool
+) -> None:
     """Food in the gripper is where the gripper is, and has been identified once it is explored."""
     if tracker.held < 0:
         nearest, best = 0, math.inf
         for k in range(len(foods)):
+            foods[k].side = 0
             dx, dy = foods[k].x - x, foods[k].y - y
-            squared = dx * dx + dy * dy
+            # The marker hides what is gripped: food that the camera sees is something else, also if it is nearer to
+            # where a gripper would be in a frame with the heading reversed.
+            squared = dx * dx + dy * dy + (_SEEN if is_shown(k, links, tracks) else 0.0)
             if squared < best:
                 nearest, best = k, squared
         tracker.held = nearest

@@ -107,7 +107,7 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
-        way_home(x, y, tracker.known_ways, arena),
+        way_home(x, y, tracker, tracker.foods, tracker.known_ways, arena),
         (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
     )

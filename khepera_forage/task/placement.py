@@ -15,6 +15,7 @@ from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.identification import drawn_type
+from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import can_be_reached
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -28,6 +29,7 @@ _FOOD_NUMBERS = 1 << 20
 """First number of a layout's key that is for food."""
 TRIES = 200
 """Draws of a layout after which there is no room."""
+_POISONOUS = FoodType.POISONOUS.value
 
 
 @dataclass(slots=True)
@@ -69,7 +71,7 @@ def food_type_key(key: Any, episode: int) -> Any:
 
 
 def draw_food_types(foods: Any, key: Any, odds: Any) -> None:
-    """Draw the type of each food object.
+    """Draw the type of each food object, and note whether it may be poison.
 
     Args:
         foods: `FoodObject` records; changed in place.
@@ -78,6 +80,7 @@ def draw_food_types(foods: Any, key: Any, odds: Any) -> None:
     """
     for k in range(len(foods)):
         foods[k].type = drawn_type(uniform(key, k), odds)
+        foods[k].may_be_poisonous = odds[_POISONOUS - 1] > 0.0
 
 
 def draw_layout(

@@ -1,4 +1,7 @@
-"""The way of a robot to its home and to food: straight, or around walls and past the home (`geometry.paths`)."""
+"""The way of a robot to its home and to food: straight, or around walls (`geometry.paths`).
+
+The way to food leads past the home, and the way home past poison.
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -7,6 +10,7 @@ from khepera_forage.geometry.angles import length
 from khepera_forage.geometry.known_ways import StraightWay, is_known_clear
 from khepera_forage.geometry.paths import find_lengths, has_path, next_waypoint
 from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.past_poison import past_poison
 
 _MOVED = 1.0
 """Pixels by which food may move before the paths to it are looked up again."""
@@ -44,15 +48,23 @@ def no_known_ways(foods: int, waypoints: int) -> KnownWays:
     )
 
 
-def way_home(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
-    """The way home from a place.
+def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, arena: ArenaMap) -> Way:
+    """The way home of a robot.
 
     Args:
         x: Of the robot, pixels.
         y: Of the robot, pixels.
+        tracker: Its `FoodTracker` record.
+        foods: The `FoodObject` records.
         known: What it knows; changed in place.
         arena: Its arena.
     """
+    to_x, to_y, path = _around_walls(x, y, known, arena)
+    return *past_poison(x, y, to_x, to_y, tracker, foods, arena), path
+
+
+def _around_walls(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
+    """The way home around walls alone."""
     to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
     if len(ways.corners) == 0:
         return to_x, to_y, 0.0

@@ -14,6 +14,7 @@ from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.compiled.single_envs import CompiledBehavioursEnv, CompiledWheelsEnv
+from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -194,19 +195,29 @@ def test_bad_input_is_quoted() -> None:
         small.reset(seed=0)
 
 
-def test_robots_behind_walls_are_commanded_by_the_rules_on_their_way_home() -> None:
+@pytest.mark.parametrize(
+    ("name", "arguments", "least"),
+    [("Doors", {}, 200), ("Rectangle", {"foods": 5, "food_types": {"pickable": 1, "poisonous": 1}}, 10)],
+    ids=["around walls", "past poison"],
+)
+def test_robots_that_do_not_go_straight_home_are_commanded_by_the_rules(
+    name: str, arguments: dict[str, Any], least: int
+) -> None:
     """Kernels look up the way home when a behaviour uses it; the robot of the environment always knows it."""
-    env: Any = gym.make("khepera_forage/Doors-v1", backend="compiled").unwrapped
+    env = _make(name, **arguments).unwrapped
     rng, around = np.random.default_rng(2), 0
     for seed in range(6):
         _, info = env.reset(seed=seed)
         for step in range(250):
             behaviour = int(rng.integers(NUM_BEHAVIOURS)) if step % 4 == 0 else info["correct_behaviour"]
             known = env.forager
-            around += known.raw.home_path > known.raw.home_distance + 1.0
+            straight = bearing_of(known.raw.home_x - known.raw.x, known.raw.home_y - known.raw.y)
+            around += abs(turn_to(straight, known.raw.orientation) - known.raw.home_bearing) > 1.0
             motors = applicable(known.motors_for(behaviour))
-            info = env.step(behaviour)[4]
+            _, _, terminated, _, info = env.step(behaviour)
             robot = env._one_world.worlds.bodies.robots[0]
             given = [float(robot[name][0]) for name in ("left", "right", "arm_target", "jaw_target")]
             assert given == pytest.approx(list(motors))
-    assert around > 200
+            if terminated:
+                break
+    assert around > least

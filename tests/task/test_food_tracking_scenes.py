@@ -50,9 +50,14 @@ class Story:
         self.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND))
 
     def round(
-        self, robot: tuple[float, float], senses: Senses, *foods: Region, motors: Motors = STILL
+        self,
+        robot: tuple[float, float],
+        senses: Senses,
+        *foods: Region,
+        motors: Motors = STILL,
+        orientation: int = 0,
     ) -> None:
-        own = region(0, robot, holes=2)
+        own = region(0, robot, holes=2)._replace(orientation=orientation)
         update_food(
             self.tracker,
             self.tracker.foods,
@@ -104,6 +109,16 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     story.round((40, 50), EMPTY, region(1, FIRST), region(2, SECOND), region(9, (42.0, 52.0)))
     assert linked_food(story.tracker, 9) is None
     assert nearest_of(story) == (42.0, 52.0)
+
+
+def test_food_that_the_camera_sees_is_not_in_the_gripper() -> None:
+    """Not even if a reversed heading puts the gripper beside it."""
+    story = Story()
+    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND, found=False), orientation=270)
+    assert story.tracker.held == 1
+    story.round((74, 69), EMPTY, region(1, FIRST), region(2, SECOND))
+    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND), orientation=270)
+    assert story.tracker.held == 0
 
 
 def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:

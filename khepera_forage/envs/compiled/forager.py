@@ -70,7 +70,7 @@ class CompiledForager:
             _of(task, "wall_x"),
             _of(task, "wall_y"),
             # Kernels only look it up when a behaviour uses it.
-            way_home(x, y, self.tracker.known_ways, self.arena),
+            way_home(x, y, self.tracker, self.tracker.foods, self.tracker.known_ways, self.arena),
             (_of(task, "food_way_x"), _of(task, "food_way_y"), _of(task, "food_path")),
             self.arena,
         )

@@ -67,7 +67,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     robot, task = worlds.bodies.robots, worlds.tasks
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     _find_nearest_walls(maps, worlds)
-    begin_ways_home(worlds, maps, decisions)
+    begin_ways_home(worlds, maps, parameters)
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
         raw = perceived(worlds, i, arena)

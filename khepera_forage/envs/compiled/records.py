@@ -50,7 +50,9 @@ tracker_dtype = np.dtype(
 
 food_object_dtype = np.dtype(
     [
-        *(("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8"), ("delivered", "?"), ("carried", "?")),
+        *(("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8")),
+        *((name, "?") for name in ("delivered", "carried", "may_be_poisonous")),
+        ("side", "i1"),
         *(("lengths_x", "f8"), ("lengths_y", "f8")),
     ],
     align=True,

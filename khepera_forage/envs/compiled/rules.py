@@ -23,6 +23,7 @@ from khepera_forage.task import (
     identification,
     nearest_food,
     pairing,
+    past_poison,
     perception,
     placement,
     scoring,
@@ -48,6 +49,7 @@ RULE_MODULES = (
     identification,
     nearest_food,
     pairing,
+    past_poison,
     perception,
     placement,
     scoring,
@@ -57,7 +59,13 @@ RULE_MODULES = (
 )
 """Modules whose functions kernels may call."""
 
-_RARE = (nearest_wall.find_nearest_walls, known_ways.examine, paths.find_lengths, paths.has_path)
+_RARE = (
+    nearest_wall.find_nearest_walls,
+    known_ways.examine,
+    paths.find_lengths,
+    paths.has_path,
+    past_poison.past_poison,
+)
 """Long functions that few rounds call, compiled once."""
 _DEGREES, _RADIANS = 180.0 / math.pi, math.pi / 180.0
 

@@ -14,7 +14,11 @@ from khepera_forage.envs.compiled.raw_data import perceived, raw_data_in
 from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
 from khepera_forage.task.behaviours import uses_way_home
 from khepera_forage.task.perception import perceives_paths
+from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import KnownWays, Way, way_home
+
+_POISONOUS = FoodType.POISONOUS - 1
+"""Index of its odds."""
 
 
 @inline
@@ -34,13 +38,19 @@ def _have_corners(maps: Any) -> bool:
 
 
 @inline
-def begin_ways_home(worlds: Worlds, maps: Any, decisions: Any) -> None:
+def _can_be_bent(maps: Any, parameters: TaskParameters) -> bool:
+    """Whether a way home may lead around walls or past poison."""
+    return have_corners(maps) or parameters.arena[0].odds[_POISONOUS] > 0.0
+
+
+@inline
+def begin_ways_home(worlds: Worlds, maps: Any, parameters: TaskParameters) -> None:
     """Begin with straight ways home, or look them up if the state vector needs them."""
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
         task.home_way_x[i], task.home_way_y[i], task.home_path[i] = arena.home_x, arena.home_y, 0.0
-    if perceives_paths(decisions) and have_corners(maps):
+    if perceives_paths(parameters.decisions[0]) and _can_be_bent(maps, parameters):
         for i in range(robot.x.shape[0]):
             task.home_way_x[i], task.home_way_y[i], task.home_path[i] = _way_home(worlds, maps, i)
 
@@ -56,7 +66,7 @@ def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) 
     """
     robot, task = worlds.bodies.robots, worlds.tasks
     maps = arena_maps(worlds.bodies.near, parameters)
-    if perceives_paths(parameters.decisions[0]) or not have_corners(maps):
+    if perceives_paths(parameters.decisions[0]) or not _can_be_bent(maps, parameters):
         return
     for i in range(robot.x.shape[0]):
         arena = numbers_in(maps, task, i)
@@ -74,4 +84,5 @@ def _way_home(worlds: Worlds, maps: Any, i: int) -> Way:
     # Robots in unused lanes would try all waypoints, in every round.
     if robot.x[i] < UNUSED / 2.0:
         return arena.home_x, arena.home_y, 0.0
-    return way_home(robot.marker_x[i], robot.marker_y[i], known_ways_in(worlds, i), arena)
+    x, y, tracker = robot.marker_x[i], robot.marker_y[i], worlds.trackers[i]
+    return way_home(x, y, tracker, worlds.foods[i], known_ways_in(worlds, i), arena)

@@ -1,0 +1,89 @@
+"""The way of a robot with food in its gripper past poison, which it would shove home before it.
+
+The functions take the records of `food_tracking`.
+"""
+
+import math
+from typing import Any
+
+from khepera_forage.geometry.angles import length
+from khepera_forage.geometry.walls import clearance
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.states import FoodType
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+_TOUCH = (RADIUS + FOOD_RADIUS) / MM_PER_PIXEL
+"""Pixels from the centre of a robot to food that it touches."""
+_BERTH = _TOUCH + 2.0
+"""Pixels at which it passes poison."""
+_ROOM = (RADIUS + 25.0) / MM_PER_PIXEL
+"""Pixels to the walls that it needs there."""
+_BESIDE = 0.85
+"""Share of its distance from poison at which its way may pass that: a robot beside poison can leave it."""
+_LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
+"""Values of `FoodObject.side`."""
+_UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
+
+
+def past_poison(
+    x: float, y: float, to_x: float, to_y: float, tracker: Any, foods: Any, arena: ArenaMap
+) -> tuple[float, float]:
+    """Where to drive to get to a place without shoving poison: that place, or beside the poison before it.
+
+    Args:
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        to_x: Of the place, to which the straight way is clear of walls.
+        to_y: Likewise.
+        tracker: The `FoodTracker` record.
+        foods: Its `FoodObject` records; `side` is changed.
+        arena: The arena of this robot.
+    """
+    if tracker.held < 0 or len(foods) == 1:
+        return to_x, to_y
+    distance = length(to_x - x, to_y - y)
+    # Unit vector to the place; to the left of it is (-ahead_y, ahead_x).
+    ahead_x, ahead_y = (to_x - x) / max(distance, 1.0), (to_y - y) / max(distance, 1.0)
+    nearest, first = distance + _TOUCH, -1
+    for k in range(len(foods)):
+        food = foods[k]
+        off_x, off_y = food.x - x, food.y - y
+        along, aside = off_x * ahead_x + off_y * ahead_y, abs(off_y * ahead_x - off_x * ahead_y)
+        near = aside < min(_TOUCH, _BESIDE * length(off_x, off_y))
+        if not (near and 0.0 < along < distance + _TOUCH and k != tracker.held and _is_suspect(food)):
+            food.side = 0
+        elif along < nearest:
+            nearest, first = along, k
+    if first < 0:
+        return to_x, to_y
+    food = foods[first]
+    # Decided once: noise must not change the side while the robot turns.
+    if food.side == 0:
+        food.side = _side_with_room(x, y, ahead_x, ahead_y, food, arena)
+    if food.side == _NO_ROOM:
+        return to_x, to_y
+    # The tangent to a circle around the poison.
+    off_x, off_y = food.x - x, food.y - y
+    sine = min(1.0, _BERTH / max(length(off_x, off_y), 1.0))
+    cosine = math.sqrt(1.0 - sine * sine)
+    sine *= food.side
+    return x + cosine * off_x - sine * off_y, y + sine * off_x + cosine * off_y
+
+
+def _side_with_room(x: float, y: float, ahead_x: float, ahead_y: float, food: Any, arena: ArenaMap) -> int:
+    """The side on which the way past poison is shorter, or the other one if a wall is too near there."""
+    is_left = (food.y - y) * ahead_x - (food.x - x) * ahead_y > 0.0
+    side = _RIGHT if is_left else _LEFT
+    for _ in range(2):
+        reach = side * _BERTH
+        if clearance(food.x - reach * ahead_y, food.y + reach * ahead_x, arena.walls) >= _ROOM:
+            return side
+        side = -side
+    return _NO_ROOM
+
+
+def _is_suspect(food: Any) -> bool:
+    """Whether food must not be shoved home: it is poisonous, or may be as far as the robot knows."""
+    unknown = food.known == _UNKNOWN and food.may_be_poisonous
+    return bool((unknown or food.known == _POISONOUS) and not food.delivered)

@@ -1,0 +1,100 @@
+"""Robots that take food home past poison."""
+
+import math
+
+import pytest
+
+from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker
+from khepera_forage.task.past_poison import past_poison
+from khepera_forage.task.placement import draw_food_types
+from khepera_forage.task.states import FoodType
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+_CORNERS = (Point(0, 0), Point(1000, 0), Point(1000, 600), Point(0, 600))
+HALL = arena_map_of(Arena("hall", _CORNERS, Point(900, 300), 80, Pose(100, 300, 0.0), (Point(500, 300),)))
+HOME = (HALL.home_x, HALL.home_y)
+ROBOT = (40.0, 60.0)
+AHEAD = (100.0, 60.0)
+TOUCH = (RADIUS + FOOD_RADIUS) / MM_PER_PIXEL
+
+
+def _foods(place: tuple[float, float], known: FoodType = FoodType.POISONOUS) -> list[FoodObject]:
+    """The food in the gripper, and one other object."""
+    return [FoodObject(*ROBOT, known=FoodType.PICKABLE), FoodObject(*place, known=known)]
+
+
+def _aim(foods: list[FoodObject], held: int = 0, robot: tuple[float, float] = ROBOT) -> tuple[float, float]:
+    return past_poison(*robot, *HOME, FoodTracker(held=held), foods, HALL)
+
+
+def _distance_from_line(aim: tuple[float, float], place: tuple[float, float]) -> float:
+    (x, y), (dx, dy) = ROBOT, (aim[0] - ROBOT[0], aim[1] - ROBOT[1])
+    return abs((place[0] - x) * dy - (place[1] - y) * dx) / math.hypot(dx, dy)
+
+
+@pytest.mark.parametrize("offset", [-8.0, -1.0, 0.0, 1.0, 8.0])
+def test_way_past_poison_touches_it_nowhere(offset: float) -> None:
+    place = AHEAD[0], AHEAD[1] + offset
+    assert _distance_from_line(_aim(_foods(place)), place) == pytest.approx(TOUCH + 2.0)
+
+
+@pytest.mark.parametrize(("offset", "side"), [(5.0, -1.0), (-5.0, 1.0)])
+def test_way_leads_past_the_shorter_side(offset: float, side: float) -> None:
+    assert (_aim(_foods((AHEAD[0], AHEAD[1] + offset)))[1] - ROBOT[1]) * side > 0.0
+
+
+def test_way_leads_past_the_other_side_if_a_wall_is_near() -> None:
+    foods = _foods((100.0, 17.0))
+    x, y = past_poison(40.0, 16.0, 160.0, 16.0, FoodTracker(held=0), foods, HALL)
+    assert y > 16.0
+    assert x > 40.0
+
+
+def test_poison_without_room_beside_it_is_shoved() -> None:
+    corners = (Point(0, 0), Point(1000, 0), Point(1000, 180), Point(0, 180))
+    alley = arena_map_of(Arena("alley", corners, Point(900, 90), 80, Pose(100, 90, 0.0), (Point(500, 90),)))
+    foods = _foods((100.0, 18.0))
+    assert past_poison(40.0, 18.0, 160.0, 18.0, FoodTracker(held=0), foods, alley) == (160.0, 18.0)
+
+
+@pytest.mark.parametrize("place", [(100.0, 70.0), (20.0, 60.0), (HOME[0] + 12.0, HOME[1]), (40.0, 68.0)])
+def test_poison_beside_behind_or_beyond_is_not_in_the_way(place: tuple[float, float]) -> None:
+    foods = _foods(place)
+    assert _aim(foods) == HOME
+    assert foods[1].side == 0
+
+
+@pytest.mark.parametrize("known", [FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.UNKNOWN])
+def test_other_food_is_not_passed(known: FoodType) -> None:
+    assert _aim(_foods(AHEAD, known)) == HOME
+
+
+def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
+    foods = _foods(AHEAD, FoodType.UNKNOWN)
+    draw_food_types(foods, 0, (0.5, 0.0, 0.5))
+    assert _aim(foods) != HOME
+    draw_food_types(foods, 0, (0.5, 0.5, 0.0))
+    assert _aim(foods) == HOME
+
+
+def test_robot_with_an_empty_gripper_drives_straight_on() -> None:
+    assert _aim(_foods(AHEAD), held=-1) == HOME
+
+
+def test_side_stays_while_the_poison_is_in_the_way() -> None:
+    foods = _foods((AHEAD[0], AHEAD[1] + 0.1))
+    first = _aim(foods)
+    foods[1].y = AHEAD[1] - 0.1
+    assert (_aim(foods)[1] - ROBOT[1]) * (first[1] - ROBOT[1]) > 0.0
+    foods[1].y = AHEAD[1] + 20.0
+    assert _aim(foods) == HOME
+    foods[1].y = AHEAD[1] - 0.1
+    assert (_aim(foods)[1] - ROBOT[1]) * (first[1] - ROBOT[1]) < 0.0
+
+
+def test_nearest_of_two_is_passed_first() -> None:
+    foods = [*_foods((120.0, 57.0)), FoodObject(80.0, 63.0, known=FoodType.POISONOUS)]
+    assert _distance_from_line(_aim(foods), (80.0, 63.0)) == pytest.approx(TOUCH + 2.0)
