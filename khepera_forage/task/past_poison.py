@@ -1,6 +1,6 @@
 """The way of a robot with food in its gripper past poison, which it would shove home before it.
 
-The functions take the records of `food_tracking`.
+The functions take `FoodObject` records of `food_tracking`.
 """
 
 import math
@@ -27,7 +27,7 @@ _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
 def past_poison(
-    x: float, y: float, to_x: float, to_y: float, tracker: Any, foods: Any, arena: ArenaMap
+    x: float, y: float, to_x: float, to_y: float, held: int, foods: Any, arena: ArenaMap
 ) -> tuple[float, float]:
     """Where to drive to get to a place without shoving poison: that place, or beside the poison before it.
 
@@ -36,12 +36,10 @@ def past_poison(
         y: Of the robot, pixels.
         to_x: Of the place, to which the straight way is clear of walls.
         to_y: Likewise.
-        tracker: The `FoodTracker` record.
-        foods: Its `FoodObject` records; `side` is changed.
+        held: Number of the food object in the gripper.
+        foods: `FoodObject` records; `side` is changed.
         arena: The arena of this robot.
     """
-    if tracker.held < 0 or len(foods) == 1:
-        return to_x, to_y
     distance = length(to_x - x, to_y - y)
     # Unit vector to the place; to the left of it is (-ahead_y, ahead_x).
     ahead_x, ahead_y = (to_x - x) / max(distance, 1.0), (to_y - y) / max(distance, 1.0)
@@ -51,7 +49,7 @@ def past_poison(
         off_x, off_y = food.x - x, food.y - y
         along, aside = off_x * ahead_x + off_y * ahead_y, abs(off_y * ahead_x - off_x * ahead_y)
         near = aside < min(_TOUCH, _BESIDE * length(off_x, off_y))
-        if not (near and 0.0 < along < distance + _TOUCH and k != tracker.held and _is_suspect(food)):
+        if not (near and 0.0 < along < distance + _TOUCH and k != held and _is_suspect(food)):
             food.side = 0
         elif along < nearest:
             nearest, first = along, k

@@ -59,15 +59,17 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, are
         known: What it knows; changed in place.
         arena: Its arena.
     """
-    to_x, to_y, path = _around_walls(x, y, known, arena)
-    return *past_poison(x, y, to_x, to_y, tracker, foods, arena), path
+    way = arena.home_x, arena.home_y, 0.0
+    if len(arena.ways.corners) > 0:
+        way = _around_walls(x, y, known, arena)
+    if tracker.held < 0 or len(foods) == 1:
+        return way
+    return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 
 
 def _around_walls(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
-    """The way home around walls alone."""
+    """The way home past walls alone."""
     to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
-    if len(ways.corners) == 0:
-        return to_x, to_y, 0.0
     straight = known.straight[0]
     if is_known_clear(straight, x, y, to_x, to_y, False, arena.walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)

@@ -11,6 +11,7 @@ from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.past_poison import past_poison
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
+from khepera_forage.task.way_finding import no_known_ways, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CORNERS = (Point(0, 0), Point(1000, 0), Point(1000, 600), Point(0, 600))
@@ -26,8 +27,8 @@ def _foods(place: tuple[float, float], known: FoodType = FoodType.POISONOUS) -> 
     return [FoodObject(*ROBOT, known=FoodType.PICKABLE), FoodObject(*place, known=known)]
 
 
-def _aim(foods: list[FoodObject], held: int = 0, robot: tuple[float, float] = ROBOT) -> tuple[float, float]:
-    return past_poison(*robot, *HOME, FoodTracker(held=held), foods, HALL)
+def _aim(foods: list[FoodObject]) -> tuple[float, float]:
+    return past_poison(*ROBOT, *HOME, 0, foods, HALL)
 
 
 def _distance_from_line(aim: tuple[float, float], place: tuple[float, float]) -> float:
@@ -48,7 +49,7 @@ def test_way_leads_past_the_shorter_side(offset: float, side: float) -> None:
 
 def test_way_leads_past_the_other_side_if_a_wall_is_near() -> None:
     foods = _foods((100.0, 17.0))
-    x, y = past_poison(40.0, 16.0, 160.0, 16.0, FoodTracker(held=0), foods, HALL)
+    x, y = past_poison(40.0, 16.0, 160.0, 16.0, 0, foods, HALL)
     assert y > 16.0
     assert x > 40.0
 
@@ -57,7 +58,7 @@ def test_poison_without_room_beside_it_is_shoved() -> None:
     corners = (Point(0, 0), Point(1000, 0), Point(1000, 180), Point(0, 180))
     alley = arena_map_of(Arena("alley", corners, Point(900, 90), 80, Pose(100, 90, 0.0), (Point(500, 90),)))
     foods = _foods((100.0, 18.0))
-    assert past_poison(40.0, 18.0, 160.0, 18.0, FoodTracker(held=0), foods, alley) == (160.0, 18.0)
+    assert past_poison(40.0, 18.0, 160.0, 18.0, 0, foods, alley) == (160.0, 18.0)
 
 
 @pytest.mark.parametrize("place", [(100.0, 70.0), (20.0, 60.0), (HOME[0] + 12.0, HOME[1]), (40.0, 68.0)])
@@ -80,8 +81,12 @@ def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
     assert _aim(foods) == HOME
 
 
-def test_robot_with_an_empty_gripper_drives_straight_on() -> None:
-    assert _aim(_foods(AHEAD), held=-1) == HOME
+@pytest.mark.parametrize(("held", "straight"), [(-1, True), (0, False)])
+def test_only_the_way_home_with_food_in_the_gripper_leads_past_poison(held: int, straight: bool) -> None:
+    foods = _foods(AHEAD)
+    way = way_home(*ROBOT, FoodTracker(held=held), foods, no_known_ways(2, 0), HALL)
+    assert (way == (*HOME, 0.0)) is straight
+    assert way[2] == 0.0
 
 
 def test_side_stays_while_the_poison_is_in_the_way() -> None:
