@@ -81,8 +81,10 @@ class ClassifierPolicy:
         return levels
 
     def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
-        levels = np.asarray(self.classifier.predict_proba(np.array([vector], np.int64)))[0]
         classes = self.classifier.classes_
+        if len(classes) == 1:  # for which scikit-learn's networks predict two probabilities
+            return np.ones(1)
+        levels = np.asarray(self.classifier.predict_proba(np.array([vector], np.int64)))[0]
         fine = levels.shape == np.shape(classes) and np.all(levels >= 0.0)  # NaN fails the comparison
         if not fine or abs(levels.sum() - 1.0) > TOLERANCE:
             raise ValueError(

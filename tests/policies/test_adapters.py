@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from sklearn.naive_bayes import GaussianNB
+from sklearn.neural_network import MLPClassifier
 from sklearn.svm import LinearSVC
 
 from khepera_forage.policies import (
@@ -113,6 +114,13 @@ def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]
         ValueError, match=r"Probabilities predicts the probabilities .* of the classes .*; allowed"
     ):
         policy.act(X[0], np.random.default_rng(0))
+
+
+@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")  # of a network in one iteration
+@pytest.mark.parametrize("sample", [True, False])
+def test_network_that_was_shown_one_behaviour_executes_it(sample: bool) -> None:
+    network = MLPClassifier((4,), max_iter=1, random_state=0).fit(X, np.full(len(X), Behaviour.GO_HOME))
+    assert ClassifierPolicy(network, sample).act(X[0], np.random.default_rng(0)) is Behaviour.GO_HOME
 
 
 def test_classifier_without_classes_or_with_other_columns_is_refused() -> None:
