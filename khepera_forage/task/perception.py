@@ -38,8 +38,8 @@ class RawData(NamedTuple):
         wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
         wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
         home_distance: To the centre of its home.
-        home_bearing: Of the way home from the heading: of that centre, or, where walls stand between, of the next
-            waypoint.
+        home_bearing: Of the way home from the heading: of that centre, or of where to drive next to get around walls,
+            or past poison with food in the gripper.
         home_path: Length of the way home.
         food_distance: To the nearest candidate food; 0 without one.
         food_bearing: Of the way to that food from the heading; 0 without one.
