@@ -22,7 +22,7 @@ _ROOM = (RADIUS + 25.0) / MM_PER_PIXEL
 _BESIDE = 0.85
 """Share of its distance from poison at which its way may pass that: a robot beside poison can leave it."""
 _LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
-"""Values of `FoodObject.side`."""
+"""Values of `FoodObject.side`; the first two are the sign of the turn towards that side."""
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 

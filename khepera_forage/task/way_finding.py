@@ -68,7 +68,7 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, are
 
 
 def _around_walls(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
-    """The way home past walls alone."""
+    """The way home around walls, poison left aside."""
     to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
     straight = known.straight[0]
     if is_known_clear(straight, x, y, to_x, to_y, False, arena.walls, ways):
