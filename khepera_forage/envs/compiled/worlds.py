@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.compilation.aligned import aligned_zeros
 from khepera_forage.compilation.decorators import sequence
 from khepera_forage.compilation.threads import most_threads_for
 from khepera_forage.envs.compiled.records import (
@@ -98,21 +99,21 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
     bodies.tracks["label"] = -1
     threads = most_threads_for(blocks)
     trackers, links = (
-        np.zeros((blocks, lanes), tracker_dtype),
-        np.zeros((blocks, lanes, 2 * foods), link_dtype),
+        aligned_zeros((blocks, lanes), tracker_dtype),
+        aligned_zeros((blocks, lanes, 2 * foods), link_dtype),
     )
     trackers["held"] = trackers["nearest"] = links["label"] = -1
     return Worlds(
         bodies,
-        np.zeros(blocks, task_dtype(lanes)),
+        aligned_zeros(blocks, task_dtype(lanes)),
         trackers,
-        np.zeros((blocks, lanes, foods), food_object_dtype),
-        np.zeros((blocks, lanes), nearest_wall_dtype),
+        aligned_zeros((blocks, lanes, foods), food_object_dtype),
+        aligned_zeros((blocks, lanes), nearest_wall_dtype),
         *known_ways(blocks, lanes, foods, waypoints),
         links,
-        np.zeros((blocks, lanes), episode_dtype),
-        np.zeros((threads, 1), start_dtype),
-        np.zeros((threads, foods), place_dtype),
+        aligned_zeros((blocks, lanes), episode_dtype),
+        aligned_zeros((threads, 1), start_dtype),
+        aligned_zeros((threads, foods), place_dtype),
     )
 
 
@@ -126,7 +127,7 @@ def known_ways(
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """`straight_ways`, `to_waypoints` and `food_lengths` of robots that know nothing."""
     straight, to_waypoints = (
-        np.zeros((blocks, lanes, count), straight_way_dtype) for count in (1 + foods, waypoints)
+        aligned_zeros((blocks, lanes, count), straight_way_dtype) for count in (1 + foods, waypoints)
     )
     straight["blocker"] = to_waypoints["blocker"] = -1
-    return straight, to_waypoints, np.zeros((blocks, lanes, foods, waypoints))
+    return straight, to_waypoints, aligned_zeros((blocks, lanes, foods, waypoints), np.float64)

@@ -2,8 +2,7 @@
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from khepera_forage.compilation.aligned import aligned_zeros
 from khepera_forage.compilation.decorators import sequence
 from khepera_forage.compilation.threads import most_threads_for
 from khepera_forage.sim.compiled.near_walls import lists_of
@@ -48,11 +47,11 @@ def empty_bodies(blocks: int, foods: int, lanes: int = LANES, near: Any = ()) ->
     """
     threads = most_threads_for(blocks)
     return Bodies(
-        np.zeros(blocks, robot_dtype(lanes)),
-        np.zeros((blocks, foods), food_dtype(lanes)),
-        np.zeros((blocks, lanes, 2 * foods), track_dtype),
-        np.zeros(threads, scratch_dtype(lanes)),
-        np.zeros((threads, foods), detection_dtype),
+        aligned_zeros(blocks, robot_dtype(lanes)),
+        aligned_zeros((blocks, foods), food_dtype(lanes)),
+        aligned_zeros((blocks, lanes, 2 * foods), track_dtype),
+        aligned_zeros(threads, scratch_dtype(lanes)),
+        aligned_zeros((threads, foods), detection_dtype),
         near,
     )
 

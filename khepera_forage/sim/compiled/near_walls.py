@@ -13,8 +13,7 @@ arrays return a tuple: compiled functions return no array that they were not giv
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from khepera_forage.compilation.aligned import aligned_zeros
 from khepera_forage.compilation.decorators import inline, kernel, types, variant
 from khepera_forage.compilation.packing import pack
 from khepera_forage.sim.broad_phase import PUSHED
@@ -51,9 +50,9 @@ def empty_lists(blocks: int, lanes: int, walls: int, corners: int) -> Near:
         corners: Most corners of an arena.
     """
     near = Near(
-        np.zeros((blocks, 1), lists_dtype(lanes)),
-        np.zeros((blocks, walls), near_wall_dtype(lanes)),
-        np.zeros((blocks, corners), near_corner_dtype(lanes)),
+        aligned_zeros((blocks, 1), lists_dtype(lanes)),
+        aligned_zeros((blocks, walls), near_wall_dtype(lanes)),
+        aligned_zeros((blocks, corners), near_corner_dtype(lanes)),
     )
     near.lists["listed_arena"] = -1
     for name, value in _FAR_WALL.items():
