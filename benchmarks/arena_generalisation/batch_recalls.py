@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from arena_generalisation.decision_table import DecisionTable
 from arena_generalisation.recall_arenas import RecallArena
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.records import VECTOR
-from khepera_forage.task.states import FoodType
+from khepera_forage.envs.compiled.results import Results
+from khepera_forage.task.states import FoodType, StateVector
 
-_DISTANCES = [name in ("robot_home_distance", "robot_food_distance") for name in VECTOR]
+_DISTANCES = [name in ("robot_home_distance", "robot_food_distance") for name in StateVector._fields]
 
 
 @dataclass(slots=True)
@@ -43,6 +43,7 @@ class ArenaBatch:
     not_poisonous: NDArray[np.int64] = field(init=False)
     behaviours: NDArray[np.int64] = field(init=False)
     rounds: int = field(init=False, default=0)
+    _results: Results = field(init=False)
 
     def __post_init__(self) -> None:
         worlds = self.batch.num_worlds
@@ -50,7 +51,7 @@ class ArenaBatch:
         self.score = np.zeros(worlds)
         numbers = (np.zeros(worlds, np.int64) for _ in range(4))
         self.steps, self.delivered, self.poison_home, self.behaviours = numbers
-        self.batch.step(np.zeros(worlds), np.ones(worlds, np.bool_))  # begins the episodes
+        self._results = self.batch.step(np.zeros(worlds), np.ones(worlds, np.bool_))  # begins the episodes
         types: NDArray[Any] = self.batch.worlds.foods["type"]
         own = types.reshape(-1, self.batch.foods)[:worlds]
         self.not_poisonous = (own != FoodType.POISONOUS).sum(axis=1)
@@ -58,7 +59,7 @@ class ArenaBatch:
     @property
     def vectors(self) -> NDArray[np.int64]:
         """The state vectors; no distance is longer than the arena's diagonal, as in `BehavioursEnv`."""
-        vectors = np.stack([self.batch.task(name, np.int64) for name in VECTOR], axis=1)
+        vectors = np.stack([getattr(self._results, name) for name in StateVector._fields], axis=1)
         return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonals[:, None]), vectors)
 
     def deciding(self, holds: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -79,16 +80,11 @@ class ArenaBatch:
         """
         self.behaviours[deciding] = behaviours
         self.rounds += 1
-        self.batch.step(self.behaviours.astype(np.float64), np.zeros(len(self.over), np.bool_))
-        episodes, trackers = self.batch.episodes, self.batch.trackers
-        ended = ~self.over & (episodes["terminated"] | episodes["truncated"])
-        for name, records in (
-            ("score", episodes),
-            ("steps", episodes),
-            ("delivered", trackers),
-            ("poison_home", trackers),
-        ):
-            getattr(self, name)[ended] = records[name][ended]
+        results = self.batch.step(self.behaviours.astype(np.float64), np.zeros(len(self.over), np.bool_))
+        ended = ~self.over & (results.terminated | results.truncated)
+        for name in ("score", "steps", "delivered", "poison_home"):
+            getattr(self, name)[ended] = getattr(results, name)[ended]
+        self._results = results
         self.over |= ended
 
 

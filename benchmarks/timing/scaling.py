@@ -71,14 +71,14 @@ def job(steps: int, seed: int) -> Job:
         worlds = batch.num_worlds
         batch.seed(list(range(seed, seed + worlds)), np.arange(worlds))
         batch.restart(np.arange(worlds))
-        over = np.zeros(worlds, np.bool_)
+        results, over = batch.results(), np.zeros(worlds, np.bool_)
         seconds = []
         for _ in range(_LEAST + rounds(worlds)):
-            states = batch.task("state")
+            states = results.state.astype(np.float64)
             start = perf_counter()
-            batch.step(states, over)
+            results = batch.step(states, over)
             seconds.append(perf_counter() - start)
-            over = batch.episodes["terminated"] | batch.episodes["truncated"]
+            over = results.terminated | results.truncated
         return float(np.median(seconds[_LEAST:])) / worlds * 1e9
 
     def repeat() -> Values:

@@ -181,9 +181,9 @@ def test_scratch_records_hold_nothing_between_rounds() -> None:
     for _ in range(400):
         for scratch in (bodies.scratch, bodies.detections, batch.worlds.starts, batch.worlds.places):
             scratch.view(np.uint8)[:] = 0xFF  # not a number
-        batch.step(batch.task("state"), np.zeros(worlds, bool))
-        over = running & (batch.episodes["terminated"] | batch.episodes["truncated"])
-        steps[over], delivered[over] = batch.episodes["steps"][over], batch.trackers["delivered"][over]
+        results = batch.step(batch.task("state"), np.zeros(worlds, bool))
+        over = running & (results.terminated | results.truncated)
+        steps[over], delivered[over] = results.steps[over], results.delivered[over]
         running &= ~over
     assert not running.any()
     assert (steps == whole.steps).all()

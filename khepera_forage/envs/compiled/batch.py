@@ -12,6 +12,7 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.prepared_arenas import enter_arenas, recall_arenas
 from khepera_forage.envs.compiled.records import place_dtype, start_dtype
+from khepera_forage.envs.compiled.results import Results, empty_results, read_results
 from khepera_forage.envs.compiled.rounds import step_all
 from khepera_forage.envs.compiled.worlds import Worlds, kept
 from khepera_forage.envs.layouts import given_places, no_room
@@ -69,7 +70,7 @@ class CompiledBatch:
     @property
     def diagonals(self) -> NDArray[np.int64]:
         """Of the arena in which each world is, in pixels."""
-        return self._of_arenas("map_diagonal").astype(np.int64)
+        return self._of_arenas("map_diagonal", np.int64)
 
     @property
     def homes(self) -> NDArray[np.float64]:
@@ -115,14 +116,15 @@ class CompiledBatch:
         begun.episodes["number"][there] = self.worlds.episodes["number"][here]
         enter_arenas(begun, there, indices)
         lanes = blocks * LANES
-        if not self._step(begun, np.zeros((lanes, 1)), np.arange(lanes) < len(worlds), *given):
+        waiting = np.arange(lanes) < len(worlds)
+        if not self._step(begun, np.zeros((lanes, 1)), waiting, *given, empty_results(0)):
             raise self._no_room(indices)
         for array, source in zip(kept(self.worlds), kept(begun), strict=True):
             _copy_worlds(array, here, source, there)
         enter_arenas(self.worlds, here, indices)
 
-    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
-        """One round in every world.
+    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> Results:
+        """One round in every world, and what it has brought.
 
         Args:
             actions: One behaviour a world, shape (worlds,), or four numbers in -1..1, shape (worlds, 4).
@@ -140,10 +142,16 @@ class CompiledBatch:
         padded[: self.num_worlds] = actions
         begins = np.zeros(lanes, np.bool_)
         begins[: self.num_worlds] = waiting
-        if not self._step(
-            self.worlds, padded.reshape(lanes, -1), begins, *as_records(None, None, self.foods)
-        ):
+        results, given = empty_results(self.num_worlds), as_records(None, None, self.foods)
+        if not self._step(self.worlds, padded.reshape(lanes, -1), begins, *given, results):
             raise self._no_room(self._indices[new])
+        return results
+
+    def results(self) -> Results:
+        """What the last step or restart has brought, in fresh arrays."""
+        results = empty_results(self.num_worlds)
+        read_results(results, self.worlds)
+        return results
 
     def task(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
         """A field of the task's records, one number a world, as a fresh array of some type."""
@@ -160,24 +168,14 @@ class CompiledBatch:
         return readings[: self.num_worlds].astype(np.int64)
 
     @property
-    def episodes(self) -> NDArray[Any]:
-        """`episode_dtype`, one element a world; a view."""
-        return self._over_worlds(self.worlds.episodes)
-
-    @property
-    def trackers(self) -> NDArray[Any]:
-        """`tracker_dtype`, one element a world; a view."""
-        return self._over_worlds(self.worlds.trackers)
-
-    @property
     def _indices(self) -> NDArray[np.int64]:
         """Index of the arena in which each world is."""
         near = self.worlds.bodies.near
         return self._over_worlds(near.lists["arena"]) if near else np.zeros(self.num_worlds, np.int64)
 
-    def _of_arenas(self, name: str) -> NDArray[Any]:
-        """A field of the arena in which each world is, one number a world, as a fresh array."""
-        values: NDArray[Any] = self._arenas.task.arena[name]
+    def _of_arenas(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
+        """A field of the arena in which each world is, one number a world, as a fresh array of some type."""
+        values: NDArray[Any] = self._arenas.task.arena[name].astype(kind)
         return values[self._indices] if self._arenas.several else np.full(self.num_worlds, values[0])
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -206,6 +204,7 @@ class CompiledBatch:
         waiting: NDArray[np.bool_],
         start: NDArray[Any],
         places: NDArray[Any],
+        results: Results,
     ) -> bool:
         taken, free = np.zeros(1, np.int64), np.ones(1, np.bool_)
         threads = threads_for(len(worlds.tasks) // BLOCKS_A_THREAD)
@@ -219,6 +218,7 @@ class CompiledBatch:
             waiting,
             start,
             places,
+            results,
         )
         address = advance_address(LANES, step_all, 0, *common, 0, several=self._arenas.several)
         share_out(step_all, threads, *common, address)

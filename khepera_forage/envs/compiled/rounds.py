@@ -9,6 +9,7 @@ from khepera_forage.envs.compiled.arena_maps import arena_maps, floor_in, keep_n
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
+from khepera_forage.envs.compiled.results import Results, write_results
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.start import stand
@@ -171,9 +172,10 @@ def step_all(
     waiting: Any,
     given: Any,
     given_places: Any,
+    results: Results,
     advance: int,
 ) -> None:
-    """One round in every block that no other thread has taken; see `step_block`.
+    """One round in every block that no other thread has taken, and its results; see `step_block`.
 
     `free[0]` becomes False where a new episode had no room.
     """
@@ -183,4 +185,5 @@ def step_all(
         some, part = worlds_of(worlds, block, thread), slice(block * lanes, (block + 1) * lanes)
         if not step_block(some, parameters, task, actions[part], waiting[part], given, given_places, advance):
             free[0] = False
+        write_results(results, some, block)
         block = take(taken)

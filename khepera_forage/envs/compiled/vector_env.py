@@ -14,6 +14,7 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, whole_number
 from khepera_forage.envs.backends import COMPILED, check_compiled
 from khepera_forage.envs.compiled.batch import CompiledBatch
+from khepera_forage.envs.compiled.results import Results
 from khepera_forage.envs.info import episode_info
 from khepera_forage.noise import Noise
 from khepera_forage.task.decisions import Decisions
@@ -113,7 +114,8 @@ class RecallVectorEnv(VectorEnv):
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
-        return self._observation(), self._infos(_marked(worlds, self))
+        results = self.batch.results()
+        return self._observation(results), self._infos(results, _marked(worlds, self))
 
     def step(
         self, actions: ArrayLike
@@ -131,30 +133,25 @@ class RecallVectorEnv(VectorEnv):
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
                 "reset(options={'reset_mask': terminations | truncations})"
             )
-        self.batch.step(self._checked(actions), self._over)
-        rewards, terminated, truncated = (
-            self.batch.episodes[name].copy() for name in ("reward", "terminated", "truncated")
-        )
+        results = self.batch.step(self._checked(actions), self._over)
+        rewards, terminated, truncated = results.reward, results.terminated, results.truncated
         self._over = terminated | truncated
+        observation = self._observation(results)
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
-            return (
-                self._observation(),
-                rewards,
-                terminated,
-                truncated,
-                self._infos(np.ones(self.num_envs, np.bool_)),
-            )
+            infos = self._infos(results, np.ones(self.num_envs, np.bool_))
+            return observation, rewards, terminated, truncated, infos
         worlds = np.flatnonzero(self._over)
-        final_obs, final_infos = self._observation(), self._infos(self._over)
+        final_obs, final_infos = observation, self._infos(results, self._over)
         self.batch.restart(worlds)
         self._over = np.zeros(self.num_envs, np.bool_)
-        infos = self._infos(np.ones(self.num_envs, np.bool_))
+        results = self.batch.results()
+        infos = self._infos(results, np.ones(self.num_envs, np.bool_))
         single = np.full(self.num_envs, None, dtype=object)
         for world in worlds.tolist():
             single[world] = {name: values[world] for name, values in final_obs.items()}
         infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
         infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
-        return self._observation(), rewards, terminated, truncated, infos
+        return self._observation(results), rewards, terminated, truncated, infos
 
     @abstractmethod
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
@@ -169,7 +166,7 @@ class RecallVectorEnv(VectorEnv):
         """
 
     @abstractmethod
-    def _observation(self) -> Observation:
+    def _observation(self, results: Results) -> Observation:
         """What the policy gets to know."""
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
@@ -184,14 +181,19 @@ class RecallVectorEnv(VectorEnv):
             )
         return mask
 
-    def _infos(self, mask: NDArray[np.bool_]) -> Infos:
+    def _infos(self, results: Results, mask: NDArray[np.bool_]) -> Infos:
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
-        state = self.batch.task("state", np.int64)
-        pose = [self.batch.robot(name) for name in ("marker_x", "marker_y", "marker_heading")]
-        numbers = [self.batch.episodes[name].copy() for name in ("score", "penalty", "correct", "steps")]
-        numbers += [self.batch.trackers[name].copy() for name in ("delivered", "poison_home")]
-        infos = episode_info(state, np.stack(pose, axis=1), *numbers)
-        infos["correct_behaviour"] = state.copy()
+        infos = episode_info(
+            results.state,
+            results.pose,
+            results.score,
+            results.penalty,
+            results.correct,
+            results.steps,
+            results.delivered,
+            results.poison_home,
+        )
+        infos["correct_behaviour"] = results.state.copy()
         if not mask.all():
             for values in infos.values():
                 values[~mask] = 0

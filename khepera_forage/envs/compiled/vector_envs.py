@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled.records import VECTOR
+from khepera_forage.envs.compiled.results import Results
 from khepera_forage.envs.compiled.vector_env import Observation, RecallVectorEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 
@@ -28,15 +28,14 @@ class BehavioursVectorEnv(RecallVectorEnv):
             )
         return given.astype(np.float64)
 
-    def _observation(self) -> Observation:
-        presence, home, food_type, arm, food = (self.batch.task(name, np.int64) for name in VECTOR)
+    def _observation(self, results: Results) -> Observation:
         diagonals = self.batch.diagonals
         return {
-            "object_presence": presence,
-            "robot_home_distance": np.minimum(home, diagonals)[:, None],
-            "food_type": food_type,
-            "arms_height": arm[:, None],
-            "robot_food_distance": np.minimum(food, diagonals)[:, None],
+            "object_presence": results.object_presence,
+            "robot_home_distance": np.minimum(results.robot_home_distance, diagonals)[:, None],
+            "food_type": results.food_type,
+            "arms_height": results.arms_height[:, None],
+            "robot_food_distance": np.minimum(results.robot_food_distance, diagonals)[:, None],
         }
 
 
@@ -54,15 +53,14 @@ class WheelsVectorEnv(RecallVectorEnv):
             )
         return given
 
-    def _observation(self) -> Observation:
+    def _observation(self, results: Results) -> Observation:
         task, robot = self.batch.task, self.batch.robot
-        pose = [robot(name) for name in ("marker_x", "marker_y", "marker_heading")]
         return {
             "proximity": self.batch.proximity[:, :6].copy(),
             "arm": robot("arm_reading", np.int64)[:, None],
             "jaw": robot("jaw_reading", np.int64)[:, None],
             "object_presence": (robot("object_presence") != 0).astype(np.int64),
-            "pose": np.stack(pose, axis=1),
+            "pose": results.pose.copy(),
             "tracked": robot("marker_found", np.int64),
             "food_seen": task("food_seen", np.int64),
             "food": np.stack((task("food_x"), task("food_y")), axis=1),
