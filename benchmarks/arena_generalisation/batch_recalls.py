@@ -80,7 +80,7 @@ class ArenaBatch:
         """
         self.behaviours[deciding] = behaviours
         self.rounds += 1
-        results = self.batch.step(self.behaviours.astype(np.float64), np.zeros(len(self.over), np.bool_))
+        results = self.batch.step(self.behaviours, np.zeros(len(self.over), np.bool_))
         ended = ~self.over & (results.terminated | results.truncated)
         for name in ("score", "steps", "delivered", "poison_home"):
             getattr(self, name)[ended] = getattr(results, name)[ended]

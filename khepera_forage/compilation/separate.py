@@ -7,7 +7,7 @@ shortens the first call: another process compiles it while this one compiles the
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -31,6 +31,21 @@ def address_of(entrance: Any, arguments: tuple[Any, ...]) -> int:
     result = entrance.overloads[_types(arguments)]
     address: int = result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
     return address
+
+
+def machine_code(entrance: Any, arguments: tuple[Any, ...]) -> Callable[..., Any]:
+    """An entrance for arguments of these types, as a function of Python that does not look at types.
+
+    Numba compares the types of all arguments at every call, which takes 20 µs for the records of many worlds.
+    Arguments of other types than these crash the process.
+
+    Args:
+        entrance: It is compiled if it is not in memory or on disk.
+        arguments: Examples.
+    """
+    compile_for(entrance, arguments)
+    function: Callable[..., Any] = entrance.overloads[_types(arguments)].entry_point
+    return function
 
 
 def is_on_disk(entrance: Any, arguments: tuple[Any, ...]) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import khepera_forage
 from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance
-from khepera_forage.compilation.separate import address_of, compile_for, is_on_disk, meanwhile
+from khepera_forage.compilation.separate import address_of, compile_for, is_on_disk, machine_code, meanwhile
 from khepera_forage.sim.compiled import stepping
 from khepera_forage.sim.compiled.records import LANES
 
@@ -34,6 +34,16 @@ def test_function_is_called_by_its_address() -> None:
     numbers = np.arange(3.0)
     call(address_of(add, EXAMPLE), numbers)
     assert numbers.tolist() == [2.0, 3.0, 4.0]
+
+
+def test_machine_code_does_what_the_entrance_does() -> None:
+    numbers = np.arange(3.0)
+    function = machine_code(add, EXAMPLE)
+    assert EXAMPLE[0].tolist() == [0.0, 0.0, 0.0]
+    function(numbers, 2.0)
+    assert numbers.tolist() == [2.0, 3.0, 4.0]
+    with pytest.raises(TypeError):
+        function(numbers)
 
 
 def test_compiling_for_examples_calls_nothing() -> None:

@@ -17,6 +17,7 @@ from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
@@ -188,6 +189,46 @@ def test_scratch_records_hold_nothing_between_rounds() -> None:
     assert not running.any()
     assert (steps == whole.steps).all()
     assert (delivered == whole.delivered).all()
+
+
+@pytest.mark.parametrize("worlds", [LANES, LANES + 3])
+def test_actions_of_any_type_and_layout_do_the_same(worlds: int) -> None:
+    """Kernels are called without a look at types, so that every array must be made one of theirs."""
+    behaviours = np.arange(worlds) % 10
+    forms: tuple[Any, ...] = (
+        behaviours.astype(np.float64),
+        behaviours.astype(np.int8),
+        behaviours.astype(np.float32),
+        np.repeat(behaviours, 2).astype(np.float64)[::2],
+        behaviours.tolist(),
+    )
+    outcomes = []
+    for form in forms:
+        batch = CompiledBatch(worlds)
+        batch.seed(list(range(worlds)), np.arange(worlds))
+        batch.restart(np.arange(worlds))
+        waiting: Any = np.zeros(2 * worlds, bool)[::2] if form is forms[3] else np.zeros(worlds, np.uint8)
+        for _ in range(5):
+            results = batch.step(form, waiting)
+        outcomes.append(results)
+    for outcome in outcomes[1:]:
+        for field, first in zip(outcome, outcomes[0], strict=True):
+            assert np.array_equal(field, first)
+
+
+def test_results_are_those_of_the_last_step() -> None:
+    batch = CompiledBatch(LANES + 5)
+    batch.seed(list(range(LANES + 5)), np.arange(LANES + 5))
+    batch.restart(np.arange(LANES + 5))
+    results = batch.results()
+    assert (results.steps == 0).all()
+    for step in range(1, 30):
+        results = batch.step(results.state, np.zeros(LANES + 5, bool))
+        again = batch.results()
+        assert (results.steps == step).all()
+        for name, field, other in zip(results._fields, results, again, strict=True):
+            assert np.array_equal(field, other), name
+            assert not np.shares_memory(field, other), name
 
 
 def test_an_episode_does_not_depend_on_the_number_of_episodes() -> None:

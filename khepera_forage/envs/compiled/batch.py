@@ -4,22 +4,20 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.compilation.threads import BLOCKS_A_THREAD, share_out, threads_for
 from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.prepared_arenas import enter_arenas, recall_arenas
 from khepera_forage.envs.compiled.records import place_dtype, start_dtype
 from khepera_forage.envs.compiled.results import Results, empty_results, read_results
-from khepera_forage.envs.compiled.rounds import step_all
-from khepera_forage.envs.compiled.worlds import Worlds, kept
+from khepera_forage.envs.compiled.stepping import step_worlds
+from khepera_forage.envs.compiled.worlds import kept
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
 
@@ -55,6 +53,7 @@ class CompiledBatch:
         self.foods, self.limit = foods, limit
         self._blocks = -(-self.num_worlds // LANES)
         self.worlds = self._arenas.empty_worlds(self._blocks)
+        self._random_places = as_records(None, None, self.foods)
 
     @property
     def bytes_per_world(self) -> float:
@@ -117,13 +116,13 @@ class CompiledBatch:
         enter_arenas(begun, there, indices)
         lanes = blocks * LANES
         waiting = np.arange(lanes) < len(worlds)
-        if not self._step(begun, np.zeros((lanes, 1)), waiting, *given, empty_results(0)):
+        if not step_worlds(begun, self._arenas, np.zeros(lanes), waiting, *given, empty_results(0)):
             raise self._no_room(indices)
         for array, source in zip(kept(self.worlds), kept(begun), strict=True):
             _copy_worlds(array, here, source, there)
         enter_arenas(self.worlds, here, indices)
 
-    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> Results:
+    def step(self, actions: ArrayLike, waiting: ArrayLike) -> Results:
         """One round in every world, and what it has brought.
 
         Args:
@@ -137,13 +136,8 @@ class CompiledBatch:
         if len(new) and self._arenas.several:
             indices = self._next_arenas(new)  # may replace `worlds` by larger records
             enter_arenas(self.worlds, (new // LANES, new % LANES), indices)
-        lanes = self._blocks * LANES
-        padded = np.zeros((lanes, *actions.shape[1:]))
-        padded[: self.num_worlds] = actions
-        begins = np.zeros(lanes, np.bool_)
-        begins[: self.num_worlds] = waiting
-        results, given = empty_results(self.num_worlds), as_records(None, None, self.foods)
-        if not self._step(self.worlds, padded.reshape(lanes, -1), begins, *given, results):
+        results, random = empty_results(self.num_worlds), self._random_places
+        if not step_worlds(self.worlds, self._arenas, actions, waiting, *random, results):
             raise self._no_room(self._indices[new])
         return results
 
@@ -196,33 +190,6 @@ class CompiledBatch:
 
     def _over_worlds(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.reshape(-1)[: self.num_worlds]
-
-    def _step(
-        self,
-        worlds: Worlds,
-        actions: NDArray[np.float64],
-        waiting: NDArray[np.bool_],
-        start: NDArray[Any],
-        places: NDArray[Any],
-        results: Results,
-    ) -> bool:
-        taken, free = np.zeros(1, np.int64), np.ones(1, np.bool_)
-        threads = threads_for(len(worlds.tasks) // BLOCKS_A_THREAD)
-        common = (
-            worlds,
-            taken,
-            free,
-            self._arenas.parameters,
-            self._arenas.task,
-            actions,
-            waiting,
-            start,
-            places,
-            results,
-        )
-        address = advance_address(LANES, step_all, 0, *common, 0, several=self._arenas.several)
-        share_out(step_all, threads, *common, address)
-        return bool(free[0])
 
 
 def as_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:

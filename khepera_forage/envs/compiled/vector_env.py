@@ -158,7 +158,7 @@ class RecallVectorEnv(VectorEnv):
         """The environment that this stands for."""
 
     @abstractmethod
-    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+    def _checked(self, actions: ArrayLike) -> NDArray[Any]:
         """Actions as `CompiledBatch.step` takes them.
 
         Raises:

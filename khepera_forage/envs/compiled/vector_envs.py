@@ -18,7 +18,7 @@ class BehavioursVectorEnv(RecallVectorEnv):
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
         return BehavioursEnv(**kwargs)
 
-    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+    def _checked(self, actions: ArrayLike) -> NDArray[Any]:
         given, count = np.asarray(actions), int(self.single_action_space.n)  # type: ignore[attr-defined]
         fine = given.shape == (self.num_envs,) and given.dtype.kind in "iu"
         if not fine or given.min() < 0 or given.max() >= count:
@@ -26,7 +26,7 @@ class BehavioursVectorEnv(RecallVectorEnv):
                 f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to {count - 1}, one "
                 "behaviour each"
             )
-        return given.astype(np.float64)
+        return given
 
     def _observation(self, results: Results) -> Observation:
         diagonals = self.batch.diagonals
@@ -45,7 +45,7 @@ class WheelsVectorEnv(RecallVectorEnv):
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
         return WheelsEnv(**kwargs)
 
-    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+    def _checked(self, actions: ArrayLike) -> NDArray[Any]:
         given = np.asarray(actions, np.float64)
         if given.shape != (self.num_envs, 4) or not np.all(np.abs(given) <= 1.0):
             raise ValueError(
