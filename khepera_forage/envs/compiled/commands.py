@@ -37,6 +37,11 @@ def drive_behaviours(worlds: Worlds, parameters: TaskParameters) -> None:
         motors = command(
             int(task.behaviour[i]), raw_data_in(robot, task, i, numbers_in(maps, task, i)), decisions
         )
+        robot.left[i], robot.right[i] = motors.left, motors.right
+        robot.arm_target[i], robot.jaw_target[i] = motors.arm, motors.jaw
+    # In a loop of its own, because it does the same in every lane: one instruction then works on several.
+    for i in range(robot.x.shape[0]):
+        motors = Motors(robot.left[i], robot.right[i], robot.arm_target[i], robot.jaw_target[i])
         drive(robot, i, applicable(motors))
 
 
