@@ -7,7 +7,7 @@ from functools import lru_cache
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.ways import pixel_walls, way_out, ways_of
-from khepera_forage.task.arena_map import ArenaMap, Floor, whole_pixels
+from khepera_forage.task.arena_map import OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker, share_identified, update_food
@@ -30,10 +30,10 @@ def arena_map_of(arena: Arena) -> ArenaMap:
         arena.start.y / MM_PER_PIXEL,
         math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x)),
         whole_pixels(arena.diagonal),
-        x1 / MM_PER_PIXEL,
-        y1 / MM_PER_PIXEL,
-        x2 / MM_PER_PIXEL,
-        y2 / MM_PER_PIXEL,
+        x1 / MM_PER_PIXEL - OUTSIDE,
+        y1 / MM_PER_PIXEL - OUTSIDE,
+        x2 / MM_PER_PIXEL + OUTSIDE,
+        y2 / MM_PER_PIXEL + OUTSIDE,
         pixel_walls(arena),
         ways_of(arena),
     )

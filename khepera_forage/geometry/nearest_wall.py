@@ -56,12 +56,13 @@ def to_nearest_wall(known: Any, x: float, y: float, walls: Any) -> tuple[float, 
 def is_still_nearest(known: Any, x: float, y: float) -> bool:
     """Whether the nearest wall is certainly one of those that are known; arguments as for `to_nearest_wall`."""
     dx, dy, room = x - known.x, y - known.y, known.room
-    return bool(dx * dx + dy * dy < room * room)
+    still: bool = dx * dx + dy * dy < room * room
+    return still
 
 
 def is_nearer(x: float, y: float, other_x: float, other_y: float) -> bool:
     """Whether a way from a robot is not longer than another one."""
-    return bool(x * x + y * y <= other_x * other_x + other_y * other_y)
+    return x * x + y * y <= other_x * other_x + other_y * other_y
 
 
 def find_nearest_walls(known: Any, x: float, y: float, walls: Any) -> None:

@@ -20,6 +20,7 @@ REACH = RADIUS + RANGE
 """mm from the robot's centre to the most distant visible point."""
 HIDDEN_BY_ARM = (1015, 1022)
 """Lowest and highest reading of sensors 0-5 behind a lowered arm (WSU, measured on the real robot)."""
+_HIDDEN_LOW, _HIDDEN_VALUES = HIDDEN_BY_ARM[0], HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1
 
 RESPONSE_GAIN = 450_000.0
 RESPONSE_OFFSET = 11.5
@@ -131,14 +132,14 @@ def reported_readings(
     """
     readings = [0] * 8
     hidden = 6 if arm_down else 0
-    low, high = HIDDEN_BY_ARM
     for i in range(hidden):
-        readings[i] = int(low + (high - low + 1) * (draws[i] if gain else 0.5))
+        readings[i] = int(_HIDDEN_LOW + _HIDDEN_VALUES * (draws[i] if gain else 0.5))
+    noise_values = floor + 1
     for i in range(hidden, 8):
         if clean[i] > 0.0:
             readings[i] = _reported(clean[i], gain, floor, draws[i])
         elif floor:
-            readings[i] = int((floor + 1) * draws[i])
+            readings[i] = int(noise_values * draws[i])
     a, b, c, d, e, f, g, h = readings
     return a, b, c, d, e, f, g, h
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-_OUTSIDE = 4.0
+OUTSIDE = 4.0
 """Pixels by which a region may seem to lie outside its arena and still belong to it."""
 
 
@@ -21,10 +21,10 @@ class ArenaMap(NamedTuple):
         home_opening: Degrees from the home to the side on which it can be left and passed: to the middle of the floor,
             or, where walls stand between, to the first waypoint towards the start.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
-        left: Smallest x.
-        bottom: Smallest y.
-        right: Largest x.
-        top: Largest y.
+        left: Smallest x of a region that belongs to it: `OUTSIDE` its smallest x.
+        bottom: Smallest y of such a region.
+        right: Largest x of such a region.
+        top: Largest y of such a region.
         walls: `geometry.walls.Wall` records.
         ways: How to drive around its walls.
     """
@@ -76,9 +76,4 @@ def whole_pixels(length: float) -> int:
 def is_within(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether a region at this place, in pixels, lies in the arena."""
     # Without a chained comparison, which numba compiles to branches.
-    return (
-        (arena.left - _OUTSIDE <= x)
-        & (x <= arena.right + _OUTSIDE)
-        & (arena.bottom - _OUTSIDE <= y)
-        & (y <= arena.top + _OUTSIDE)
-    )
+    return (arena.left <= x) & (x <= arena.right) & (arena.bottom <= y) & (y <= arena.top)

@@ -166,7 +166,8 @@ def share_identified(foods: Any, others: Any) -> None:
 
 def is_finished(tracker: Any) -> bool:
     """Whether every food object is delivered or known to be poisonous."""
-    return bool(tracker.delivered == tracker.deliverable)
+    finished: bool = tracker.delivered == tracker.deliverable
+    return finished
 
 
 def is_collected(food: Any) -> bool:

@@ -47,4 +47,4 @@ def drawn_type(draw: float, odds: Any) -> int:
 
 def at_home(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether a food object's centre, in pixels, is inside the home."""
-    return bool(length(x - arena.home_x, y - arena.home_y) <= arena.home_radius)
+    return length(x - arena.home_x, y - arena.home_y) <= arena.home_radius

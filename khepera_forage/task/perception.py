@@ -205,7 +205,8 @@ def state_vector(raw: RawData, distance_without_food: float, decisions: Decision
 
 def perceives_paths(decisions: DecisionValues) -> bool:
     """Whether the distances of the state vector are lengths of paths around walls."""
-    return bool(decisions.distances == ALONG_PATH)
+    along: bool = decisions.distances == ALONG_PATH
+    return along
 
 
 def without_food(tracker: FoodTracker, arena: ArenaMap, decisions: DecisionValues) -> float:

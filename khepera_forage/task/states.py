@@ -127,7 +127,8 @@ def classify(vector: StateVector, home_radius: float, decisions: DecisionValues)
 
 def is_raised(arm: int, decisions: DecisionValues) -> bool:
     """Whether an arm counts as raised (figure 4.2: up to PickUpHeight + 10)."""
-    return bool(arm <= ARM_RAISED + decisions.carry_margin)
+    raised: bool = arm <= ARM_RAISED + decisions.carry_margin
+    return raised
 
 
 def behaviour_for(state: State) -> Behaviour:

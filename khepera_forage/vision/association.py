@@ -177,8 +177,7 @@ def _match_obvious(tracks: Any, detections: Any, count: int, by_place: bool) -> 
         detection = detections[j]
         x, y, holes = detection.x, detection.y, detection.holes
         near, only = 0, -1
-        for k in range(len(tracks)):
-            track = tracks[k]
+        for k, track in enumerate(tracks):
             if track.label >= 0 and (track.holes == holes or by_place):
                 dx, dy = track.x - x, track.y - y
                 if dx * dx + dy * dy <= _GATE_SQUARED:

@@ -42,13 +42,14 @@ class Tracks:
         new = match(tracks, detections, len(detections), self._by_place)
         for track, region in zip(tracks, self._regions, strict=False):
             if track.detection >= 0:
-                # `_region`, written out: this is done for every region of every frame.
+                # `_region`, written out, with the constructor of tuples: a named tuple's own takes twice as long, and
+                # this is done for every region of every frame.
                 x, y, holes, degrees, edge, left, top, area, outline, compactness = detections[
                     track.detection
                 ]
                 label = track.label
-                region = Region(
-                    label, x, y, holes, degrees, True, edge, left, top, area, outline, compactness
+                region = tuple.__new__(
+                    Region, (label, x, y, holes, degrees, True, edge, left, top, area, outline, compactness)
                 )
             elif may_vanish(track, self._by_place) and visible(track.x, track.y):
                 track.label = -1
