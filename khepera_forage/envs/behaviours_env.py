@@ -1,5 +1,6 @@
 """`Corridor-v1` and `Rectangle-v1`: forage alone by choosing behaviours."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -89,15 +90,24 @@ class BehavioursEnv(RecallEnv[int]):
         return self._executed == forager.correct_behaviour
 
     def _observation(self, forager: Forager) -> Observation:
-        presence, home, food_type, arm, food = forager.vector
-        diagonal = self._map.diagonal
-        # One fresh array for all three numbers: making an array takes longer than a slice, and `min` nearly as long.
-        home, food = home if home < diagonal else diagonal, food if food < diagonal else diagonal
-        numbers = np.array((home, arm, food))
-        return {
-            "object_presence": _WHOLE[presence],
-            "robot_home_distance": numbers[:1],
-            "food_type": _WHOLE[food_type],
-            "arms_height": numbers[1:2],
-            "robot_food_distance": numbers[2:],
-        }
+        return observation_of(forager.vector, self._map.diagonal)
+
+
+def observation_of(vector: Sequence[int], diagonal: int) -> Observation:
+    """The observation of a state vector, in fresh arrays; no distance is longer than the arena's diagonal.
+
+    Args:
+        vector: A `StateVector`.
+        diagonal: Of the arena, in pixels.
+    """
+    presence, home, food_type, arm, food = vector
+    # One fresh array for all three numbers: making an array takes longer than a slice, and `min` nearly as long.
+    home, food = home if home < diagonal else diagonal, food if food < diagonal else diagonal
+    numbers = np.array((home, arm, food))
+    return {
+        "object_presence": _WHOLE[presence],
+        "robot_home_distance": numbers[:1],
+        "food_type": _WHOLE[food_type],
+        "arms_height": numbers[1:2],
+        "robot_food_distance": numbers[2:],
+    }

@@ -73,7 +73,8 @@ def state_vector_of(observation: Observation) -> StateVector:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
         presence, home, food_type, arm, food = [
-            v if type(v) is int else index(v.item() if type(v) is np.ndarray else v) for v in values
+            number if type(number := v.item() if type(v) is np.ndarray else v) is int else index(number)
+            for v in values
         ]
         return StateVector(presence, home, food_type, arm, food)
     except (TypeError, ValueError):

@@ -5,7 +5,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from khepera_forage.envs.compiled.records import TASK, episode_dtype, tracker_dtype
+from khepera_forage.envs.compiled.records import SHOWN, episode_dtype, tracker_dtype
 from khepera_forage.envs.info import episode_info
 from khepera_forage.sim.compiled.records import robot_dtype
 
@@ -15,7 +15,7 @@ STEPS, REWARD, TERMINATED, TRUNCATED, _CORRECT, _SCORE, _PENALTY = map(
 )
 """Where these fields are in their record; likewise below."""
 _DELIVERED, _POISON_HOME = map(tracker_dtype.names.index, ("delivered", "poison_home"))  # type: ignore[union-attr]
-_STATE = TASK.index("state")
+_STATE = SHOWN.index("state")
 _FIRST_OF_POSE = robot_dtype(1).fields["marker_x"][1] // 8  # type: ignore[index]
 POSE = slice(_FIRST_OF_POSE, _FIRST_OF_POSE + 3)
 """Where x, y and orientation of the marker are among the numbers of a robot."""
@@ -27,7 +27,7 @@ def info_of(
     """The info of one round, as `envs.info.episode_info`.
 
     Args:
-        task: The numbers of `task_dtype`.
+        task: The numbers of the fields `SHOWN`.
         episode: Those of `episode_dtype`.
         tracker: Those of `tracker_dtype`.
         pose: x, y and orientation of the marker; not kept.

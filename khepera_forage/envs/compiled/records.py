@@ -14,27 +14,26 @@ from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
+VECTOR = ("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance")
+"""Fields of the state vector, in the thesis's order."""
+SHOWN = (*VECTOR, "state", "food_seen", "food_x", "food_y", "food_type", "wall_distance", "wall_bearing")
+"""Fields of the task that environments show: the state vector, the state that it stands for, and raw data."""
 TASK = (
+    *SHOWN,
     # What the robot sensed when the round began.
     *("presence_before", "arm_before", "jaw_before"),
     # Raw data beyond the senses and the robot's own region: pixels and degrees.
-    *("food_seen", "food_x", "food_y", "food_type"),
-    *("wall_x", "wall_y", "wall_squared", "wall_distance", "wall_bearing"),
+    *("wall_x", "wall_y", "wall_squared"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
     # Numbers of the arena's map, if worlds are in different arenas.
     *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
-    # The state vector, and the state that it stands for.
-    *("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance"),
-    "state",
     "behaviour",  # what was decided on
     "begins",  # whether the last frame was the first of its episode
 )
 """Fields of the task of one world."""
 NEAREST_WALLS = ("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share")
 """Fields of the task of one world that hold the two nearest walls, if worlds are in different arenas."""
-VECTOR = ("object_presence", "robot_home_distance", "vector_food_type", "arms_height", "robot_food_distance")
-"""Fields of the state vector, in the thesis's order."""
 
 tracker_dtype = np.dtype(
     [

@@ -18,6 +18,7 @@ from khepera_forage.envs.compiled.forager import CompiledForager
 from khepera_forage.envs.compiled.kept_parameters import KeptParameters
 from khepera_forage.envs.compiled.one_world import OneWorld
 from khepera_forage.envs.compiled.one_world_info import POSE, REWARD, STEPS, TERMINATED, TRUNCATED, info_of
+from khepera_forage.envs.compiled.records import SHOWN
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
 from khepera_forage.envs.rendering import View
@@ -188,7 +189,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     @abstractmethod
     def _observation(self, task: Sequence[float]) -> Observation:
-        """The observation, in fresh arrays, from the numbers of the task's record."""
+        """The observation, in fresh arrays, from the numbers of the fields `SHOWN` of the task."""
 
     def _enter(self, arena: Arena) -> None:
         """Let the coming episode take place in an arena."""
@@ -220,7 +221,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         # With one lane, records of numbers are quickest to read all at once.
         worlds = self._one_world.worlds
         self._episode, self._tracker = worlds.episodes, worlds.trackers
-        self._task = worlds.tasks.view(np.float64)
+        self._task = worlds.tasks.view(np.float64)[: len(SHOWN)]
         self._robot = worlds.bodies.robots[0]
         self._pose = worlds.bodies.robots.view(np.float64)[POSE]
 

@@ -7,18 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import motor_action
-from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled.records import TASK, VECTOR
+from khepera_forage.envs.behaviours_env import BehavioursEnv, observation_of
+from khepera_forage.envs.compiled.records import SHOWN, VECTOR
 from khepera_forage.envs.compiled.single import CompiledRecallEnv
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, behaviour_number
 
 _FOOD_SEEN, _FOOD_X, _FOOD_Y, _FOOD_TYPE, _WALL_DISTANCE, _WALL_BEARING = map(
-    TASK.index, ("food_seen", "food_x", "food_y", "food_type", "wall_distance", "wall_bearing")
+    SHOWN.index, ("food_seen", "food_x", "food_y", "food_type", "wall_distance", "wall_bearing")
 )
-_VECTOR = slice(TASK.index(VECTOR[0]), TASK.index(VECTOR[-1]) + 1)
-"""Where these fields are in the task's record: reading by number is several times as fast as by name."""
+"""Where these fields are among those that environments show: reading by number is several times as fast as by name."""
 
 
 class CompiledBehavioursEnv(CompiledRecallEnv[int]):
@@ -35,15 +34,7 @@ class CompiledBehavioursEnv(CompiledRecallEnv[int]):
         row[0, 0] = behaviour
 
     def _observation(self, task: Sequence[float]) -> Observation:
-        presence, home, food_type, arm, food = task[_VECTOR]
-        diagonal = self.diagonal
-        return {
-            "object_presence": np.int64(presence),
-            "robot_home_distance": np.array((int(home if home < diagonal else diagonal),)),
-            "food_type": np.int64(food_type),
-            "arms_height": np.array((int(arm),)),
-            "robot_food_distance": np.array((int(food if food < diagonal else diagonal),)),
-        }
+        return observation_of([int(number) for number in task[: len(VECTOR)]], self.diagonal)
 
 
 class CompiledWheelsEnv(CompiledRecallEnv[NDArray[np.float64]]):
