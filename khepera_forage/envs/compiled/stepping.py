@@ -50,7 +50,7 @@ def step_worlds(
         arenas.parameters,
         arenas.task,
         _padded(actions, np.float64, blocks * lanes).reshape(blocks * lanes, -1),
-        _padded(waiting, np.bool_, blocks * lanes),
+        _padded(waiting, np.bool_, blocks * lanes).reshape(blocks * lanes),
         start,
         places,
         results,
