@@ -11,7 +11,8 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.prepared_arenas import enter_arenas, recall_arenas
 from khepera_forage.envs.compiled.records import place_dtype, start_dtype
-from khepera_forage.envs.compiled.results import Results, empty_results, read_results
+from khepera_forage.envs.compiled.results import Results, empty_results
+from khepera_forage.envs.compiled.rounds import read_results
 from khepera_forage.envs.compiled.stepping import step_worlds
 from khepera_forage.envs.compiled.worlds import kept
 from khepera_forage.envs.layouts import given_places, no_room

@@ -1,12 +1,9 @@
-"""What a step brings, as arrays over worlds: kernels write them while the records of a block are in the cache."""
+"""What a step of compiled worlds brings, as arrays over worlds, which `rounds.write_results` fills."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from khepera_forage.compilation.decorators import entrance, kernel
-from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 
 
 class Results(NamedTuple):
@@ -73,39 +70,3 @@ def empty_results(worlds: int) -> Results:
         arms_height=whole(),
         robot_food_distance=whole(),
     )
-
-
-@kernel
-def write_results(results: Any, worlds: Worlds, block: int) -> None:
-    """Write the results of one block.
-
-    Args:
-        results: `Results` of all worlds.
-        worlds: The records of the block.
-        block: Its number.
-    """
-    robot, task = worlds.bodies.robots, worlds.tasks
-    lanes = robot.x.shape[0]
-    first = block * lanes
-    for i in range(min(lanes, results.reward.shape[0] - first)):
-        world, episode, tracker = first + i, worlds.episodes[i], worlds.trackers[i]
-        results.reward[world] = episode.reward
-        results.terminated[world], results.truncated[world] = episode.terminated, episode.truncated
-        results.score[world], results.penalty[world] = episode.score, episode.penalty
-        results.correct[world], results.steps[world] = episode.correct, episode.steps
-        results.delivered[world], results.poison_home[world] = tracker.delivered, tracker.poison_home
-        results.state[world] = int(task.state[i])
-        results.pose[world, 0], results.pose[world, 1] = robot.marker_x[i], robot.marker_y[i]
-        results.pose[world, 2] = robot.marker_heading[i]
-        results.object_presence[world] = int(task.object_presence[i])
-        results.robot_home_distance[world] = int(task.robot_home_distance[i])
-        results.food_type[world] = int(task.vector_food_type[i])
-        results.arms_height[world] = int(task.arms_height[i])
-        results.robot_food_distance[world] = int(task.robot_food_distance[i])
-
-
-@entrance
-def read_results(results: Results, worlds: Worlds) -> None:
-    """Write the results of all blocks, without a step."""
-    for block in range(worlds.tasks.shape[0]):
-        write_results(results, worlds_of(worlds, block, 0), block)

@@ -9,7 +9,7 @@ from khepera_forage.envs.compiled.arena_maps import arena_maps, floor_in, keep_n
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
-from khepera_forage.envs.compiled.results import Results, write_results
+from khepera_forage.envs.compiled.results import Results
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.start import stand
@@ -160,6 +160,35 @@ def step_block(
     return free
 
 
+@kernel
+def write_results(results: Any, worlds: Worlds, block: int) -> None:
+    """Write the results of one block, while its records are in the cache.
+
+    Args:
+        results: `Results` of all worlds.
+        worlds: The records of the block.
+        block: Its number.
+    """
+    robot, task = worlds.bodies.robots, worlds.tasks
+    lanes = robot.x.shape[0]
+    first = block * lanes
+    for i in range(min(lanes, results.reward.shape[0] - first)):
+        world, episode, tracker = first + i, worlds.episodes[i], worlds.trackers[i]
+        results.reward[world] = episode.reward
+        results.terminated[world], results.truncated[world] = episode.terminated, episode.truncated
+        results.score[world], results.penalty[world] = episode.score, episode.penalty
+        results.correct[world], results.steps[world] = episode.correct, episode.steps
+        results.delivered[world], results.poison_home[world] = tracker.delivered, tracker.poison_home
+        results.state[world] = int(task.state[i])
+        results.pose[world, 0], results.pose[world, 1] = robot.marker_x[i], robot.marker_y[i]
+        results.pose[world, 2] = robot.marker_heading[i]
+        results.object_presence[world] = int(task.object_presence[i])
+        results.robot_home_distance[world] = int(task.robot_home_distance[i])
+        results.food_type[world] = int(task.vector_food_type[i])
+        results.arms_height[world] = int(task.arms_height[i])
+        results.robot_food_distance[world] = int(task.robot_food_distance[i])
+
+
 @entrance
 def step_all(
     thread: int,
@@ -187,3 +216,10 @@ def step_all(
             free[0] = False
         write_results(results, some, block)
         block = take(taken)
+
+
+@entrance
+def read_results(results: Results, worlds: Worlds) -> None:
+    """Write the results of all blocks, without a step."""
+    for block in range(worlds.tasks.shape[0]):
+        write_results(results, worlds_of(worlds, block, 0), block)
