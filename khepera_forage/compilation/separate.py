@@ -36,7 +36,7 @@ def address_of(entrance: Any, arguments: tuple[Any, ...]) -> int:
 def machine_code(entrance: Any, arguments: tuple[Any, ...]) -> Callable[..., Any]:
     """An entrance for arguments of these types, as a function of Python that does not look at types.
 
-    Numba compares the types of all arguments at every call, which takes 20 µs for the records of many worlds.
+    Numba compares the types of all arguments at every call, which takes about 20 µs for the records of many worlds.
     Arguments of other types than these crash the process.
 
     Args:

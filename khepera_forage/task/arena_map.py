@@ -21,7 +21,7 @@ class ArenaMap(NamedTuple):
         home_opening: Degrees from the home to the side on which it can be left and passed: to the middle of the floor,
             or, where walls stand between, to the first waypoint towards the start.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
-        left: Smallest x of a region that belongs to it: `OUTSIDE` its smallest x.
+        left: Smallest x of a region that belongs to it, `OUTSIDE` pixels to the left of its walls.
         bottom: Smallest y of such a region.
         right: Largest x of such a region.
         top: Largest y of such a region.
