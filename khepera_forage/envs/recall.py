@@ -34,6 +34,7 @@ from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
+from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour
 
 Observation = dict[str, Any]
@@ -142,7 +143,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
         self._forager = Forager(self.world.robots[0], self._map, self.world.markers[0], tracker, self._values)
         self._forager.perceive(self.world.camera.look())
-        begin_episode(self._episode, tracker)
+        begin_episode(self._episode)
         self._over = False
         self._executed = None
         if self.render_mode == "human":
@@ -221,11 +222,12 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         raw = forager.raw
         pose = np.array((raw.x, raw.y, raw.orientation))
         episode, tracker = self._episode, forager.tracker
+        lost = penalty(tracker.delivered, tracker.deliverable)
         return episode_info(
             int(forager.state),
             pose,
-            episode.score,
-            episode.penalty,
+            score(episode.correct, episode.steps, lost),
+            lost,
             episode.correct,
             episode.steps,
             tracker.delivered,

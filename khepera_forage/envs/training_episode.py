@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step, has_done_its_part
+from khepera_forage.task.episode import Episode, begin_step, end_step, has_done_its_part
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
@@ -22,6 +22,7 @@ from khepera_forage.task.pairing import (
     rounds_since_done,
     update_pairing,
 )
+from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 
@@ -66,8 +67,6 @@ class TrainingEpisode:
         self._since_done = 0
         self._episodes = [Episode() for _ in self.foragers]
         self._perceive(world.camera.look())
-        for episode, forager in zip(self._episodes, self.foragers, strict=True):
-            begin_episode(episode, forager.tracker)
 
     @property
     def any_separated(self) -> bool:
@@ -129,18 +128,18 @@ class TrainingEpisode:
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:
         """A robot's info, in plain numbers."""
         forager, episode, pairing = self.foragers[i], self._episodes[i], self.pairings[i]
-        raw, state = forager.raw, int(forager.state)
+        raw, state, tracker = forager.raw, int(forager.state), forager.tracker
         return {
             "state": state,
             "correct_behaviour": state,
             "x": raw.x,
             "y": raw.y,
             "orientation": raw.orientation,
-            "score": episode.score,
+            "score": score(episode.correct, episode.steps, penalty(tracker.delivered, tracker.deliverable)),
             "correct": episode.correct,
             "steps": episode.steps,
-            "delivered": forager.tracker.delivered,
-            "poison_home": forager.tracker.poison_home,
+            "delivered": tracker.delivered,
+            "poison_home": tracker.poison_home,
             "complete": int(complete),
             "separated_rounds": pairing.separated_rounds,
             "separations": pairing.separations,

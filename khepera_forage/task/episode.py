@@ -1,4 +1,4 @@
-"""The account of an episode: steps, reward, end and score (5.3, 5.4), and decisions by state.
+"""The account of an episode: steps, reward and end (5.3, 5.4), and decisions by state.
 
 The functions take *records*: objects with the fields of `Episode`, `DecisionCounts` and `food_tracking.FoodTracker`.
 """
@@ -8,7 +8,6 @@ from typing import Any
 
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import is_finished
-from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import NUM_STATES, Behaviour, FoodType, StateVector, is_raised
 
 
@@ -22,8 +21,6 @@ class Episode:
         reward: Of the last step.
         terminated: Whether everything is delivered or known to be poisonous.
         truncated: Whether the episode has reached its limit.
-        score: Equation 5.1, in percent.
-        penalty: Taken off the score for food left in the arena, in percent.
         value: Food delivered less poison brought home, before the step.
     """
 
@@ -32,8 +29,6 @@ class Episode:
     reward: float = 0.0
     terminated: bool = False
     truncated: bool = False
-    score: float = 0.0
-    penalty: float = 0.0
     value: int = 0
 
 
@@ -52,11 +47,10 @@ class DecisionCounts:
     orient_without_food: int = 0
 
 
-def begin_episode(episode: Any, tracker: Any) -> None:
+def begin_episode(episode: Any) -> None:
     """Start the account of an episode, after the first perception."""
     episode.steps = episode.correct = 0
     episode.reward, episode.terminated, episode.truncated = 0.0, False, False
-    episode.score, episode.penalty = 0.0, penalty(tracker.delivered, tracker.deliverable)
 
 
 def begin_step(episode: Any, tracker: Any, correct: bool) -> None:
@@ -73,7 +67,7 @@ def begin_step(episode: Any, tracker: Any, correct: bool) -> None:
 
 
 def end_step(episode: Any, tracker: Any, limit: int) -> None:
-    """Account for what a step has brought: reward, end and score.
+    """Account for what a step has brought: reward and end.
 
     Args:
         episode: The `Episode` record; changed in place.
@@ -84,8 +78,6 @@ def end_step(episode: Any, tracker: Any, limit: int) -> None:
     episode.reward = gain - 1.0 / limit
     episode.terminated = is_finished(tracker)
     episode.truncated = episode.steps >= limit and not episode.terminated
-    episode.penalty = penalty(tracker.delivered, tracker.deliverable)
-    episode.score = score(episode.correct, episode.steps, tracker.delivered, tracker.deliverable)
 
 
 def has_done_its_part(

@@ -16,13 +16,12 @@ def penalty(delivered: int, deliverable: int) -> float:
     return PENALTY_SOME_LEFT if delivered else PENALTY_NONE_DELIVERED
 
 
-def score(correct: int, steps: int, delivered: int, deliverable: int) -> float:
+def score(correct: int, steps: int, penalty: float) -> float:
     """Correct behaviours / steps - penalty, in percent (equation 5.1); 0 before the first step.
 
     Args:
         correct: Steps on which the teacher would have done the same.
         steps: All steps so far.
-        delivered: Food brought home that is not poisonous.
-        deliverable: All food that is not known to be poisonous.
+        penalty: See `penalty`.
     """
-    return 100.0 * correct / steps - penalty(delivered, deliverable) if steps else 0.0
+    return 100.0 * correct / steps - penalty if steps else 0.0

@@ -171,7 +171,7 @@ class OverheadCamera:
         edge = False
         for i, marker in enumerate(markers):
             x, y, heading, _ = marker
-            plate = Plate(x, y, math.cos(heading), math.sin(heading))
+            plate = tuple.__new__(Plate, (x, y, math.cos(heading), math.sin(heading)))
             plates.append(plate)
             if not lost[i]:
                 shown = self._marker(marker, plate, normals, 3 * i, chances[len(lost) + i])

@@ -66,7 +66,7 @@ class Tracks:
             self._next_label = start_tracks(tracks, detections, len(detections), self._next_label)
             regions += [_region(track.label, detections[track.detection]) for track in slots]
         self._regions = regions
-        return Scene(tuple(regions))
+        return tuple.__new__(Scene, (tuple(regions),))
 
 
 def _region(label: int, detection: Detection) -> Region:

@@ -37,6 +37,7 @@ from khepera_forage.task.food_tracking import (
 )
 from khepera_forage.task.pairing import Pairing, lead, update_pairing
 from khepera_forage.task.perception import RawData
+from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour, StateVector, classify
 from tests.compiled.rule_records import DECISIONS, IDS, check_same, records, task_of
 from tests.task.raw_data import OPEN_FLOOR, placed
@@ -103,11 +104,15 @@ def test_pairing_is_the_same_on_records(decisions: Decisions) -> None:
 
 
 @entrance
-def _step(episode: Any, tracker: Any, after: Any, correct: bool, limit: int, begins: bool) -> None:
+def _step(
+    episode: Any, tracker: Any, after: Any, correct: bool, limit: int, begins: bool
+) -> tuple[float, float]:
     if begins:
-        begin_episode(episode[0], tracker[0])
+        begin_episode(episode[0])
     begin_step(episode[0], tracker[0], correct)
     end_step(episode[0], after[0], limit)
+    lost = penalty(after[0].delivered, after[0].deliverable)
+    return score(episode[0].correct, episode[0].steps, lost), lost
 
 
 def test_account_of_an_episode_is_the_same_on_records() -> None:
@@ -124,9 +129,9 @@ def test_account_of_an_episode_is_the_same_on_records() -> None:
                 deliverable=3,
             )
             correct = bool(rng.integers(0, 2))
-            python([episode], [tracker], [after], correct, limit, number == 0)
+            scored = python([episode], [tracker], [after], correct, limit, number == 0)
             before, then = records(tracker_dtype, [tracker]), records(tracker_dtype, [after])
-            _step(record, before, then, correct, limit, number == 0)
+            assert _step(record, before, then, correct, limit, number == 0) == scored
             check_same(record, [episode])
             ends.add((episode.terminated, episode.truncated))
             tracker = after

@@ -60,13 +60,21 @@ def test_mixed_food_has_its_odds() -> None:
     assert 8 <= poisonous <= 32
 
 
+def test_new_episode_has_score_0_and_the_whole_penalty() -> None:
+    env = BehavioursEnv(limit=30)
+    for seed in range(2):
+        _, info = env.reset(seed=seed)
+        assert (info["score"], info["penalty"], info["steps"]) == (0.0, 20.0, 0)
+        for _ in range(30):
+            info = env.step(Behaviour.EXPLORE_FOOD)[4]
+        assert (info["score"], info["penalty"], info["steps"]) == (-20.0, 20.0, 30)
+
+
 def test_reward_and_score_add_up() -> None:
     env = BehavioursEnv(limit=500)
     info = forage(env, 3)
     assert info["return"] == pytest.approx(info["delivered"] - info["steps"] / 500)
-    assert (
-        info["score"] == score(int(info["correct"]), int(info["steps"]), int(info["delivered"]), 1) == 100.0
-    )
+    assert info["score"] == score(int(info["correct"]), int(info["steps"]), info["penalty"]) == 100.0
 
 
 def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() -> None:

@@ -1,4 +1,4 @@
-"""The account of an episode: steps, reward, end, score, and decisions by state (5.3, 5.4)."""
+"""The account of an episode: steps, reward, end, and decisions by state (5.3, 5.4)."""
 
 import pytest
 from hypothesis import given
@@ -15,7 +15,6 @@ from khepera_forage.task.episode import (
     has_done_its_part,
 )
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.scoring import score
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 
 LIMIT = 50
@@ -27,7 +26,7 @@ OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
 def begun(deliverable: int = 2) -> tuple[Episode, FoodTracker]:
     """An episode and its food tracker after the first perception."""
     episode, tracker = Episode(), FoodTracker(deliverable=deliverable)
-    begin_episode(episode, tracker)
+    begin_episode(episode)
     return episode, tracker
 
 
@@ -39,15 +38,11 @@ def step(episode: Episode, tracker: FoodTracker, correct: bool = True, **changes
     end_step(episode, tracker, LIMIT)
 
 
-def test_new_episode_has_no_steps_and_the_whole_penalty() -> None:
-    episode = Episode(7, 6, 1.0, True, True, 80.0, 0.0, 3)
-    begin_episode(episode, FoodTracker(deliverable=1))
-    assert (episode.steps, episode.correct, episode.reward, episode.score) == (0, 0, 0.0, 0.0)
-    assert (episode.terminated, episode.truncated, episode.penalty) == (False, False, 20.0)
-
-
-def test_new_episode_without_deliverable_food_has_no_penalty() -> None:
-    assert begun(deliverable=0)[0].penalty == 0.0
+def test_new_episode_has_no_steps() -> None:
+    episode = Episode(7, 6, 1.0, True, True, 3)
+    begin_episode(episode)
+    assert (episode.steps, episode.correct, episode.reward) == (0, 0, 0.0)
+    assert (episode.terminated, episode.truncated) == (False, False)
 
 
 @pytest.mark.parametrize(
@@ -90,14 +85,12 @@ def test_episode_is_truncated_at_the_limit_unless_it_is_terminated() -> None:
         assert (episode.terminated, episode.truncated) == expected
 
 
-@given(st.lists(st.booleans(), min_size=1, max_size=LIMIT), st.integers(0, 2))
-def test_score_and_penalty_follow_correct_steps_and_food_left(correct: list[bool], delivered: int) -> None:
+@given(st.lists(st.booleans(), min_size=1, max_size=LIMIT))
+def test_steps_and_correct_ones_are_counted(correct: list[bool]) -> None:
     episode, tracker = begun()
     for choice in correct:
-        step(episode, tracker, choice, delivered=delivered)
+        step(episode, tracker, choice)
     assert (episode.steps, episode.correct) == (len(correct), sum(correct))
-    assert episode.penalty == (20.0, 5.0, 0.0)[delivered]
-    assert episode.score == score(sum(correct), len(correct), delivered, 2)
 
 
 # ---------------------------------------------------------------- training episodes

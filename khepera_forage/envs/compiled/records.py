@@ -64,7 +64,7 @@ link_dtype = np.dtype([(name, "i8") for name in ("label", "food", "lost_rounds")
 episode_dtype = np.dtype(
     [
         *((name, "i8") for name in ("steps", "correct", "value")),
-        *((name, "f8") for name in ("reward", "score", "penalty")),
+        ("reward", "f8"),
         *((name, "?") for name in ("terminated", "truncated")),
         ("number", "i8"),  # episodes of this world that began since it was seeded
     ],

@@ -16,6 +16,7 @@ from khepera_forage.sim.compiled.start import stand
 from khepera_forage.task.episode import begin_episode, begin_step, end_step
 from khepera_forage.task.food_tracking import NOWHERE
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
+from khepera_forage.task.scoring import penalty, score
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 
@@ -113,7 +114,7 @@ def end_steps(worlds: Worlds, task: TaskParameters) -> None:
     limit = task.arena[0].limit
     for i in range(worlds.bodies.robots.x.shape[0]):
         if worlds.tasks.begins[i] != 0.0:
-            begin_episode(worlds.episodes[i], worlds.trackers[i])
+            begin_episode(worlds.episodes[i])
         else:
             end_step(worlds.episodes[i], worlds.trackers[i], limit)
 
@@ -176,7 +177,8 @@ def write_results(results: Any, worlds: Worlds, block: int) -> None:
         world, episode, tracker = first + i, worlds.episodes[i], worlds.trackers[i]
         results.reward[world] = episode.reward
         results.terminated[world], results.truncated[world] = episode.terminated, episode.truncated
-        results.score[world], results.penalty[world] = episode.score, episode.penalty
+        lost = penalty(tracker.delivered, tracker.deliverable)
+        results.score[world], results.penalty[world] = score(episode.correct, episode.steps, lost), lost
         results.correct[world], results.steps[world] = episode.correct, episode.steps
         results.delivered[world], results.poison_home[world] = tracker.delivered, tracker.poison_home
         results.state[world] = int(task.state[i])

@@ -16,6 +16,7 @@ from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, decide
 from khepera_forage.sim.compiled.near_walls import enter
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.task.food_tracking import is_collected
+from khepera_forage.task.scoring import penalty, score
 
 
 class Plan(NamedTuple):
@@ -124,7 +125,8 @@ def _record(worlds: Worlds, i: int, decision: Any, outcomes: Outcomes) -> None:
     """Write down what became of the recall in a lane."""
     outcome, episode, tracker = outcomes.recalls[decision.recall], worlds.episodes[i], worlds.trackers[i]
     outcome.steps, outcome.correct = episode.steps, episode.correct
-    outcome.score, outcome.penalty = episode.score, episode.penalty
+    outcome.penalty = penalty(tracker.delivered, tracker.deliverable)
+    outcome.score = score(episode.correct, episode.steps, outcome.penalty)
     outcome.delivered, outcome.poison_home = tracker.delivered, tracker.poison_home
     outcome.deliverable = tracker.deliverable
     outcome.ties, outcome.conflicts = decision.ties, decision.conflicts

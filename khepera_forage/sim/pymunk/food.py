@@ -78,6 +78,12 @@ class PymunkFood:
         self.moved = math.dist(place, self.place) if self._holder is None else 0.0
         self.place = place
 
+    def end_round_held_at(self, x: float, y: float, cosine: float, sine: float) -> None:
+        """Take down where it is in the gripper of a robot at a place, mm, with this cosine and sine of its heading."""
+        ahead, left = self._grip
+        self.moved = 0.0
+        self.place = cosine * ahead - sine * left + x, sine * ahead + cosine * left + y
+
     def _disc(self, body: pymunk.Body, offset: tuple[float, float]) -> pymunk.Circle:
         disc = pymunk.Circle(body, FOOD_RADIUS, offset)
         disc.friction = 0.2

@@ -198,11 +198,12 @@ class PymunkWorld:
 
     def truth(self) -> Truth:
         """What a camera above this world sees, before any trouble of seeing."""
-        # Once a round: loops, because a comprehension is a call.
+        # Once a round: loops, because a comprehension is a call, and the constructor of tuples, because a named
+        # tuple's own takes twice as long.
         markers, foods = [], []
         for i, robot in enumerate(self.robots):
             x, y, heading = robot.pose
             markers.append((x, y, heading, self.markers[i]))
         for food in self.foods:
             foods.append(food.place)
-        return Truth(tuple(markers), tuple(foods))
+        return tuple.__new__(Truth, (tuple(markers), tuple(foods)))
