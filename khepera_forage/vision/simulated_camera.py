@@ -117,7 +117,9 @@ class OverheadCamera:
         """
         truth = self._truth()
         normals, chances = self._draw(truth)
-        self._lose(truth, chances)
+        # In nearly every frame no loss goes on, and none can begin.
+        if True in self._lost or (chances and min(chances) < self._worst_rate):
+            self._lose(truth, chances)
         self._take_frame(truth, normals, chances)
 
     def look(self) -> Scene:
@@ -137,8 +139,6 @@ class OverheadCamera:
     def _lose(self, truth: Truth, chances: list[float]) -> None:
         """End and begin losses."""
         lost = self._lost
-        if True not in lost and (not chances or min(chances) >= self._worst_rate):
-            return  # as in nearly every frame
         for i, (rate, rate_under_cable) in enumerate(self._loss_rates):
             chance = chances[i]
             if lost[i]:

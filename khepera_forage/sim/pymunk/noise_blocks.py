@@ -1,34 +1,33 @@
-"""Random numbers in blocks: one call of the generator for many rounds, which is what makes noise cheap."""
+"""Random numbers of the robots in blocks: one call of a generator for many rounds, which is what makes noise cheap."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-_BLOCK = 512
+_BLOCK = 64
+"""Rounds of one robot for which numbers are drawn at a time."""
 
 
 class Draws:
-    """Rows of random numbers from one generator, in the generator's own order.
+    """The random numbers of one robot after another, round after round.
 
     Args:
-        source: A method of the subsystem's own generator, such as `rng.random`.
-        count: How many numbers a row has: what one robot takes in a round.
+        wheels: Draws two standard normal numbers for the wheels of a robot in a round.
+        sensors: Draws eight uniform ones for its sensors.
     """
 
-    def __init__(self, source: Callable[[tuple[int, int]], NDArray[np.float64]], count: int) -> None:
-        self._source = source
-        self._count = count
-        self._shape = (max(1, _BLOCK // count), count)
-        self._rows: Iterator[tuple[float, ...]] = iter(())
+    def __init__(self, wheels: np.random.Generator, sensors: np.random.Generator) -> None:
+        self._wheels, self._sensors = wheels, sensors
+        self._rows: Iterator[tuple[tuple[float, ...], tuple[float, ...]]] = iter(())
 
-    def next(self) -> tuple[float, ...]:
-        """The next row."""
+    def next(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The numbers of the wheels and of the sensors of one robot in one round."""
         row = next(self._rows, None)
         if row is None:
-            # Rows are cut from one flat list when they are needed: a list a row would only give the garbage
-            # collector work.
-            numbers = iter(self._source(self._shape).ravel().tolist())
-            self._rows = zip(*[numbers] * self._count, strict=True)
+            # Rows are cut from flat lists when they are needed: a list a row would only give the garbage collector
+            # work.
+            wheels = iter(self._wheels.standard_normal(2 * _BLOCK).tolist())
+            sensors = iter(self._sensors.random(8 * _BLOCK).tolist())
+            self._rows = zip(zip(*[wheels] * 2, strict=True), zip(*[sensors] * 8, strict=True), strict=True)
             row = next(self._rows)
         return row

@@ -90,8 +90,7 @@ class PymunkWorld:
         self._homes = homes
         wheels, sensors = rng.spawn(2)
         bias = self.noise.wheel_bias * wheels.standard_normal((len(homes), 2))
-        self._wheel_draws = Draws(wheels.standard_normal, 2)
-        self._sensor_draws = Draws(sensors.random, 8)
+        self._draws = Draws(wheels, sensors)
         space = self._space = pymunk.Space()
         space.collision_bias = 0.7**60
         # Enough for a row of food squeezed against a wall to stay out of it: with ten it gave way by 1.6 mm.
@@ -133,7 +132,7 @@ class PymunkWorld:
         robots = self.robots
         substeps = 0
         for robot in robots:
-            needed = robot.begin_round(self._wheel_draws.next(), self._sensor_draws.next())
+            needed = robot.begin_round(*self._draws.next())
             if needed > substeps:
                 substeps = needed
         gliding = 0.0
