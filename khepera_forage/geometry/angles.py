@@ -6,6 +6,9 @@ Compiled code has its own versions of these, of the same accuracy, which run for
 
 import math
 
+HEADINGS = tuple((math.cos(math.radians(degrees)), math.sin(math.radians(degrees))) for degrees in range(360))
+"""Cosine and sine of each whole degree."""
+
 
 def bearing_of(x: float, y: float) -> float:
     """Direction of a vector, degrees -180..180 counter-clockwise from the x axis."""
@@ -35,3 +38,8 @@ def arcsine(value: float) -> float:
 def cosine_sine(radians: float) -> tuple[float, float]:
     """Cosine and sine of an angle in radians."""
     return math.cos(radians), math.sin(radians)
+
+
+def heading_of(orientation: int) -> tuple[float, float]:
+    """Cosine and sine of an orientation in whole degrees 0..359."""
+    return HEADINGS[orientation]

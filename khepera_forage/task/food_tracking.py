@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from khepera_forage.geometry.angles import cosine_sine, length
+from khepera_forage.geometry.angles import heading_of, length
 from khepera_forage.geometry.nearest_wall import NearestWall
 from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
@@ -26,7 +26,6 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
-_DEGREE = math.pi / 180.0
 _SEEN = 1e8
 """Squared pixels by which food that the camera sees counts as further from the gripper."""
 NOWHERE = -1e6
@@ -116,7 +115,7 @@ def update_food(
     arena: ArenaMap,
     x: float,
     y: float,
-    orientation: float,
+    orientation: int,
     object_present: bool,
     explored: bool,
     arm: int,
@@ -133,14 +132,14 @@ def update_food(
         arena: The arena of this robot.
         x: Of the robot, pixels.
         y: Of the robot, pixels.
-        orientation: Of the robot, degrees.
+        orientation: Of the robot, whole degrees 0..359.
         object_present: Whether the optical barrier is interrupted.
         explored: Whether food has been explored in this round (`identification.explored`).
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
     if object_present:
-        cosine, sine = cosine_sine(orientation * _DEGREE)
+        cosine, sine = heading_of(orientation)
         x_held, y_held = x + _GRIPPER * cosine, y + _GRIPPER * sine
         _follow_gripper(tracker, foods, links, tracks, x_held, y_held, explored)
     else:

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from khepera_forage.geometry.angles import length
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap
 
@@ -47,4 +46,5 @@ def drawn_type(draw: float, odds: Any) -> int:
 
 def at_home(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether a food object's centre, in pixels, is inside the home."""
-    return length(x - arena.home_x, y - arena.home_y) <= arena.home_radius
+    dx, dy = x - arena.home_x, y - arena.home_y
+    return dx * dx + dy * dy <= arena.home_radius * arena.home_radius

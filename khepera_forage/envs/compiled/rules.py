@@ -7,6 +7,8 @@ calls. Only plane geometry and random bits have compiled versions of their own: 
 import inspect
 import math
 
+import numpy as np
+
 from khepera_forage.compilation import counter_rng  # noqa: F401 (registers the random numbers)
 from khepera_forage.compilation.decorators import inline, kernel, stand_in
 from khepera_forage.compilation.trigonometry import cosine_sine, direction
@@ -68,6 +70,7 @@ _RARE = (
 )
 """Long functions that few rounds call, compiled once."""
 _DEGREES, _RADIANS = 180.0 / math.pi, math.pi / 180.0
+_COSINES, _SINES = np.array(angles.HEADINGS).T.copy()
 
 
 @stand_in(angles.bearing_of)
@@ -106,6 +109,13 @@ def arcsine(value: float) -> float:
 def cosine_and_sine(radians: float) -> tuple[float, float]:
     """See `angles.cosine_sine`."""
     return cosine_sine(radians)
+
+
+@stand_in(angles.heading_of)
+def heading_of(orientation: float) -> tuple[float, float]:
+    """See `angles.heading_of`."""
+    degrees = int(orientation)
+    return _COSINES[degrees], _SINES[degrees]
 
 
 inline(khepera.applicable)
