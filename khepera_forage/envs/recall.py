@@ -32,7 +32,7 @@ from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.task.episode import Episode, begin_episode, begin_step, end_step
+from khepera_forage.task.episode import Episode, begin_episode, end_step
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour
@@ -143,7 +143,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
         self._forager = Forager(self.world.robots[0], self._map, self.world.markers[0], tracker, self._values)
         self._forager.perceive(self.world.camera.look())
-        begin_episode(self._episode)
+        begin_episode(self._episode, tracker)
         self._over = False
         self._executed = None
         if self.render_mode == "human":
@@ -161,16 +161,17 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         if self._over:
             raise ResetNeeded(f"the episode ended after {episode.steps} steps; call reset() to start another")
         motors = self._motors(action, forager)
-        begin_step(episode, forager.tracker, self._is_correct(motors, forager))
+        correct = self._is_correct(motors, forager)
         try:
             forager.drive(motors)
             self.world.advance()
             forager.perceive(self.world.camera.look())
         except LOST as lost:
             self._over = True
+            end_step(episode, forager.tracker, correct, self.limit)
             info = {**self._info(forager), "robot_lost": str(lost)}
-            return self._observation(forager), -1.0 / self.limit, False, True, info
-        end_step(episode, forager.tracker, self.limit)
+            return self._observation(forager), episode.reward, False, True, info
+        end_step(episode, forager.tracker, correct, self.limit)
         self._over = episode.terminated or episode.truncated
         if self._over:
             self.world.stop()

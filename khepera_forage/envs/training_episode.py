@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import Episode, begin_step, end_step, has_done_its_part
+from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
@@ -67,6 +67,8 @@ class TrainingEpisode:
         self._since_done = 0
         self._episodes = [Episode() for _ in self.foragers]
         self._perceive(world.camera.look())
+        for episode, forager in zip(self._episodes, self.foragers, strict=True):
+            begin_episode(episode, forager.tracker)
 
     @property
     def any_separated(self) -> bool:
@@ -100,13 +102,17 @@ class TrainingEpisode:
             The reward of each robot.
         """
         self.steps += 1
-        for i, forager in enumerate(self.foragers):
-            begin_step(self._episodes[i], forager.tracker, self.actions[i] == forager.state)
-            forager.drive(self._motors_of(i, forager))
-        self._world.advance()
-        self._perceive(self._world.camera.look())
-        for episode, forager in zip(self._episodes, self.foragers, strict=True):
-            end_step(episode, forager.tracker, self._limit)
+        correct = [
+            action == forager.state for action, forager in zip(self.actions, self.foragers, strict=True)
+        ]
+        try:
+            for i, forager in enumerate(self.foragers):
+                forager.drive(self._motors_of(i, forager))
+            self._world.advance()
+            self._perceive(self._world.camera.look())
+        finally:  # A round in which a robot is lost counts too.
+            for i, forager in enumerate(self.foragers):
+                end_step(self._episodes[i], forager.tracker, correct[i], self._limit)
         done = all(
             has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, self._decisions)
             for f in self.foragers

@@ -21,7 +21,7 @@ class Episode:
         reward: Of the last step.
         terminated: Whether everything is delivered or known to be poisonous.
         truncated: Whether the episode has reached its limit.
-        value: Food delivered less poison brought home, before the step.
+        value: Food delivered less poison brought home.
     """
 
     steps: int = 0
@@ -47,35 +47,32 @@ class DecisionCounts:
     orient_without_food: int = 0
 
 
-def begin_episode(episode: Any) -> None:
-    """Start the account of an episode, after the first perception."""
-    episode.steps = episode.correct = 0
-    episode.reward, episode.terminated, episode.truncated = 0.0, False, False
-
-
-def begin_step(episode: Any, tracker: Any, correct: bool) -> None:
-    """Account for a decision, before it is carried out.
+def begin_episode(episode: Any, tracker: Any) -> None:
+    """Start the account of an episode, after the first perception.
 
     Args:
         episode: The `Episode` record; changed in place.
         tracker: The `FoodTracker` record.
-        correct: Whether the teacher would have done the same.
     """
-    episode.steps += 1
-    episode.correct += 1 if correct else 0
+    episode.steps = episode.correct = 0
+    episode.reward, episode.terminated, episode.truncated = 0.0, False, False
     episode.value = tracker.delivered - tracker.poison_home
 
 
-def end_step(episode: Any, tracker: Any, limit: int) -> None:
-    """Account for what a step has brought: reward and end.
+def end_step(episode: Any, tracker: Any, correct: bool, limit: int) -> None:
+    """Account for a step: the decision, and what it has brought.
 
     Args:
         episode: The `Episode` record; changed in place.
         tracker: The `FoodTracker` record, after the step.
+        correct: Whether the teacher would have decided the same.
         limit: Steps after which the episode is truncated.
     """
-    gain = tracker.delivered - tracker.poison_home - episode.value
-    episode.reward = gain - 1.0 / limit
+    value = tracker.delivered - tracker.poison_home
+    episode.steps += 1
+    episode.correct += 1 if correct else 0
+    episode.reward = value - episode.value - 1.0 / limit
+    episode.value = value
     episode.terminated = is_finished(tracker)
     episode.truncated = episode.steps >= limit and not episode.terminated
 

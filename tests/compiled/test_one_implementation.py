@@ -180,7 +180,7 @@ def test_rules_in_a_compiled_module_are_the_functions_that_python_calls(path: Pa
     [
         ("sim", "match may_vanish start_tracks"),
         ("envs", "applicable command decode_motors explored update_food raw_data state_vector classify"),
-        ("envs", "draw_layout draw_food_types layout_key food_type_key begin_episode begin_step end_step"),
+        ("envs", "draw_layout draw_food_types layout_key food_type_key begin_episode end_step"),
         ("envs", "score penalty"),
         ("rollouts", "nearest_votes draw_label scaled_distance count_decision is_collected share_identified"),
         ("rollouts", "score penalty"),

@@ -26,7 +26,6 @@ from khepera_forage.task.episode import (
     DecisionCounts,
     Episode,
     begin_episode,
-    begin_step,
     count_decision,
     end_step,
     has_done_its_part,
@@ -108,9 +107,8 @@ def _step(
     episode: Any, tracker: Any, after: Any, correct: bool, limit: int, begins: bool
 ) -> tuple[float, float]:
     if begins:
-        begin_episode(episode[0])
-    begin_step(episode[0], tracker[0], correct)
-    end_step(episode[0], after[0], limit)
+        begin_episode(episode[0], tracker[0])
+    end_step(episode[0], after[0], correct, limit)
     lost = penalty(after[0].delivered, after[0].deliverable)
     return score(episode[0].correct, episode[0].steps, lost), lost
 

@@ -9,7 +9,6 @@ from khepera_forage.task.episode import (
     DecisionCounts,
     Episode,
     begin_episode,
-    begin_step,
     count_decision,
     end_step,
     has_done_its_part,
@@ -26,22 +25,21 @@ OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
 def begun(deliverable: int = 2) -> tuple[Episode, FoodTracker]:
     """An episode and its food tracker after the first perception."""
     episode, tracker = Episode(), FoodTracker(deliverable=deliverable)
-    begin_episode(episode)
+    begin_episode(episode, tracker)
     return episode, tracker
 
 
 def step(episode: Episode, tracker: FoodTracker, correct: bool = True, **changes: int) -> None:
     """A step that changes the counts of the food tracker."""
-    begin_step(episode, tracker, correct)
     for name, value in changes.items():
         setattr(tracker, name, value)
-    end_step(episode, tracker, LIMIT)
+    end_step(episode, tracker, correct, LIMIT)
 
 
 def test_new_episode_has_no_steps() -> None:
     episode = Episode(7, 6, 1.0, True, True, 3)
-    begin_episode(episode)
-    assert (episode.steps, episode.correct, episode.reward) == (0, 0, 0.0)
+    begin_episode(episode, FoodTracker(deliverable=2, delivered=1))
+    assert (episode.steps, episode.correct, episode.reward, episode.value) == (0, 0, 0.0, 1)
     assert (episode.terminated, episode.truncated) == (False, False)
 
 

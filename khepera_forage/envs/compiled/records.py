@@ -29,6 +29,7 @@ TASK = (
     # Numbers of the arena's map, if worlds are in different arenas.
     *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     "behaviour",  # what was decided on
+    "correct",  # whether the teacher would have decided the same
     "begins",  # whether the last frame was the first of its episode
 )
 """Fields of the task of one world."""

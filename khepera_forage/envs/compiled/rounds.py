@@ -13,7 +13,7 @@ from khepera_forage.envs.compiled.results import Results
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.start import stand
-from khepera_forage.task.episode import begin_episode, begin_step, end_step
+from khepera_forage.task.episode import begin_episode, end_step
 from khepera_forage.task.food_tracking import NOWHERE
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.task.scoring import penalty, score
@@ -100,23 +100,21 @@ def carry_out(worlds: Worlds, parameters: Parameters, task: TaskParameters, adva
 
 
 @kernel
-def begin_steps(worlds: Worlds) -> None:
-    """Account for the decision in every world of a block."""
-    robot, task = worlds.bodies.robots, worlds.tasks
-    for i in range(robot.x.shape[0]):
-        if robot.first_frame[i] == 0.0:
-            begin_step(worlds.episodes[i], worlds.trackers[i], task.behaviour[i] == task.state[i])
+def compare_decisions(task: Any) -> None:
+    """Note in every world of a block whether the teacher would have decided the same."""
+    for i in range(task.state.shape[0]):
+        task.correct[i] = 1.0 if task.behaviour[i] == task.state[i] else 0.0
 
 
 @kernel
 def end_steps(worlds: Worlds, task: TaskParameters) -> None:
-    """Account for what the round has brought in every world of a block."""
-    limit = task.arena[0].limit
+    """Account for the decision, and for what the round has brought, in every world of a block."""
+    limit, decided = task.arena[0].limit, worlds.tasks
     for i in range(worlds.bodies.robots.x.shape[0]):
-        if worlds.tasks.begins[i] != 0.0:
-            begin_episode(worlds.episodes[i])
+        if decided.begins[i] != 0.0:
+            begin_episode(worlds.episodes[i], worlds.trackers[i])
         else:
-            end_step(worlds.episodes[i], worlds.trackers[i], limit)
+            end_step(worlds.episodes[i], worlds.trackers[i], decided.correct[i] != 0.0, limit)
 
 
 @kernel
@@ -156,7 +154,7 @@ def step_block(
         drive_behaviours(worlds, task)
     else:
         drive_actions(worlds, actions, task)
-    begin_steps(worlds)
+    compare_decisions(worlds.tasks)
     carry_out(worlds, parameters, task, advance)
     return free
 

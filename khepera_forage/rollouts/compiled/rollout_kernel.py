@@ -9,7 +9,7 @@ from khepera_forage.compilation.decorators import entrance, inline, kernel, sequ
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.envs.compiled.commands import drive_behaviours
 from khepera_forage.envs.compiled.parameters import TaskParameters
-from khepera_forage.envs.compiled.rounds import begin_steps, begin_world, carry_out
+from khepera_forage.envs.compiled.rounds import begin_world, carry_out, compare_decisions
 from khepera_forage.envs.compiled.worlds import Worlds, worlds_of
 from khepera_forage.policies.nearest_neighbour.memories import Memories
 from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, decide
@@ -73,7 +73,7 @@ def _run(
         running += _start_next(worlds, i, parameters, task, plan, decisions[i], outcomes)
     while running > 0:
         decide(worlds, task, memories, decisions)
-        begin_steps(worlds)
+        compare_decisions(worlds.tasks)
         drive_behaviours(worlds, task)
         carry_out(worlds, parameters, task, advance)
         for i in range(lanes):
