@@ -83,7 +83,7 @@ class PymunkGripper:
             foods: All food.
         """
         held = self.held
-        if held is None and not self.on_floor:
+        if held is None and self.arm < ARM_ON_FLOOR:  # `not on_floor`, without a call in every round
             return False
         gap = half_gap(self.jaw)
         for food in foods if held is None else (held,):

@@ -160,7 +160,7 @@ class PymunkKhepera:
         self._velocity = forward * math.cos(heading), forward * math.sin(heading)
         self._steering, self._free = False, True
         pushing, moving = may_push(x, y, travel, gripper.on_floor, gripper.held, self.foods, self.others)
-        moves_jaw = self._moves_jaw = gripper.wants_to_move_jaw(jaw)
+        moves_jaw = self._moves_jaw = jaw != gripper.jaw and gripper.wants_to_move_jaw(jaw)
         if travel == 0.0 and not moving and not moves_jaw:
             return 0
         if self._walls.clear(self.pose, travel, pushing):
