@@ -22,6 +22,7 @@ class Wall(NamedTuple):
         normal_x: Unit normal of its line.
         normal_y: Unit normal of its line.
         offset: Of the line along its normal.
+        y2: The other end: `y1 + ey` but for rounding.
         polygon: 0 for the outer wall, from 1 for obstacles. Walls of one polygon follow one another.
     """
 
@@ -33,6 +34,7 @@ class Wall(NamedTuple):
     normal_x: float
     normal_y: float
     offset: float
+    y2: float
     polygon: int
 
 
@@ -40,7 +42,7 @@ def wall_of(segment: Segment, polygon: int = 0) -> Wall:
     """The wall along a line segment (x1, y1, x2, y2)."""
     x1, y1, x2, y2 = segment
     ex, ey = x2 - x1, y2 - y1
-    return Wall(x1, y1, ex, ey, 1.0 / (ex * ex + ey * ey), *line_of(segment), polygon)
+    return Wall(x1, y1, ex, ey, 1.0 / (ex * ex + ey * ey), *line_of(segment), y2, polygon)
 
 
 @lru_cache(maxsize=256)
@@ -66,19 +68,19 @@ def to_wall(
 def clearance(x: float, y: float, walls: Any) -> float:
     """Distance from a place to the nearest wall; negative outside the outer wall and inside obstacles."""
     least = math.inf
-    free, odd, polygon, first = True, False, 0, 0
+    free, odd, polygon = True, False, 0
     for k in range(len(walls)):
         wall = walls[k]
         if wall.polygon != polygon:
             free = free and odd == (polygon == 0)
-            odd, polygon, first = False, wall.polygon, k
+            odd, polygon = False, wall.polygon
         dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
-        least = min(least, dx * dx + dy * dy)
+        squared = dx * dx + dy * dy
+        if squared < least:
+            least = squared
         # A ray to the right of the place crosses a polygon an odd number of times from inside. A wall ends exactly
-        # where the next one starts; y1 + ey is rounded, and a ray through that corner would cross one wall too many.
-        last = k + 1 == len(walls) or walls[k + 1].polygon != polygon
-        y2 = walls[first if last else k + 1].y1
-        if (wall.y1 > y) != (y2 > y) and x < wall.x1 + (y - wall.y1) * wall.ex / wall.ey:
+        # where the next one starts: with y1 + ey, a ray through that corner could cross one wall too many.
+        if (wall.y1 > y) != (wall.y2 > y) and x < wall.x1 + (y - wall.y1) * wall.ex / wall.ey:
             odd = not odd
     free = free and odd == (polygon == 0)
     return math.sqrt(least) if free else -math.sqrt(least)
