@@ -40,7 +40,7 @@ class Tracks:
         detections = sorted(detections)
         tracks, regions = self._tracks, []
         new = match(tracks, detections, len(detections), self._by_place)
-        for track, region in zip(tracks, self._regions, strict=False):
+        for k, track in enumerate(tracks):
             if track.detection >= 0:
                 # `_region`, written out, with the constructor of tuples: a named tuple's own takes twice as long, and
                 # this is done for every region of every frame.
@@ -54,8 +54,10 @@ class Tracks:
             elif may_vanish(track, self._by_place) and visible(track.x, track.y):
                 track.label = -1
                 continue
-            elif region.found:
-                region = region._replace(found=False)
+            else:
+                region = self._regions[k]
+                if region.found:
+                    region = region._replace(found=False)
             regions.append(region)
         if len(regions) < len(tracks):
             self._tracks = tracks = [track for track in tracks if track.label >= 0]
