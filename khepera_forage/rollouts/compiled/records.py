@@ -6,18 +6,19 @@ from khepera_forage.task.states import NUM_BEHAVIOURS, NUM_STATES
 
 decision_dtype = np.dtype(
     [
-        ("policy", "i8"),  # number of a memory, or `TEACHER` or `UNIFORM`
+        ("policy", "i4"),  # number of a memory, or `TEACHER` or `UNIFORM`
         ("query", "i8"),  # state vector of the votes below, as one number; -1 without votes
-        ("total", "i8"),  # number of votes
-        ("votes", "i8", (NUM_BEHAVIOURS,)),  # for each behaviour
-        ("ties", "i8"),  # rounds in which several experience vectors were equally near
-        ("conflicts", "i8"),  # rounds with a tie between different behaviours
+        ("total", "i4"),  # number of votes
+        ("votes", "i4", (NUM_BEHAVIOURS,)),  # for each behaviour
+        ("ties", "i4"),  # rounds in which several experience vectors were equally near
+        ("conflicts", "i4"),  # rounds with a tie between different behaviours
         # `task.episode.DecisionCounts`.
-        ("by_state", "i8", (NUM_STATES,)),
-        ("wrong_by_state", "i8", (NUM_STATES,)),
-        ("orient_without_food", "i8"),
-        ("recall", "i8"),  # number of the recall under way, -1 without one that counts
-    ]
+        ("by_state", "i4", (NUM_STATES,)),
+        ("wrong_by_state", "i4", (NUM_STATES,)),
+        ("orient_without_food", "i4"),
+        ("recall", "i4"),  # number of the recall under way, -1 without one that counts
+    ],
+    align=True,
 )
 """The policy of one world, its latest votes, and the count of its decisions."""
 
