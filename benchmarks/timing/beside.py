@@ -33,6 +33,7 @@ class Case(NamedTuple):
         size: Steps, rounds, calls, replications, worlds, episodes or learners.
         quick: The size with `--quick`.
         first_call: Whether each process starts without any compiled kernel.
+        one_core: Whether the case has one thread, so that both processes of a pair can run on the same core.
     """
 
     name: str
@@ -42,13 +43,30 @@ class Case(NamedTuple):
     size: int
     quick: int
     first_call: bool = False
+    one_core: bool = False
 
 
 CASES = (
-    Case("pymunk", "Corridor-v0 on pymunk under the teacher, resets included", "steps/s", 1.0, 30_000, 400),
+    Case(
+        "pymunk",
+        "Corridor-v0 on pymunk under the teacher, resets included",
+        "steps/s",
+        1.0,
+        30_000,
+        400,
+        one_core=True,
+    ),
     Case("make_vec", f"Corridor-v0 of make_vec, {WORLDS:,} worlds", "steps/s", 0.85, 200, 5),
     Case("kernel", f"teacher in the kernel, {EPISODES:,} recalls on two threads", "steps/s", 0.8, 15, 1),
-    Case("one_world", "one compiled Corridor-v0, resets included", "steps/s", 0.9, 200_000, 1_000),
+    Case(
+        "one_world",
+        "one compiled Corridor-v0, resets included",
+        "steps/s",
+        0.9,
+        200_000,
+        1_000,
+        one_core=True,
+    ),
     Case("design", "{size} replications of the thesis's design, without the report", "s", 2.0, 1000, 2),
     Case("first_make_vec", f"first call of make_vec, {WORLDS:,} worlds", "s", 0.6, WORLDS, WORLDS, True),
     Case("first_run_teacher", "first call of run_teacher, 128 recalls", "s", 0.6, 128, 128, True),
@@ -104,14 +122,26 @@ class Pair(NamedTuple):
         values = [Timed(self.case.name, self.number, each.name, self._value(each)) for each in self.checkouts]
         return values if self.number >= 0 else []
 
+    @property
+    def core(self) -> int | None:
+        """The core on which both processes run, if one is enough; pairs take turns, as one core may be slower."""
+        if not self.case.one_core or not hasattr(os, "sched_getaffinity"):
+            return None
+        cores = sorted(os.sched_getaffinity(0))
+        return cores[self.number % len(cores)]
+
     def _value(self, checkout: Checkout) -> float:
         if not self.case.first_call or self.number < 0:
-            return value_of(self.case.name, self.size, self.seed, checkout.root, checkout.cache)
+            return value_of(
+                self.case.name, self.size, self.seed, checkout.root, checkout.cache, core=self.core
+            )
         with TemporaryDirectory(dir=checkout.root.parent) as empty:
             return value_of(self.case.name, self.size, self.seed, checkout.root, Path(empty))
 
 
-def value_of(case: str, size: int, seed: int, root: Path, cache: Path | None = None) -> float:
+def value_of(
+    case: str, size: int, seed: int, root: Path, cache: Path | None = None, *, core: int | None = None
+) -> float:
     """The value of a case, measured in a fresh process.
 
     Args:
@@ -120,6 +150,7 @@ def value_of(case: str, size: int, seed: int, root: Path, cache: Path | None = N
         seed: Of the case.
         root: Folder that contains the package.
         cache: Folder for the machine code of its kernels; by default numba's.
+        core: Number of the core on which the process runs; by default any.
 
     Raises:
         CaseError: The case failed, or measured another package.
@@ -128,6 +159,7 @@ def value_of(case: str, size: int, seed: int, root: Path, cache: Path | None = N
     if cache is not None:
         environment["NUMBA_CACHE_DIR"] = str(cache)
     command = [sys.executable, "-P", str(_SCRIPT), case, str(size), str(seed)]
+    command += [] if core is None else [str(core)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
@@ -164,7 +196,8 @@ def page(rows: Sequence[Timed], theirs: Checkout, ours: Checkout, repeats: int, 
         f"Speed of this checkout ({ours.version}) beside commit {theirs.version}, with the same Python and the same "
         f"libraries. Each case runs alternately in both checkouts: {repeats} pairs, and "
         f"{min(repeats, FIRST_CALL_PAIRS)} of first calls. Each measurement has a process of its own, and each pair a "
-        "seed of its own. Kernels are compiled before the first pair; a first call finds none, and its seconds count "
+        "seed of its own. A case with one thread runs on the same core in both checkouts, and pairs take turns between "
+        "the cores. Kernels are compiled before the first pair; a first call finds none, and its seconds count "
         "from the import."
     )
     note = (

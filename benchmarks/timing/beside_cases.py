@@ -1,11 +1,12 @@
 """One case of `throughput.py --beside`, measured on the package that PYTHONPATH names: this version or an older one.
 
-    PYTHONPATH=checkout python -P benchmarks/timing/beside_cases.py CASE SIZE SEED
+    PYTHONPATH=checkout python -P benchmarks/timing/beside_cases.py CASE SIZE SEED [CORE]
 
 Prints the value and the folder of the package. `_PLACES` lists where each version keeps what the cases use. All
 versions run the task of version 0.1, the only one that they share.
 """
 
+import os
 import sys
 import warnings
 from collections.abc import Callable
@@ -184,6 +185,8 @@ def _steps_a_second(env: Any, act: Callable[[Any, Any], Any], steps: int, seed: 
 
 
 if __name__ == "__main__":
-    case, size, seed = sys.argv[1:]
+    case, size, seed, *core = sys.argv[1:]
+    if core:
+        os.sched_setaffinity(0, map(int, core))
     value = CASES[case](int(size), int(seed))
     print(value, Path(sys.modules["khepera_forage"].__file__ or "").parents[1], sep="\n")

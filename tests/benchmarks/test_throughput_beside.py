@@ -51,6 +51,16 @@ def table(rows: list[Timed]) -> dict[str, str]:
     return {line.split(" | ")[0].strip("| "): line for line in text.splitlines() if line.startswith("| ")}
 
 
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="needs cores that can be chosen")
+def test_pairs_of_a_case_with_one_thread_take_turns_between_the_cores() -> None:
+    cores = sorted(os.sched_getaffinity(0))
+    for case in CASES:
+        own = pairs([case], VERSIONS, repeats=len(cores) + 1, quick=True, seed=0)
+        chosen = [pair.core for pair in own if pair.number >= 0]
+        one_thread = case.name in ("pymunk", "one_world")
+        assert chosen == ([*cores, cores[0]] if one_thread else [None] * len(chosen)), case.name
+
+
 @in_a_checkout
 def test_comparison_of_a_commit_is_written_and_printed(quick_run: QuickRun) -> None:
     out = quick_run("throughput", "--beside", "HEAD", "--only", "pymunk")

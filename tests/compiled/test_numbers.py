@@ -64,3 +64,4 @@ def test_compiled_angles_are_those_of_the_task() -> None:
         assert abs(rules.length(a, b) - angles.length(a, b)) < 1e-12
         assert abs(rules.sine(a) - angles.sine(a)) < 1e-12
         assert abs(rules.arcsine(b / 400) - angles.arcsine(b / 400)) < 1e-10
+    assert [rules.heading_of(float(degrees)) for degrees in range(360)] == list(angles.HEADINGS)

@@ -123,7 +123,7 @@ def test_update_food_is_the_same_on_records(count: int, where: Arena, decisions:
             x, y = rng.uniform((20, 5), (125, 40))
             present = bool(rng.random() < 0.5)
             explored = present and bool(rng.random() < 0.3)
-            pose = (float(x), float(y), float(rng.integers(0, 360)))
+            pose = (float(x), float(y), int(rng.integers(0, 360)))
             arm = int(rng.choice((215, 255)))
             known = tracker, foods, tracker.known_ways, tracker.links, tracks
             update_food(*known, arena, *pose, present, explored, arm, values)
