@@ -74,7 +74,7 @@ def crosses_home(x: float, y: float, to_x: float, to_y: float, ways: Any) -> boo
     along = home_x * dx + home_y * dy
     if along <= 0.0 or along >= squared:
         return False
-    # Squares are compared, because roots and quotients take longer: `aside` is that of `aside * distance`.
+    # How far the home lies aside, times the length of the way, squared: roots and quotients would take longer.
     aside = (home_x * dy - home_y * dx) ** 2
     if aside >= ways.berth * ways.berth * squared:
         return False
@@ -103,7 +103,7 @@ def is_passed_closely(
     squared, along = dx * dx + dy * dy, corner_x * dx + corner_y * dy
     if along <= 0.0 or along >= squared:
         return False
-    # As in `crosses_home`.
+    # As in `crosses_home`, with the corner in place of the home.
     aside = (corner_x * dy - corner_y * dx) ** 2
     if aside >= min(ways.clearance * ways.clearance, squared / 4.0) * squared:
         return False
