@@ -20,7 +20,7 @@ from khepera_forage.envs.compiled.records import (
     tracker_dtype,
 )
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
-from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
+from khepera_forage.sim.compiled.bodies import APART, Bodies, bodies_of, empty_bodies
 from khepera_forage.sim.compiled.records import LANES
 
 UNUSED = -1e6
@@ -42,8 +42,8 @@ class Worlds(NamedTuple):
         food_lengths: Shape (blocks, lanes, foods, waypoints).
         links: `link_dtype`, shape (blocks, lanes, 2 * foods).
         episodes: `episode_dtype`, shape (blocks, lanes).
-        starts: `start_dtype`, shape (threads, 1). It holds nothing between rounds.
-        places: `place_dtype`, shape (threads, foods). It holds nothing between rounds.
+        starts: `start_dtype`, shape (threads * APART, 1); of one block (1,). It holds nothing between rounds.
+        places: `place_dtype`, shape (threads * APART, foods); of one block (foods,). It holds nothing between rounds.
     """
 
     bodies: Bodies
@@ -74,8 +74,8 @@ def worlds_of(worlds: Worlds, block: int, thread: int) -> Worlds:
         worlds.food_lengths[block],
         worlds.links[block],
         worlds.episodes[block],
-        worlds.starts[thread],
-        worlds.places[thread],
+        worlds.starts[thread * APART],
+        worlds.places[thread * APART],
     )
 
 
@@ -112,8 +112,8 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
         *known_ways(blocks, lanes, foods, waypoints),
         links,
         aligned_zeros((blocks, lanes), episode_dtype),
-        aligned_zeros((threads, 1), start_dtype),
-        aligned_zeros((threads, foods), place_dtype),
+        aligned_zeros((threads * APART, 1), start_dtype),
+        aligned_zeros((threads * APART, foods), place_dtype),
     )
 
 

@@ -15,6 +15,10 @@ from khepera_forage.sim.compiled.records import (
     track_dtype,
 )
 
+APART = 8
+"""Rows of a small scratch array from one thread to the next. Neighbours would write to the same cache line, and wait
+for one another."""
+
 
 class Bodies(NamedTuple):
     """Robots, food and tracks of all blocks; `bodies_of` gives those of one block.
@@ -24,7 +28,8 @@ class Bodies(NamedTuple):
         foods: `food_dtype`, shape (blocks, foods); of one block an array with one record a food object.
         tracks: `track_dtype`, shape (blocks, lanes, 2 * foods); of one block shape (lanes, 2 * foods).
         scratch: `scratch_dtype`, shape (threads,); of one block a record. It holds nothing between rounds.
-        detections: `detection_dtype`, shape (threads, foods); of one block an array. It holds nothing between rounds.
+        detections: `detection_dtype`, shape (threads * APART, foods); of one block an array. It holds nothing between
+            rounds.
         near: `Near` if worlds are in different arenas, and otherwise an empty tuple.
     """
 
@@ -51,7 +56,7 @@ def empty_bodies(blocks: int, foods: int, lanes: int = LANES, near: Any = ()) ->
         aligned_zeros((blocks, foods), food_dtype(lanes)),
         aligned_zeros((blocks, lanes, 2 * foods), track_dtype),
         aligned_zeros(threads, scratch_dtype(lanes)),
-        aligned_zeros((threads, foods), detection_dtype),
+        aligned_zeros((threads * APART, foods), detection_dtype),
         near,
     )
 
@@ -64,6 +69,6 @@ def bodies_of(bodies: Bodies, block: int, thread: int) -> Bodies:
         bodies.foods[block],
         bodies.tracks[block],
         bodies.scratch[thread],
-        bodies.detections[thread],
+        bodies.detections[thread * APART],
         lists_of(bodies.near, block),
     )
