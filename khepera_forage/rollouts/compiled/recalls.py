@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from khepera_forage.compilation.aligned import aligned_zeros
 from khepera_forage.compilation.threads import share_out, threads_for
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.envs.arena_pool import Arenas
@@ -114,7 +115,7 @@ def run_recalls(
     keys, several = _keys(seed, count), arenas.several
     indices = arenas.next(keys, np.zeros(count, np.int64)) if several else ()
     plan = Plan(keys, policies, indices, np.zeros(1, np.int64), *as_records(None, None, foods))
-    worlds, state = arenas.empty_worlds(threads), np.zeros((threads, LANES), decision_dtype)
+    worlds, state = arenas.empty_worlds(threads), aligned_zeros((threads, LANES), decision_dtype)
     common = (worlds, arenas.parameters, arenas.task, memories, plan, state, outcomes)
     share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0, several=several))
     if not outcomes.free[0]:
