@@ -84,10 +84,8 @@ class PymunkKhepera:
         self.others: Sequence[pymunk.Body] = ()
         self._walls = WallWatch(walls)
         self._noise = noise
-        self._infra_red_gain, self._arm_reading_scale = (
-            parameters.infra_red_gain,
-            parameters.arm_reading_scale,
-        )
+        self._infra_red_gain = parameters.infra_red_gain
+        self._arm_reading_scale = parameters.arm_reading_scale
         self._left_share, self._right_share = 1.0 + (bias[0] + parameters.left_wheel_error), 1.0 + bias[1]
         self._command = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self._left_pulses = self._right_pulses = 0.0
@@ -200,9 +198,8 @@ class PymunkKhepera:
     def _place_body(self) -> None:
         """Bring the body to where the robot has glided: only physics, the gripper and other robots look at it."""
         if self._glided:
-            x, y, angle = self.pose
-            _set_position(self.body, (x, y))
-            _set_angle(self.body, angle)
+            _set_position(self.body, self.pose[:2])
+            _set_angle(self.body, self.pose.heading)
 
     @property
     def busy(self) -> bool:
@@ -219,8 +216,7 @@ class PymunkKhepera:
 
     def end_round(self) -> None:
         """Take down where physics has brought the robot."""
-        x, y = self.body.position
-        self._end_round(x, y, self.body.angle)
+        self._end_round(*self.body.position, self.body.angle)
 
     def _end_round(self, x: float, y: float, angle: float) -> None:
         left, right, _, _ = self._command
@@ -244,9 +240,8 @@ class PymunkKhepera:
                 clean = [self._infra_red_gain * reading for reading in clean]
         else:
             clean = [0.0] * 8
-        readings = reported_readings(
-            clean, blocked, self._noise.proximity_gain, self._noise.proximity_floor, self._sensor_draws
-        )
+        gain, floor = self._noise.proximity_gain, self._noise.proximity_floor
+        readings = reported_readings(clean, blocked, gain, floor, self._sensor_draws)
         arm = int(ARM_DOWN - self._arm_reading_scale * (ARM_DOWN - gripper.arm) + 0.5)
         present = PRESENT if gripper.interrupted(x, y, cosine, sine, self.foods) else 0
         return tuple.__new__(
