@@ -61,7 +61,9 @@ def move_in_contact(robot: Any, foods: Any, scratch: Any, near: Any, parameters:
             x, y, heading = robot.x[i], robot.y[i], robot.heading[i]
             move_jaw(robot, foods, i, walls, jaw_step)
             turn, forward = turns * duration, goes * duration
-            cos, sin = cosine_sine(heading + turn / 2)
+            cos, sin = robot.cos[i], robot.sin[i]
+            if turn != 0.0:
+                cos, sin = cosine_sine(heading + turn / 2)
             _put(robot, i, x + forward * cos, y + forward * sin, heading + turn)
             moved = 1.0
             for _ in range(_REPEATS):
@@ -81,8 +83,10 @@ def move_in_contact(robot: Any, foods: Any, scratch: Any, near: Any, parameters:
 
 @inline
 def _put(robot: Any, i: int, x: float, y: float, heading: float) -> None:
-    robot.x[i], robot.y[i], robot.heading[i] = x, y, heading
-    robot.cos[i], robot.sin[i] = cosine_sine(heading)
+    robot.x[i], robot.y[i] = x, y
+    if heading != robot.heading[i]:
+        robot.heading[i] = heading
+        robot.cos[i], robot.sin[i] = cosine_sine(heading)
 
 
 @inline
