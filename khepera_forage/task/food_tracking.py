@@ -73,9 +73,9 @@ class FoodTracker:
         poison_home: Poisonous food objects brought home.
         deliverable: Food objects that are not known to be poisonous.
         food_seen: Whether there is a candidate food.
-        food_x: Nearest candidate food in pixels; 0 without one.
-        food_y: Nearest candidate food in pixels; 0 without one.
-        nearest: Number of that food object; -1 if there is none, or if it is not known which one it is.
+        nearest: Number of the nearest candidate food; -1 if there is none, or if it is not known which one it is.
+        food_x: Its place in pixels; 0 without one.
+        food_y: Its place in pixels; 0 without one.
         food_way_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
         food_way_y: Likewise.
         food_path: Length of the path, pixels; 0 if the way is straight.
@@ -93,9 +93,9 @@ class FoodTracker:
     poison_home: int = 0
     deliverable: int = 0
     food_seen: bool = False
+    nearest: int = -1
     food_x: float = 0.0
     food_y: float = 0.0
-    nearest: int = -1
     food_way_x: float = 0.0
     food_way_y: float = 0.0
     food_path: float = 0.0

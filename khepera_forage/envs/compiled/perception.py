@@ -61,7 +61,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
         task.food_type[i] = tracker.type_in_gripper
 
 
-@kernel
+@inline  # with one caller in each entrance: its arguments, some hundred numbers, need not be handed over
 def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     """Raw data, state vector and state, once food is tracked."""
     robot, task = worlds.bodies.robots, worlds.tasks

@@ -1,7 +1,8 @@
 """The records that hold the task of compiled worlds, beside those of the bodies (`sim.compiled.records`).
 
 What is computed for many worlds at once has fields over lanes. What the rules of the task remember is one record for
-each world.
+each world, with whole numbers no larger than they need to be: the records of a block then leave more of a processor's
+nearest memory to the rest.
 """
 
 from dataclasses import fields
@@ -38,11 +39,13 @@ NEAREST_WALLS = ("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "neares
 
 tracker_dtype = np.dtype(
     [
-        *((name, "i8") for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable")),
+        *((name, "i2") for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable")),
         ("food_seen", "?"),
-        *((name, "f8") for name in ("food_x", "food_y")),
-        ("nearest", "i8"),
-        *((name, "f8") for name in ("food_way_x", "food_way_y", "food_path", "last_distance")),
+        ("nearest", "i2"),
+        *(
+            (name, "f8")
+            for name in ("food_x", "food_y", "food_way_x", "food_way_y", "food_path", "last_distance")
+        ),
     ],
     align=True,
 )
@@ -50,7 +53,7 @@ tracker_dtype = np.dtype(
 
 food_object_dtype = np.dtype(
     [
-        *(("x", "f8"), ("y", "f8"), ("type", "i8"), ("known", "i8")),
+        *(("x", "f8"), ("y", "f8"), ("type", "i1"), ("known", "i1")),
         *((name, "?") for name in ("delivered", "carried", "may_be_poisonous")),
         ("side", "i1"),
         *(("lengths_x", "f8"), ("lengths_y", "f8")),
@@ -59,15 +62,15 @@ food_object_dtype = np.dtype(
 )
 """`task.food_tracking.FoodObject`."""
 
-link_dtype = np.dtype([(name, "i8") for name in ("label", "food", "lost_rounds")])
+link_dtype = np.dtype([("label", "i4"), ("food", "i2"), ("lost_rounds", "i4")], align=True)
 """`task.food_tracking.Link`."""
 
 episode_dtype = np.dtype(
     [
-        *((name, "i8") for name in ("steps", "correct", "value")),
+        *((name, "i4") for name in ("steps", "correct", "value")),
         ("reward", "f8"),
         *((name, "?") for name in ("terminated", "truncated")),
-        ("number", "i8"),  # episodes of this world that began since it was seeded
+        ("number", "i4"),  # episodes of this world that began since it was seeded
     ],
     align=True,
 )

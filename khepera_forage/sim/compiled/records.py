@@ -88,12 +88,12 @@ arena_dtype = np.dtype(
 
 track_dtype = np.dtype(
     [
-        ("label", "i8"),
+        ("label", "i4"),
         ("x", "f8"),
         ("y", "f8"),
-        ("holes", "i8"),
+        ("holes", "i1"),
         ("found", "?"),
-        ("detection", "i8"),
+        ("detection", "i2"),
     ],
     align=True,
 )
