@@ -140,12 +140,18 @@ def _train(
         say(shown, learning, pairs)
         record_vectors(learning.tasks, pairs, diagonal, records.vectors)
         drive_behaviours(shown, teachers.task)
-        carry_out(shown, teachers.parameters, teachers.task, advance)
+        _carry_out(teachers, advance)
         share_food_types(shown, learning)
         drive_learners(learning, pairs, learners.task)
-        carry_out(learning, learners.parameters, learners.task, advance)
+        _carry_out(learners, advance)
         share_food_types(learning, shown)
         over = end_round(teachers, learners, pairs, terms)
+
+
+@kernel
+def _carry_out(side: Side, advance: int) -> None:
+    """One round of bodies and task on one side; compiled once for both."""
+    carry_out(side.worlds, side.parameters, side.task, advance)
 
 
 @entrance
