@@ -1,8 +1,8 @@
 """The nearest wall, without looking at every wall in every round. Plain functions, also compiled.
 
 When a robot has moved a little, the nearest wall is still the same one, or, between two walls or beside a corner, the
-one that was second. So each time all walls are compared, it is also found out how far the robot may move until a third
-one could be nearer.
+one that was second. So each time all walls are compared, the four nearest ones are kept, and it is also found out how
+far the robot may move until the nearest one could be another than the first two, or the first four.
 """
 
 import math
@@ -22,16 +22,22 @@ class NearestWall:
     Attributes:
         x: Where the robot was when all walls were compared, pixels.
         y: Likewise.
-        room: How far it may move before they have to be compared again, pixels; 0 if they always have to.
-        number: Number of the nearest wall.
+        room: How far it may move before all of them have to be compared again, pixels; 0 if they always have to.
+        room_of_two: How far it may move while the nearest wall is certainly the first or the second, pixels.
+        first: Number of the nearest wall.
         second: Number of the second nearest one.
+        third: Likewise. In a room of three walls, again one of those.
+        fourth: Likewise.
     """
 
     x: float = 0.0
     y: float = 0.0
     room: float = 0.0
-    number: int = 0
+    room_of_two: float = 0.0
+    first: int = 0
     second: int = 0
+    third: int = 0
+    fourth: int = 0
 
 
 def to_nearest_wall(known: Any, x: float, y: float, walls: Any) -> tuple[float, float]:
@@ -43,21 +49,33 @@ def to_nearest_wall(known: Any, x: float, y: float, walls: Any) -> tuple[float, 
         y: Of the robot, pixels.
         walls: `geometry.walls.Wall` records in pixels.
     """
-    if not is_still_nearest(known, x, y):
+    if not _is_within(known, x, y, known.room):
         find_nearest_walls(known, x, y, walls)
-    one, other = walls[known.number], walls[known.second]
+    nearest = _to_nearer(x, y, walls[known.first], walls[known.second])
+    if _is_within(known, x, y, known.room_of_two):
+        return nearest
+    other = _to_nearer(x, y, walls[known.third], walls[known.fourth])
+    return nearest if is_nearer(*nearest, *other) else other
+
+
+def is_still_nearest(known: Any, x: float, y: float) -> bool:
+    """Whether the nearest wall is certainly one of those that are known; arguments as for `to_nearest_wall`."""
+    return _is_within(known, x, y, known.room)
+
+
+def _is_within(known: Any, x: float, y: float, room: float) -> bool:
+    dx, dy = x - known.x, y - known.y
+    within: bool = dx * dx + dy * dy < room * room
+    return within
+
+
+def _to_nearer(x: float, y: float, one: Any, other: Any) -> tuple[float, float]:
+    """From a place to the nearer of two walls."""
     one_x, one_y = to_wall(x, y, one.x1, one.y1, one.ex, one.ey, one.share)
     other_x, other_y = to_wall(x, y, other.x1, other.y1, other.ex, other.ey, other.share)
     if is_nearer(one_x, one_y, other_x, other_y):
         return one_x, one_y
     return other_x, other_y
-
-
-def is_still_nearest(known: Any, x: float, y: float) -> bool:
-    """Whether the nearest wall is certainly one of those that are known; arguments as for `to_nearest_wall`."""
-    dx, dy, room = x - known.x, y - known.y, known.room
-    still: bool = dx * dx + dy * dy < room * room
-    return still
 
 
 def is_nearer(x: float, y: float, other_x: float, other_y: float) -> bool:
@@ -67,19 +85,28 @@ def is_nearer(x: float, y: float, other_x: float, other_y: float) -> bool:
 
 def find_nearest_walls(known: Any, x: float, y: float, walls: Any) -> None:
     """Compare all walls; arguments as for `to_nearest_wall`."""
-    first = second = third = math.inf
-    number = other = 0
+    nearest = second = third = fourth = fifth = math.inf
+    a = b = c = d = 0
     for k in range(len(walls)):
         wall = walls[k]
         dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
         squared = dx * dx + dy * dy
-        if squared < first:
-            first, second, third = squared, first, second
-            number, other = k, number
+        if squared < nearest:
+            nearest, second, third, fourth, fifth = squared, nearest, second, third, fourth
+            a, b, c, d = k, a, b, c
         elif squared < second:
-            second, third, other = squared, second, k
+            second, third, fourth, fifth, b, c, d = squared, second, third, fourth, k, b, c
         elif squared < third:
-            third = squared
-    known.x, known.y, known.number, known.second = x, y, number, other
-    # The distance to the nearest wall grows, and that to the third one shrinks, by no more than the robot moves.
-    known.room = max(0.0, (math.sqrt(third) - math.sqrt(first)) / 2.0 - _ROUNDING)
+            third, fourth, fifth, c, d = squared, third, fourth, k, c
+        elif squared < fourth:
+            fourth, fifth, d = squared, fourth, k
+        elif squared < fifth:
+            fifth = squared
+    known.x, known.y, known.first, known.second, known.third, known.fourth = x, y, a, b, c, d
+    known.room_of_two, known.room = _room(nearest, third), _room(nearest, fifth)
+
+
+def _room(nearest: float, next_one: float) -> float:
+    """How far a robot may move until another wall could be nearer; arguments are squared distances."""
+    # The distance to the nearest wall grows, and that to another one shrinks, by no more than the robot moves.
+    return max(0.0, (math.sqrt(next_one) - math.sqrt(nearest)) / 2.0 - _ROUNDING)

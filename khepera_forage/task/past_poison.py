@@ -26,6 +26,20 @@ _LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
+def is_poison_about(held: int, foods: Any) -> bool:
+    """Whether there may be poison to drive past.
+
+    Args:
+        held: Number of the food object in the gripper.
+        foods: `FoodObject` records.
+    """
+    suspects = 0
+    for k in range(len(foods)):
+        if k != held and _is_suspect(foods[k]):
+            suspects += 1
+    return suspects > 0
+
+
 def past_poison(
     x: float, y: float, to_x: float, to_y: float, held: int, foods: Any, arena: ArenaMap
 ) -> tuple[float, float]:

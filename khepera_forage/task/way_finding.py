@@ -10,7 +10,7 @@ from khepera_forage.geometry.angles import length
 from khepera_forage.geometry.known_ways import StraightWay, is_known_clear
 from khepera_forage.geometry.paths import find_lengths, has_path, next_waypoint
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.past_poison import past_poison
+from khepera_forage.task.past_poison import is_poison_about, past_poison
 
 _MOVED = 1.0
 """Pixels by which food may move before the paths to it are looked up again."""
@@ -62,7 +62,7 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, are
     way = arena.home_x, arena.home_y, 0.0
     if len(arena.ways.corners) > 0:
         way = _around_walls(x, y, known, arena)
-    if tracker.held < 0 or len(foods) == 1:
+    if tracker.held < 0 or not is_poison_about(tracker.held, foods):
         return way
     return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 

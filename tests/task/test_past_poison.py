@@ -8,7 +8,7 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.past_poison import past_poison
+from khepera_forage.task.past_poison import is_poison_about, past_poison
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import no_known_ways, way_home
@@ -71,6 +71,18 @@ def test_poison_beside_behind_or_beyond_is_not_in_the_way(place: tuple[float, fl
 @pytest.mark.parametrize("known", [FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.UNKNOWN])
 def test_other_food_is_not_passed(known: FoodType) -> None:
     assert _aim(_foods(AHEAD, known)) == HOME
+    assert not is_poison_about(0, _foods(AHEAD, known))
+
+
+def test_poison_is_about_if_food_other_than_that_in_the_gripper_is_or_may_be_poisonous() -> None:
+    foods = _foods(AHEAD)
+    assert is_poison_about(0, foods)
+    assert not is_poison_about(1, foods)
+    foods[1].delivered = True
+    assert not is_poison_about(0, foods)
+    unknown = _foods(AHEAD, FoodType.UNKNOWN)
+    unknown[1].may_be_poisonous = True
+    assert is_poison_about(0, unknown)
 
 
 def test_unknown_food_is_passed_where_there_can_be_poison() -> None:

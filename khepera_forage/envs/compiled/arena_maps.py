@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import types, variant
+from khepera_forage.compilation.parts import part_of
 from khepera_forage.envs.compiled.parameters import TaskParameters, arena_map, floor, floor_with, map_of
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.sim.compiled.near_walls import several
@@ -45,15 +46,15 @@ def map_in(maps: Any, i: int) -> ArenaMap:
 def _map_in(maps: Any, i: int) -> ArenaMap:
     task = maps.task
     arena = task.arena[maps.lists[0].arena[i]]
-    waypoint, length = arena.first_waypoint, arena.first_length
+    waypoint, count = arena.first_waypoint, arena.waypoints
     return map_of(
         arena,
-        task.map_walls[arena.first_wall : arena.first_wall + arena.walls],
-        task.corners[arena.first_corner : arena.first_corner + arena.corners],
-        task.waypoints[waypoint : waypoint + arena.waypoints],
-        task.way_lengths[length : length + arena.waypoints * arena.waypoints],
-        task.start_lengths[waypoint : waypoint + arena.waypoints],
-        task.home_lengths[waypoint : waypoint + arena.waypoints],
+        part_of(task.map_walls, arena.first_wall, arena.walls),
+        part_of(task.corners, arena.first_corner, arena.corners),
+        part_of(task.waypoints, waypoint, count),
+        part_of(task.way_lengths, arena.first_length, count * count),
+        part_of(task.start_lengths, waypoint, count),
+        part_of(task.home_lengths, waypoint, count),
     )
 
 
@@ -112,4 +113,4 @@ def floor_in(near: Any, task: TaskParameters, i: int) -> Floor:
 @variant(floor_in, several)
 def _floor_in(near: Any, task: TaskParameters, i: int) -> Floor:
     arena = task.arena[near.lists[0].arena[i]]
-    return floor_with(arena, task.floor_walls[arena.first_wall : arena.first_wall + arena.walls])
+    return floor_with(arena, part_of(task.floor_walls, arena.first_wall, arena.walls))

@@ -112,11 +112,14 @@ def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
         if not is_still_nearest(known, x, y):
             walls = map_in(maps, i).walls
             find_nearest_walls(known, x, y, walls)
-            _keep_wall(task, 0, i, walls[known.number])
+            _keep_wall(task, 0, i, walls[known.first])
             _keep_wall(task, 1, i, walls[known.second])
+            _keep_wall(task, 2, i, walls[known.third])
+            _keep_wall(task, 3, i, walls[known.fourth])
+    # All four, without a look at whether two would do: the same in every lane.
     for i in range(robot.x.shape[0]):
-        one_x, one_y = _to_kept_wall(robot, task, 0, i)
-        other_x, other_y = _to_kept_wall(robot, task, 1, i)
+        one_x, one_y = _to_nearer_of_kept(robot, task, 0, i)
+        other_x, other_y = _to_nearer_of_kept(robot, task, 2, i)
         nearer = is_nearer(one_x, one_y, other_x, other_y)
         task.wall_x[i], task.wall_y[i] = one_x if nearer else other_x, one_y if nearer else other_y
 
@@ -125,6 +128,15 @@ def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
 def _keep_wall(task: Any, k: int, i: int, wall: Any) -> None:
     task.nearest_x1[k, i], task.nearest_y1[k, i], task.nearest_share[k, i] = wall.x1, wall.y1, wall.share
     task.nearest_ex[k, i], task.nearest_ey[k, i] = wall.ex, wall.ey
+
+
+@inline
+def _to_nearer_of_kept(robot: Any, task: Any, k: int, i: int) -> tuple[float, float]:
+    """From a robot to the nearer of kept walls k and k + 1."""
+    one_x, one_y = _to_kept_wall(robot, task, k, i)
+    other_x, other_y = _to_kept_wall(robot, task, k + 1, i)
+    nearer = is_nearer(one_x, one_y, other_x, other_y)
+    return one_x if nearer else other_x, one_y if nearer else other_y
 
 
 @inline

@@ -35,7 +35,7 @@ TASK = (
 )
 """Fields of the task of one world."""
 NEAREST_WALLS = ("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share")
-"""Fields of the task of one world that hold the two nearest walls, if worlds are in different arenas."""
+"""Fields of the task of one world that hold the four nearest walls, if worlds are in different arenas."""
 
 tracker_dtype = np.dtype(
     [
@@ -89,7 +89,10 @@ straight_way_dtype = np.dtype(
 """`geometry.known_ways.StraightWay`."""
 
 nearest_wall_dtype = np.dtype(
-    [*((name, "f4") for name in ("x", "y", "room")), *((name, "i2") for name in ("number", "second"))]
+    [
+        *((name, "f4") for name in ("x", "y", "room", "room_of_two")),
+        *((name, "i2") for name in ("first", "second", "third", "fourth")),
+    ]
 )
 """`geometry.nearest_wall.NearestWall`."""
 
@@ -119,4 +122,4 @@ corners and waypoints are this arena's, and where the lengths of its ways begin.
 def task_dtype(lanes: int) -> np.dtype[Any]:
     """The task of one block of worlds."""
     fields = [(name, "f8", (lanes,)) for name in TASK]
-    return np.dtype(fields + [(name, "f8", (2, lanes)) for name in NEAREST_WALLS])
+    return np.dtype(fields + [(name, "f8", (4, lanes)) for name in NEAREST_WALLS])
