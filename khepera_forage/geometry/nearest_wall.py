@@ -1,8 +1,9 @@
 """The nearest wall, without looking at every wall in every round. Plain functions, also compiled.
 
 When a robot has moved a little, the nearest wall is still the same one, or, between two walls or beside a corner, the
-one that was second. So each time all walls are compared, the four nearest ones are kept, and it is also found out how
-far the robot may move until the nearest one could be another than the first two, or the first four.
+one that was second. So each time all walls are compared, it is also found out how far the robot may move until a third
+one could be nearer. Blocks of worlds look at the four nearest walls in place of two: they then have to compare all
+walls less often, and to look at two more takes them little time.
 """
 
 import math
@@ -22,8 +23,9 @@ class NearestWall:
     Attributes:
         x: Where the robot was when all walls were compared, pixels.
         y: Likewise.
-        room: How far it may move before all of them have to be compared again, pixels; 0 if they always have to.
-        room_of_two: How far it may move while the nearest wall is certainly the first or the second, pixels.
+        room_of_two: How far it may move while the nearest wall is certainly the first or the second, pixels; 0 if that
+            is never certain.
+        room_of_four: How far it may move while it is certainly one of all four.
         first: Number of the nearest wall.
         second: Number of the second nearest one.
         third: Likewise. In a room of three walls, again one of those.
@@ -32,8 +34,8 @@ class NearestWall:
 
     x: float = 0.0
     y: float = 0.0
-    room: float = 0.0
     room_of_two: float = 0.0
+    room_of_four: float = 0.0
     first: int = 0
     second: int = 0
     third: int = 0
@@ -49,33 +51,25 @@ def to_nearest_wall(known: Any, x: float, y: float, walls: Any) -> tuple[float, 
         y: Of the robot, pixels.
         walls: `geometry.walls.Wall` records in pixels.
     """
-    if not _is_within(known, x, y, known.room):
+    if not _is_within(known, x, y, known.room_of_two):
         find_nearest_walls(known, x, y, walls)
-    nearest = _to_nearer(x, y, walls[known.first], walls[known.second])
-    if _is_within(known, x, y, known.room_of_two):
-        return nearest
-    other = _to_nearer(x, y, walls[known.third], walls[known.fourth])
-    return nearest if is_nearer(*nearest, *other) else other
+    one, other = walls[known.first], walls[known.second]
+    one_x, one_y = to_wall(x, y, one.x1, one.y1, one.ex, one.ey, one.share)
+    other_x, other_y = to_wall(x, y, other.x1, other.y1, other.ex, other.ey, other.share)
+    if is_nearer(one_x, one_y, other_x, other_y):
+        return one_x, one_y
+    return other_x, other_y
 
 
-def is_still_nearest(known: Any, x: float, y: float) -> bool:
-    """Whether the nearest wall is certainly one of those that are known; arguments as for `to_nearest_wall`."""
-    return _is_within(known, x, y, known.room)
+def is_among_four(known: Any, x: float, y: float) -> bool:
+    """Whether the nearest wall is certainly one of the four that are known; arguments as for `to_nearest_wall`."""
+    return _is_within(known, x, y, known.room_of_four)
 
 
 def _is_within(known: Any, x: float, y: float, room: float) -> bool:
     dx, dy = x - known.x, y - known.y
     within: bool = dx * dx + dy * dy < room * room
     return within
-
-
-def _to_nearer(x: float, y: float, one: Any, other: Any) -> tuple[float, float]:
-    """From a place to the nearer of two walls."""
-    one_x, one_y = to_wall(x, y, one.x1, one.y1, one.ex, one.ey, one.share)
-    other_x, other_y = to_wall(x, y, other.x1, other.y1, other.ex, other.ey, other.share)
-    if is_nearer(one_x, one_y, other_x, other_y):
-        return one_x, one_y
-    return other_x, other_y
 
 
 def is_nearer(x: float, y: float, other_x: float, other_y: float) -> bool:
@@ -103,7 +97,7 @@ def find_nearest_walls(known: Any, x: float, y: float, walls: Any) -> None:
         elif squared < fifth:
             fifth = squared
     known.x, known.y, known.first, known.second, known.third, known.fourth = x, y, a, b, c, d
-    known.room_of_two, known.room = _room(nearest, third), _room(nearest, fifth)
+    known.room_of_two, known.room_of_four = _room(nearest, third), _room(nearest, fifth)
 
 
 def _room(nearest: float, next_one: float) -> float:

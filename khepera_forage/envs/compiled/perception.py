@@ -11,7 +11,7 @@ from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.raw_data import perceived, senses_in
 from khepera_forage.envs.compiled.ways_home import begin_ways_home, known_ways_in
 from khepera_forage.envs.compiled.worlds import Worlds
-from khepera_forage.geometry.nearest_wall import find_nearest_walls, is_nearer, is_still_nearest
+from khepera_forage.geometry.nearest_wall import find_nearest_walls, is_among_four, is_nearer
 from khepera_forage.geometry.walls import to_wall
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.task.food_tracking import update_food
@@ -109,14 +109,13 @@ def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
         known, x, y = worlds.nearest_walls[i], robot.marker_x[i], robot.marker_y[i]
-        if not is_still_nearest(known, x, y):
+        if not is_among_four(known, x, y):
             walls = map_in(maps, i).walls
             find_nearest_walls(known, x, y, walls)
             _keep_wall(task, 0, i, walls[known.first])
             _keep_wall(task, 1, i, walls[known.second])
             _keep_wall(task, 2, i, walls[known.third])
             _keep_wall(task, 3, i, walls[known.fourth])
-    # All four, without a look at whether two would do: the same in every lane.
     for i in range(robot.x.shape[0]):
         one_x, one_y = _to_nearer_of_kept(robot, task, 0, i)
         other_x, other_y = _to_nearer_of_kept(robot, task, 2, i)

@@ -90,7 +90,7 @@ straight_way_dtype = np.dtype(
 
 nearest_wall_dtype = np.dtype(
     [
-        *((name, "f4") for name in ("x", "y", "room", "room_of_two")),
+        *((name, "f4") for name in ("x", "y", "room_of_two", "room_of_four")),
         *((name, "i2") for name in ("first", "second", "third", "fourth")),
     ]
 )

@@ -39,7 +39,7 @@ def put_down(worlds: Worlds, i: int, parameters: Parameters) -> None:
         known.delivered = known.carried = False
     for k in range(worlds.links.shape[1]):
         worlds.links[i, k].label = -1
-    worlds.nearest_walls[i].room = 0.0
+    worlds.nearest_walls[i].room_of_four = 0.0
     for k in range(worlds.straight_ways.shape[1]):
         way = worlds.straight_ways[i, k]
         way.room, way.blocker, way.waypoint = 0.0, -1, 0
