@@ -80,7 +80,7 @@ def is_nearer(x: float, y: float, other_x: float, other_y: float) -> bool:
 def find_nearest_walls(known: Any, x: float, y: float, walls: Any) -> None:
     """Compare all walls; arguments as for `to_nearest_wall`."""
     nearest = second = third = fourth = fifth = math.inf
-    a = b = c = d = 0
+    a = b = c = d = 0  # numbers of the four nearest walls
     for k in range(len(walls)):
         wall = walls[k]
         dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)

@@ -27,7 +27,9 @@ _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
 def is_poison_about(held: int, foods: Any) -> bool:
-    """Whether there may be poison to drive past.
+    """Whether food other than that in the gripper is poisonous, or may be as far as the robot knows.
+
+    In most arenas none is, and `past_poison` need not be called.
 
     Args:
         held: Number of the food object in the gripper.

@@ -62,7 +62,7 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, are
     way = arena.home_x, arena.home_y, 0.0
     if len(arena.ways.corners) > 0:
         way = _around_walls(x, y, known, arena)
-    if tracker.held < 0 or len(foods) == 1 or not is_poison_about(tracker.held, foods):
+    if tracker.held < 0 or not is_poison_about(tracker.held, foods):
         return way
     return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 
