@@ -119,7 +119,7 @@ without its walls; odds of food types, and the step limit. If worlds are in diff
 corners and waypoints are this arena's, and where the lengths of its ways begin."""
 
 
-def task_dtype(lanes: int) -> np.dtype[Any]:
-    """The task of one block of worlds."""
-    fields = [(name, "f8", (lanes,)) for name in TASK]
-    return np.dtype(fields + [(name, "f8", (4, lanes)) for name in NEAREST_WALLS])
+def task_dtype(lanes: int, several: bool = False) -> np.dtype[Any]:
+    """The task of one block of worlds, which are in one arena or in several."""
+    nearest = [(name, "f8", (4, lanes)) for name in NEAREST_WALLS] if several else []
+    return np.dtype([*((name, "f8", (lanes,)) for name in TASK), *nearest])

@@ -105,7 +105,7 @@ def empty_worlds(blocks: int, foods: int, waypoints: int, lanes: int = LANES, ne
     trackers["held"] = trackers["nearest"] = links["label"] = -1
     return Worlds(
         bodies,
-        aligned_zeros(blocks, task_dtype(lanes)),
+        aligned_zeros(blocks, task_dtype(lanes, bool(near))),
         trackers,
         aligned_zeros((blocks, lanes, foods), food_object_dtype),
         aligned_zeros((blocks, lanes), nearest_wall_dtype),
