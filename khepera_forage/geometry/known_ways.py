@@ -23,14 +23,15 @@ class StraightWay:
     """What is known of the straight way from a robot to one place, the home left aside.
 
     Attributes:
-        x: Where the robot was when the way was examined, pixels.
+        x: Where the robot was when a clear way was examined, or, while the way is blocked, when the waypoint was
+            chosen; pixels. Infinite if none has been chosen since the way was clear.
         y: Likewise.
-        to_x: Where the place was.
+        to_x: Where the place was when a clear way was examined.
         to_y: Likewise.
         room: How far each may move sideways before a clear way has to be examined again, pixels; 0 if it always has to.
             A robot that drives along the way need not examine it again.
         blocker: What blocked the way, see `find_blocker`; -1 if it was clear, or is not known.
-        waypoint: Number of the waypoint that came next when the way last was not clear.
+        waypoint: Number of the waypoint that came next when one was last chosen.
     """
 
     x: float = 0.0
@@ -68,10 +69,13 @@ def is_known_clear(
 
 def examine(known: Any, x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> None:
     """Find out whether a way is clear, and for how long that will be known; arguments as for `is_known_clear`."""
-    known.x, known.y, known.to_x, known.to_y = x, y, to_x, to_y
+    was_clear = known.blocker < 0
     known.blocker = find_blocker(x, y, to_x, to_y, walls, ways)
     if known.blocker < 0:
+        known.x, known.y, known.to_x, known.to_y = x, y, to_x, to_y
         known.room = max(0.0, room_beside(x, y, to_x, to_y, walls, ways) - _ROUNDING)
+    elif was_clear:
+        known.x = known.y = math.inf
 
 
 def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> float:

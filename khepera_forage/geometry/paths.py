@@ -17,6 +17,9 @@ from khepera_forage.geometry.straight_ways import is_clear
 
 _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
+KEPT = 8.0
+"""Pixels (36 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
+waypoint, it looks in every round, so that it turns to the next one in time."""
 
 
 class Spot(NamedTuple):
@@ -115,7 +118,7 @@ def next_waypoint(
         y: Of the one place.
         to_lengths: Of the shortest path from each waypoint to the other place.
         past_home: As for `is_clear`.
-        known: `StraightWay` record of the way to the other place. Its `waypoint` is tried first, and is changed.
+        known: `StraightWay` record of the way to the other place; changed in place.
         to_waypoints: `StraightWay` records of the ways to each waypoint; changed in place.
         walls: `geometry.walls.Wall` records in pixels.
         ways: What is prepared of the arena.
@@ -123,10 +126,65 @@ def next_waypoint(
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
+    number = known.waypoint
+    if not _is_kept(x, y, to_lengths, past_home, known, to_waypoints, walls, ways):
+        number = _choose_waypoint(x, y, to_lengths, past_home, known.waypoint, to_waypoints, walls, ways)
+        if number < 0:
+            return x, y, math.inf
+        known.waypoint = number
+        # While only the home is in the way, the record says where the clear way was examined.
+        if known.blocker >= 0:
+            known.x, known.y = x, y
+    point = ways.waypoints[number]
+    return point.x, point.y, length(point.x - x, point.y - y) + to_lengths[number]
+
+
+def _is_kept(
+    x: float,
+    y: float,
+    to_lengths: Any,
+    past_home: bool,
+    known: Any,
+    to_waypoints: Any,
+    walls: Any,
+    ways: Ways,
+) -> bool:
+    """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
+    if known.blocker < 0 or length(x - known.x, y - known.y) >= KEPT:
+        return False
+    point = ways.waypoints[known.waypoint]
+    if length(point.x - x, point.y - y) <= KEPT or to_lengths[known.waypoint] == math.inf:
+        return False
+    way = to_waypoints[known.waypoint]
+    return is_known_clear(way, x, y, point.x, point.y, past_home, walls, ways)
+
+
+def _choose_waypoint(
+    x: float,
+    y: float,
+    to_lengths: Any,
+    past_home: bool,
+    last: int,
+    to_waypoints: Any,
+    walls: Any,
+    ways: Ways,
+) -> int:
+    """Number of the next waypoint on the shortest path; -1 without a path.
+
+    Args:
+        x: As for `next_waypoint`; so are the others.
+        y: Of the one place.
+        to_lengths: Of the shortest path from each waypoint to the other place.
+        past_home: As for `is_clear`.
+        last: Number of the waypoint last chosen, which is tried first.
+        to_waypoints: `StraightWay` records of the ways to each waypoint; changed in place.
+        walls: `geometry.walls.Wall` records in pixels.
+        ways: What is prepared of the arena.
+    """
     best, found = math.inf, -1
     # Whether a way is clear takes longest to find out. From the last waypoint on, few others can be nearer.
     for k in range(-1, len(ways.waypoints)):
-        number = known.waypoint if k < 0 else k
+        number = last if k < 0 else k
         point = ways.waypoints[number]
         first = length(point.x - x, point.y - y)
         total = first + to_lengths[number]
@@ -136,10 +194,7 @@ def next_waypoint(
             way = to_waypoints[number]
             if is_known_clear(way, x, y, point.x, point.y, past_home, walls, ways):
                 best, found = total, number
-    if found < 0:
-        return x, y, math.inf
-    known.waypoint = found
-    return ways.waypoints[found].x, ways.waypoints[found].y, best
+    return found
 
 
 def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, ways: Ways) -> None:

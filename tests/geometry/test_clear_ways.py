@@ -8,7 +8,7 @@ import pytest
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.geometry.angles import length
 from khepera_forage.geometry.known_ways import StraightWay, is_known_clear, room_beside
-from khepera_forage.geometry.paths import has_path, next_waypoint
+from khepera_forage.geometry.paths import KEPT, has_path, next_waypoint
 from khepera_forage.geometry.straight_ways import is_clear
 from khepera_forage.geometry.walls import clearance
 from khepera_forage.sim.arena import Arena
@@ -85,3 +85,35 @@ def test_next_waypoint_is_the_best_of_all_clear_ones(arena: Arena) -> None:
         assert has_path(x, y, *home, known.ways.home_lengths, False, known.walls, known.ways) == bool(paths)
         around += bool(paths)
     assert around > 50
+
+
+@pytest.mark.parametrize(("driven", "kept"), [(0.9 * KEPT, True), (1.1 * KEPT, False)])
+def test_waypoint_is_kept_until_the_robot_has_driven_36_mm(driven: float, kept: bool) -> None:
+    """Where another waypoint is on the shortest path by then, and the way to the first one is still clear."""
+    known, rng, others = arena_map_of(BLOCKS), np.random.default_rng(4), 0
+    ways, walls, home = known.ways, known.walls, (known.home_x, known.home_y)
+
+    def choose(x: float, y: float, straight: StraightWay) -> tuple[float, float, float]:
+        assert not is_known_clear(straight, x, y, *home, False, walls, ways)
+        to_waypoints = [StraightWay() for _ in ways.waypoints]
+        return next_waypoint(x, y, ways.home_lengths, False, straight, to_waypoints, walls, ways)
+
+    for x, y in rng.uniform((known.left, known.bottom), (known.right, known.top), (3000, 2)).tolist():
+        angle = rng.uniform(-math.pi, math.pi)
+        there = x + driven * math.cos(angle), y + driven * math.sin(angle)
+        if any(
+            clearance(*place, walls) <= 0 or is_clear(*place, *home, False, walls, ways)
+            for place in ((x, y), there)
+        ):
+            continue
+        straight = StraightWay()
+        first, best = choose(x, y, straight)[:2], choose(*there, StraightWay())
+        far = length(first[0] - there[0], first[1] - there[1])
+        if best[:2] == first or far <= KEPT or not is_clear(*there, *first, False, walls, ways):
+            continue
+        others += 1
+        later = choose(*there, straight)
+        assert later[:2] == (first if kept else best[:2])
+        rest = ways.home_lengths[[(point.x, point.y) for point in ways.waypoints].index(later[:2])]
+        assert later[2] == length(later[0] - there[0], later[1] - there[1]) + rest
+    assert others > 20
