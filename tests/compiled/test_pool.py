@@ -13,7 +13,7 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.compiled import prepared_arenas
-from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls, run_teacher
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
 from khepera_forage.sim.compiled.near_walls import empty_lists
@@ -120,6 +120,22 @@ def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> Non
         most = max(most, len(forgetful.unwrapped.batch._arenas.task.arena))
     assert most <= 9  # of one round, and of the round before; lanes without a world count as one
     assert len(every.unwrapped.batch._arenas.task.arena) == 12
+
+
+def test_recalls_keep_their_arenas_and_do_not_depend_on_earlier_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels, teacher = ProceduralArenas("easy", num_levels=1000), np.full(9, TEACHER)
+    alone = run_teacher(levels, 9, seed=3, limit=40)
+    recalls, prepared, runs = Recalls(levels, limit=40), [], []
+    for seed in (0, 0, 3):
+        runs.append(recalls.run(None, teacher, seed))
+        prepared.append(len(recalls._arenas.task.arena))
+    assert prepared[0] == prepared[1] <= 10, "those of one run, and the first one"
+    assert prepared[1] < prepared[2] <= 19
+    monkeypatch.setattr(prepared_arenas, "MOST_ARENAS", 1)
+    runs.append(recalls.run(None, teacher, seed=3))
+    assert len(recalls._arenas.task.arena) <= 10, "those of earlier runs are forgotten"
+    for again, expected in zip(runs, (runs[0], runs[0], alone, alone), strict=True):
+        assert all(np.array_equal(ours, theirs) for ours, theirs in zip(again, expected, strict=True))
 
 
 def test_worlds_do_not_depend_on_their_number() -> None:

@@ -83,17 +83,19 @@ class PreparedArenas:
         """
         return self.indices(arena_number(keys, episodes.astype(np.uint64), len(self._pool)))
 
-    def forget(self, worlds: Worlds) -> None:
+    def forget(self, worlds: Worlds | None = None) -> None:
         """Forget the arenas in which no world is, if there are many.
 
         Args:
-            worlds: All of them. The indices of their arenas change.
+            worlds: All of them; None between rollouts. The indices of their arenas change.
         """
         if not self.several or len(self._numbers) < MOST_ARENAS:
             return
-        lists = worlds.bodies.near.lists
-        kept, indices = np.unique(lists["arena"], return_inverse=True)
-        lists["arena"], lists["listed_arena"] = indices.reshape(lists["arena"].shape), -1
+        kept = np.zeros(1, np.int64)
+        if worlds is not None:
+            lists = worlds.bodies.near.lists
+            kept, indices = np.unique(lists["arena"], return_inverse=True)
+            lists["arena"], lists["listed_arena"] = indices.reshape(lists["arena"].shape), -1
         before, self._pieces = self._pieces, JoinedArenas()
         for index in kept.tolist():
             self._pieces.add(*before[index])

@@ -25,7 +25,7 @@ from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_address
 from khepera_forage.task.decisions import Decisions
 
-__all__ = ["TEACHER", "UNIFORM", "WITHOUT_ORIENTING", "Episodes", "run_recalls", "run_teacher"]
+__all__ = ["TEACHER", "UNIFORM", "WITHOUT_ORIENTING", "Episodes", "Recalls", "run_recalls", "run_teacher"]
 
 
 class Episodes(NamedTuple):
@@ -67,29 +67,15 @@ class Episodes(NamedTuple):
     conflicts: NDArray[np.int64]
 
 
-def run_recalls(
-    arena: Arenas,
-    memories: Memories | None,
-    memory_of_episode: ArrayLike,
-    seed: int | NDArray[np.int64] = 0,
-    *,
-    foods: int = 1,
-    limit: int = 500,
-    noise: Noise | str | None = None,
-    food_types: FoodOdds = None,
-    wheel_speed: float = 1.0,
-    decisions: Decisions | None = None,
-) -> Episodes:
-    """Run recalls from random places: those of `Corridor-v1` and `Rectangle-v1` (4.6, 5.4).
+class Recalls:
+    """Recalls from random places: those of `Corridor-v1` and `Rectangle-v1` (4.6, 5.4).
+
+    An arena is checked and prepared when a recall first takes place in it, which takes some milliseconds, and stays
+    prepared for later runs.
 
     Args:
         arena: As for the environments.
-        memories: What the imitators have learned, from `policies.nearest_neighbour.memories.memories_of`; None
-            without imitators.
-        memory_of_episode: The policy of each recall: the number of a memory, `TEACHER`, or `UNIFORM`.
-        seed: Recall i is the one that an environment on the backend "compiled" has after `reset(seed=seed + i)`. Or
-            one seed a recall.
-        foods: Food objects in each, 1 to 16.
+        foods: Food objects in each recall, 1 to 16.
         limit: Steps after which a recall ends.
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
@@ -97,29 +83,102 @@ def run_recalls(
         decisions: Ours by default.
 
     Raises:
+        ValueError: An argument out of range.
+    """
+
+    def __init__(
+        self,
+        arena: Arenas = "corridor",
+        *,
+        foods: int = 1,
+        limit: int = 500,
+        noise: Noise | str | None = None,
+        food_types: FoodOdds = None,
+        wheel_speed: float = 1.0,
+        decisions: Decisions | None = None,
+    ) -> None:
+        self._foods = foods
+        self._arenas = recall_arenas(
+            arena, foods, limit, noise, food_types, checked_decisions(decisions), wheel_speed
+        )
+
+    def run(
+        self, memories: Memories | None, memory_of_episode: ArrayLike, seed: int | NDArray[np.int64] = 0
+    ) -> Episodes:
+        """Run recalls; earlier runs do not change their results.
+
+        Args:
+            memories: What the imitators have learned, from `policies.nearest_neighbour.memories.memories_of`; None
+                without imitators.
+            memory_of_episode: The policy of each recall: the number of a memory, `TEACHER`, or `UNIFORM`.
+            seed: Recall i is the one that an environment on the backend "compiled" has after `reset(seed=seed + i)`.
+                Or one seed a recall.
+
+        Raises:
+            ValueError: An argument out of range, or an arena with no room.
+        """
+        memories = NO_MEMORIES if memories is None else memories
+        policies = _checked_policies(memory_of_episode, len(memories.planes) - 1)
+        count, foods, arenas = len(policies), self._foods, self._arenas
+        outcomes = Outcomes(
+            np.zeros(count, outcome_dtype),
+            np.zeros((count, foods, 2)),
+            np.zeros((count, foods), np.bool_),
+            np.ones(1, np.bool_),
+        )
+        # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
+        threads = threads_for(-(-count // LANES))
+        keys, several = _keys(seed, count), arenas.several
+        arenas.forget()
+        indices = arenas.next(keys, np.zeros(count, np.int64)) if several else ()
+        plan = Plan(keys, policies, indices, np.zeros(1, np.int64), *as_records(None, None, foods))
+        worlds, state = arenas.empty_worlds(threads), aligned_zeros((threads, LANES), decision_dtype)
+        common = (worlds, arenas.parameters, arenas.task, memories, plan, state, outcomes)
+        share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0, several=several))
+        if not outcomes.free[0]:
+            raise no_room(arenas[0].name if not several else "an arena", foods)
+        return _episodes(outcomes)
+
+
+def run_recalls(
+    arena: Arenas,
+    memories: Memories | None,
+    memory_of_episode: ArrayLike,
+    seed: int | NDArray[np.int64] = 0,
+    **settings: Any,
+) -> Episodes:
+    """Run recalls once, without keeping what is prepared of their arenas.
+
+    Args:
+        arena: As for the environments.
+        memories: As for `Recalls.run`.
+        memory_of_episode: As for `Recalls.run`.
+        seed: As for `Recalls.run`.
+        **settings: Further arguments of `Recalls`.
+
+    Raises:
         ValueError: An argument out of range, or an arena with no room.
     """
-    memories = NO_MEMORIES if memories is None else memories
-    policies = _checked_policies(memory_of_episode, len(memories.planes) - 1)
-    decisions = checked_decisions(decisions)
-    arenas = recall_arenas(arena, foods, limit, noise, food_types, decisions, wheel_speed)
-    count = len(policies)
-    outcomes = Outcomes(
-        np.zeros(count, outcome_dtype),
-        np.zeros((count, foods, 2)),
-        np.zeros((count, foods), np.bool_),
-        np.ones(1, np.bool_),
-    )
-    # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
-    threads = threads_for(-(-count // LANES))
-    keys, several = _keys(seed, count), arenas.several
-    indices = arenas.next(keys, np.zeros(count, np.int64)) if several else ()
-    plan = Plan(keys, policies, indices, np.zeros(1, np.int64), *as_records(None, None, foods))
-    worlds, state = arenas.empty_worlds(threads), aligned_zeros((threads, LANES), decision_dtype)
-    common = (worlds, arenas.parameters, arenas.task, memories, plan, state, outcomes)
-    share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0, several=several))
-    if not outcomes.free[0]:
-        raise no_room(arenas[0].name if not several else "an arena", foods)
+    return Recalls(arena, **settings).run(memories, memory_of_episode, seed)
+
+
+def run_teacher(arena: Arenas = "corridor", episodes: int = 4096, seed: int = 0, **settings: Any) -> Episodes:
+    """Run recalls under the teacher.
+
+    Args:
+        arena: As for the environments.
+        episodes: How many.
+        seed: As for `Recalls.run`.
+        **settings: Further arguments of `Recalls`.
+
+    Raises:
+        ValueError: An argument out of range, or an arena with no room.
+    """
+    return run_recalls(arena, None, np.full(whole_number("episodes", episodes, 1), TEACHER), seed, **settings)
+
+
+def _episodes(outcomes: Outcomes) -> Episodes:
+    """What became of the recalls, in arrays of their own."""
 
     def whole(name: str) -> NDArray[np.int64]:
         values: NDArray[Any] = outcomes.recalls[name]
@@ -142,21 +201,6 @@ def run_recalls(
         ties=whole("ties"),
         conflicts=whole("conflicts"),
     )
-
-
-def run_teacher(arena: Arenas = "corridor", episodes: int = 4096, seed: int = 0, **kwargs: Any) -> Episodes:
-    """Run recalls under the teacher.
-
-    Args:
-        arena: As for the environments.
-        episodes: How many.
-        seed: As for `run_recalls`.
-        **kwargs: Further arguments of `run_recalls`.
-
-    Raises:
-        ValueError: An argument out of range, or an arena with no room.
-    """
-    return run_recalls(arena, None, np.full(whole_number("episodes", episodes, 1), TEACHER), seed, **kwargs)
 
 
 def _keys(seed: int | NDArray[np.int64], count: int) -> NDArray[np.uint64]:
