@@ -72,6 +72,7 @@ def compiled_jobs(quick: bool, seed: int) -> list[Job]:
         compiled.imitators_job(episodes, seed),
         compiled.training_job(episodes, seed),
         scaling.job(QUICK_COMPILED_STEPS if quick else COMPILED_STEPS, seed),
+        pools.recalls_job(pools.QUICK_ARENAS if quick else pools.ARENAS, seed),
         pools.pool_job(pools.QUICK_ARENAS if quick else pools.ARENAS, 20 if quick else 200, seed),
     ]
 

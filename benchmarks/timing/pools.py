@@ -11,9 +11,11 @@ import gymnasium as gym
 import numpy as np
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs.arena_settings import procedural_settings
 from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
+from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.arenas.procedural import procedural_arena
+from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 from timing.compiled import SECTION, WORLDS
@@ -85,6 +87,42 @@ def pool_job(arenas: int, rounds: int, seed: int) -> Job:
         alone, together = rate(corridor), rate(pool)
         longest = max(map(_preparation, large))
         return {PREPARED: prepared, LONGEST: longest, POOL: together, SHARE: together / alone}
+
+    return repeat
+
+
+def recalls_job(recalls: int, seed: int) -> Job:
+    """Whole recalls, nearly every one in an arena of its own.
+
+    Args:
+        recalls: How many in each repeat.
+        seed: Of the first recall.
+    """
+    settings = procedural_settings("medium", "train", LEVELS, 0)
+    pool, corridor = Recalls(**settings), Recalls(**{**settings, "arena": "corridor"})
+    policies = np.full(recalls, TEACHER)
+    of_pool = Measure(
+        SECTION,
+        f"whole recalls in {recalls:,} medium arenas, in the kernel",
+        "steps/s",
+        "one call of `Recalls.run`, nearly every recall in an arena of its own, all cores; arenas prepared before",
+    )
+    share = Measure(
+        SECTION,
+        f"the same, as a share of whole recalls in the corridor with {FOODS} food objects",
+        "times",
+        "same repeat; as many recalls, with the same food types and noise",
+        0.5,
+    )
+
+    def rate(batch: Recalls) -> float:
+        start = perf_counter()
+        steps = int(batch.run(None, policies, seed).steps.sum())
+        return steps / (perf_counter() - start)
+
+    def repeat() -> Values:
+        alone, together = rate(corridor), rate(pool)
+        return {of_pool: together, share: together / alone}
 
     return repeat
 
