@@ -69,13 +69,14 @@ def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) 
     if perceives_paths(parameters.decisions[0]) or not _can_be_bent(maps, parameters):
         return
     for i in range(robot.x.shape[0]):
-        arena = numbers_in(maps, task, i)
-        raw = raw_data_in(robot, task, i, arena)
+        raw = raw_data_in(robot, task, i, numbers_in(maps, task, i))
         # A robot before its first frame does nothing.
         if robot.first_frame[i] == 0.0 and uses_way_home(int(behaviours[i]), raw):
             task.home_way_x[i], task.home_way_y[i], task.home_path[i] = _way_home(worlds, maps, i)
-            raw = perceived(worlds, i, arena)
-            task.home_bearing[i], task.home_path[i] = raw.home_bearing, raw.home_path
+    # In a loop of its own, because it does the same in every lane: one instruction then works on several.
+    for i in range(robot.x.shape[0]):
+        raw = perceived(worlds, i, numbers_in(maps, task, i))
+        task.home_bearing[i], task.home_path[i] = raw.home_bearing, raw.home_path
 
 
 @inline
