@@ -9,11 +9,14 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from khepera_forage.geometry.straight_ways import blocks, crosses_home, find_blocker
+from khepera_forage.geometry.angles import length
+from khepera_forage.geometry.straight_ways import NEARER, blocks, crosses_home, find_blocker, nearest_end
 from khepera_forage.geometry.walls import to_wall
 
 _SHORTEST = 1e-6
 """Squared pixels below which a way has no direction."""
+_FARTHEST = (1.0 - NEARER) / (1.0 + NEARER)
+"""The most that `_room_near_walls` can be, as a share of the distance aside."""
 _ROUNDING = 1e-3
 """Pixels by which rooms are made smaller: compiled worlds keep what is known in single precision, to save memory."""
 
@@ -81,8 +84,6 @@ def examine(known: Any, x: float, y: float, to_x: float, to_y: float, walls: Any
 def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> float:
     """How far a clear way may move sideways while it certainly stays clear; 0 or less if that is not known.
 
-    Within this distance of the way there is no wall, and no corner within the clearance more.
-
     Args:
         x: Of the one end.
         y: Of the one end.
@@ -92,18 +93,28 @@ def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: 
         ways: `geometry.paths.Ways`.
     """
     dx, dy = to_x - x, to_y - y
-    share = 1.0 / max(_square(dx, dy), _SHORTEST)
-    nearest = math.inf
+    squared = _square(dx, dy)
+    share, half = 1.0 / max(squared, _SHORTEST), math.sqrt(squared) / 2.0
+    room = math.inf
     for k in range(len(ways.corners)):
-        off_x, off_y = to_wall(ways.corners[k].x, ways.corners[k].y, x, y, dx, dy, share)
-        nearest = min(nearest, _square(off_x, off_y))
-    room = math.sqrt(nearest) - ways.clearance
+        corner = ways.corners[k]
+        aside = length(*to_wall(corner.x, corner.y, x, y, dx, dy, share))
+        # A corner may be passed at the clearance, or at half the length of the way, which can grow at both ends.
+        beside = max(aside - ways.clearance, (aside - half) / 2.0)
+        if beside < min(room, _FARTHEST * aside):
+            beside = max(beside, _room_near_walls(aside, x, y, to_x, to_y, corner, walls))
+        room = min(room, beside)
     if room <= 0.0:
         return float(room)
     nearest = room * room
     for k in range(len(walls)):
-        # Two lines that do not cross are nearest at one of their ends; a wall ends where another one starts.
         wall = walls[k]
+        here = wall.normal_x * x + wall.normal_y * y - wall.offset
+        there = wall.normal_x * to_x + wall.normal_y * to_y - wall.offset
+        # Most walls are too far away to matter: both ends lie on one side of its line, neither of them near.
+        if here * there > 0.0 and min(here * here, there * there) >= nearest:
+            continue
+        # Two lines that do not cross are nearest at one of their ends; a wall ends where another one starts.
         off_x, off_y = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
         nearest = min(nearest, _square(off_x, off_y))
         off_x, off_y = to_wall(to_x, to_y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
@@ -111,6 +122,27 @@ def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: 
         off_x, off_y = to_wall(wall.x1, wall.y1, x, y, dx, dy, share)
         nearest = min(nearest, _square(off_x, off_y))
     return math.sqrt(nearest)
+
+
+def _room_near_walls(
+    aside: float, x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any
+) -> float:
+    """The room that a way has because it may pass a corner as closely as its ends are to the walls that meet there.
+
+    An end that moves towards the corner gets no further from these walls than it was, or than the way passes the
+    corner.
+
+    Args:
+        aside: At which the way passes the corner.
+        x: As for `room_beside`; so are the others.
+        y: Of the one end.
+        to_x: Of the other end.
+        to_y: Of the other end.
+        corner: `geometry.paths.Corner`.
+        walls: `geometry.walls.Wall` records in pixels.
+    """
+    end = math.sqrt(nearest_end(x, y, to_x, to_y, corner, walls))
+    return (aside - NEARER * max(aside, end)) / (1.0 + NEARER)
 
 
 def _moved(known: Any, x: float, y: float) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 from khepera_forage.geometry.walls import to_wall
 
-_NEARER = 0.85
+NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, at which the way may pass that corner."""
 _BESIDE_HOME = 0.85
 """The same share for a robot or food beside the home."""
@@ -107,11 +107,20 @@ def is_passed_closely(
     aside = (corner_x * dy - corner_y * dx) ** 2
     if aside >= min(ways.clearance * ways.clearance, squared / 4.0) * squared:
         return False
-    return bool(aside < _NEARER * _NEARER * squared * _nearest_end(x, y, to_x, to_y, corner, walls))
+    return bool(aside < NEARER * NEARER * squared * nearest_end(x, y, to_x, to_y, corner, walls))
 
 
-def _nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
-    """The squared distance of the nearer end of a way from the walls that meet at a corner."""
+def nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
+    """The squared distance of the nearer end of a way from the walls that meet at a corner.
+
+    Args:
+        x: As for `is_clear`; so are the others.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        corner: `geometry.paths.Corner`.
+        walls: `geometry.walls.Wall` records in pixels.
+    """
     before, after = walls[corner.before], walls[corner.after]
     return min(
         _squared_distance(x, y, before),
