@@ -17,7 +17,15 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.broad_phase import GRIPPER_AHEAD, GRIPPER_RADIUS, PUSHED, SHOVED
 from khepera_forage.sim.compiled.gripper import finger_overlap, palm_overlap
-from khepera_forage.sim.compiled.near_walls import at, pack_near_wall
+from khepera_forage.sim.compiled.listed_walls import (
+    at,
+    pack_near_corner,
+    pack_near_wall,
+    packed_corner,
+    packed_wall,
+    with_corner,
+    with_wall,
+)
 
 _PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
 _EXTENT = 94.0
@@ -59,10 +67,10 @@ def find_near(robot: Any, foods: Any, scratch: Any, walls: Any) -> None:
 
 
 @kernel
-def find_wall_contacts(robot: Any, scratch: Any, near: Any, walls: Any, corners: Any) -> None:
+def find_wall_contacts(robot: Any, scratch: Any, near: Any, walls: Any) -> None:
     """Mark the worlds whose robot would touch a wall at the free end of the round."""
     lanes = robot.x.shape[0]
-    count = pack_near_wall(near, scratch)
+    packed = count = pack_near_wall(near, scratch)
     for n in range(count):
         i = scratch.lane[n]
         scratch.near_x[n], scratch.near_y[n] = scratch.free_x[i], scratch.free_y[i]
@@ -73,12 +81,9 @@ def find_wall_contacts(robot: Any, scratch: Any, near: Any, walls: Any, corners:
         scratch.near_grip_x[n], scratch.near_grip_y[n] = robot.grip_x[i], robot.grip_y[i]
         scratch.near_touches[n] = 0.0
     for j in range(walls.shape[0]):
-        wall_x, wall_y, end_x, end_y = walls[j].x1, walls[j].y1, walls[j].ex, walls[j].ey
-        inverse, wall_nx, wall_ny, wall_offset = (
-            walls[j].share,
-            walls[j].normal_x,
-            walls[j].normal_y,
-            walls[j].offset,
+        count = with_wall(near, scratch, count, j)
+        wall_x, wall_y, end_x, end_y, inverse, wall_nx, wall_ny, wall_offset = packed_wall(
+            near, walls[j], scratch, count
         )
         for n in range(rounded_up(count, lanes)):
             x1, y1, ex, ey, share = at(wall_x, n), at(wall_y, n), at(end_x, n), at(end_y, n), at(inverse, n)
@@ -109,19 +114,38 @@ def find_wall_contacts(robot: Any, scratch: Any, near: Any, walls: Any, corners:
             beside = along > -reach and along < ex * ex + ey * ey + reach
             if body or (beside and (tip or root or grip)):
                 scratch.near_touches[n] = 1.0
+    for n in range(packed):
+        i = scratch.lane[n]
+        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n])
+
+
+@kernel
+def find_corner_contacts(robot: Any, scratch: Any, near: Any, corners: Any) -> None:
+    """Mark the worlds whose robot would touch a corner in this round."""
+    if corners.shape[0] == 0:
+        return
+    lanes = robot.x.shape[0]
+    packed = count = pack_near_corner(near, scratch)
     for n in range(count):
         i = scratch.lane[n]
-        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n] * scratch.near_wall[i])
+        scratch.near_x[n], scratch.near_y[n] = scratch.free_x[i], scratch.free_y[i]
+        scratch.near_cos[n], scratch.near_sin[n] = scratch.free_cos[i], scratch.free_sin[i]
+        scratch.near_jaw[n], scratch.near_travel[n] = scratch.free_jaw[i], scratch.travel[i]
+        scratch.near_touches[n] = 0.0
     for j in range(corners.shape[0]):
-        x, y = corners[j].x, corners[j].y
-        for i in range(lanes):
-            dx, dy = at(x, i) - scratch.free_x[i], at(y, i) - scratch.free_y[i]
-            cos, sin = scratch.free_cos[i], scratch.free_sin[i]
+        count = with_corner(near, scratch, count, j)
+        x, y = packed_corner(near, corners[j], scratch, count)
+        for n in range(rounded_up(count, lanes)):
+            dx, dy = at(x, n) - scratch.near_x[n], at(y, n) - scratch.near_y[n]
+            cos, sin = scratch.near_cos[n], scratch.near_sin[n]
             u, v = dx * cos + dy * sin, dy * cos - dx * sin
             # Within a round a finger can pass a corner: all of its way counts.
-            reach, jaw = scratch.travel[i], scratch.free_jaw[i]
+            reach, jaw = scratch.near_travel[n], scratch.near_jaw[n]
             if finger_overlap(u, v, jaw, reach) > 0.0 or palm_overlap(u, v, reach) > 0.0:
-                scratch.touches[i] = 1.0
+                scratch.near_touches[n] = 1.0
+    for n in range(packed):
+        i = scratch.lane[n]
+        scratch.touches[i] = max(scratch.touches[i], scratch.near_touches[n])
 
 
 @kernel

@@ -11,7 +11,8 @@ import numpy as np
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import FOOD_RADIUS
-from khepera_forage.sim.compiled.near_walls import at, cable_anchors
+from khepera_forage.sim.compiled.listed_walls import at
+from khepera_forage.sim.compiled.near_walls import cable_anchors
 from khepera_forage.sim.compiled.numbers import (
     DRAW_FOOD,
     DRAW_MARKER,

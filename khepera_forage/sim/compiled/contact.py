@@ -25,7 +25,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.compiled.gripper import push_out, seen_from
 from khepera_forage.sim.compiled.jaw import move_jaw
-from khepera_forage.sim.compiled.near_walls import all_walls
+from khepera_forage.sim.compiled.listed_walls import corner_in, wall_in, walls_beside
 from khepera_forage.sim.compiled.parameters import Parameters
 from khepera_forage.sim.compiled.pushing import push_food
 from khepera_forage.sim.compiled.walls import from_wall, gripper_behind, squared_from_wall
@@ -50,7 +50,7 @@ def move_in_contact(robot: Any, foods: Any, scratch: Any, near: Any, parameters:
     for n in range(pack(scratch.touches, scratch.lane, 0)):
         i = scratch.lane[n]
         # Robots away from walls need not look at any.
-        walls, corners = all_walls(near, parameters, i)
+        walls, corners = walls_beside(near, parameters, i)
         walls = walls[: walls.shape[0] if scratch.near_wall[i] != 0.0 else 0]
         late = scratch.lag[i] * STEPS
         allowed = max(_TOLERATED, _overlap(robot, foods, i, walls, corners))
@@ -107,7 +107,7 @@ def _off_walls(robot: Any, i: int, walls: Any, corners: Any) -> float:
     moved = 0.0
     wide = half_gap(robot.jaw[i]) + FINGER_THICKNESS
     for j in range(walls.shape[0]):
-        wall = walls[j]
+        wall = wall_in(walls, j, i)
         if squared_from_wall(robot.x[i], robot.y[i], wall) > _REACH * _REACH:
             continue
         far, nx, ny = from_wall(robot.x[i], robot.y[i], wall)
@@ -128,7 +128,8 @@ def _off_walls(robot: Any, i: int, walls: Any, corners: Any) -> float:
                 _yield(robot, i, u, v, nx, ny, FOOD_RADIUS - far)
                 moved += FOOD_RADIUS - far
     for j in range(corners.shape[0]):
-        dx, dy = corners[j].x - robot.x[i], corners[j].y - robot.y[i]
+        corner = corner_in(corners, j, i)
+        dx, dy = corner.x - robot.x[i], corner.y - robot.y[i]
         cos, sin = robot.cos[i], robot.sin[i]
         u, v = dx * cos + dy * sin, dy * cos - dx * sin
         depth, along, aside = push_out(u, v, robot.jaw[i], 0.0)
@@ -147,7 +148,7 @@ def _overlap(robot: Any, foods: Any, i: int, walls: Any, corners: Any) -> float:
     cos, sin = robot.cos[i], robot.sin[i]
     wide = half_gap(robot.jaw[i]) + FINGER_THICKNESS
     for j in range(walls.shape[0]):
-        wall = walls[j]
+        wall = wall_in(walls, j, i)
         squared = squared_from_wall(robot.x[i], robot.y[i], wall)
         if squared > _REACH * _REACH:
             continue
@@ -156,7 +157,8 @@ def _overlap(robot: Any, foods: Any, i: int, walls: Any, corners: Any) -> float:
             _, _, depth, _, _ = gripper_behind(robot, i, corner, wide, wall)
             worst = max(worst, depth)
     for j in range(corners.shape[0]):
-        dx, dy = corners[j].x - robot.x[i], corners[j].y - robot.y[i]
+        corner = corner_in(corners, j, i)
+        dx, dy = corner.x - robot.x[i], corner.y - robot.y[i]
         depth, _, _ = push_out(dx * cos + dy * sin, dy * cos - dx * sin, robot.jaw[i], 0.0)
         worst = max(worst, depth)
     for k in range(foods.shape[0]):
@@ -168,7 +170,7 @@ def _overlap(robot: Any, foods: Any, i: int, walls: Any, corners: Any) -> float:
         if k == held:
             x, y = (robot.x[i] + robot.grip_x[i] * cos, robot.y[i] + robot.grip_x[i] * sin)
         for j in range(walls.shape[0]):
-            wall = walls[j]
+            wall = wall_in(walls, j, i)
             worst = max(worst, FOOD_RADIUS - math.sqrt(squared_from_wall(x, y, wall)))
         if k == held:
             continue

@@ -10,6 +10,7 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.sim.compiled.gripper import between, floor_free, seen_from
+from khepera_forage.sim.compiled.listed_walls import wall_in
 from khepera_forage.sim.compiled.walls import gripper_behind
 
 _CENTRED = 1.0
@@ -65,7 +66,8 @@ def _opens_into_wall(robot: Any, i: int, jaw: float, walls: Any) -> bool:
     aside = half_gap(jaw) + FINGER_THICKNESS
     into = False
     for j in range(walls.shape[0]):
+        wall = wall_in(walls, j, i)
         for corner in range(4):
-            _, _, depth, _, _ = gripper_behind(robot, i, corner, aside, walls[j])
+            _, _, depth, _, _ = gripper_behind(robot, i, corner, aside, wall)
             into = into or depth > _TOUCH
     return into

@@ -2,9 +2,9 @@
 
 Kernels loop over walls and, for each wall, over the worlds of a block. With one arena for all worlds, the walls are
 those of the arena, and a field of a wall is a number. With several arenas, wall number j is another one in each world:
-its fields have one number for each lane, and `at` reads that of one lane. So that few walls have to be looked at, a
-list holds those that the robot could touch or sense in the coming rounds (a Verlet list, Verlet 1967). It is made again
-when the robot has moved on.
+its fields have one number for each lane (`listed_walls` reads them). So that few walls have to be looked at, a list
+holds those that the robot could touch or sense in the coming rounds (a Verlet list, Verlet 1967). It is made again when
+the robot has moved on.
 
 Functions with a `variant` do nothing, or return what they are given, in blocks of one arena. Those that return several
 arrays return a tuple: compiled functions return no array that they were not given.
@@ -73,23 +73,9 @@ _FAR_WALL = {
 }
 
 
-def _over_lanes(value: Any) -> bool:
-    return isinstance(value, types.Array)
-
-
 def several(near: Any) -> bool:
     """Whether this is numba's type of the lists of several arenas, and not that of the empty tuple."""
     return isinstance(near, types.BaseNamedTuple)
-
-
-def at(value: Any, i: int) -> Any:
-    """The number of one lane, of a field of a wall or corner."""
-    return value
-
-
-@variant(at, _over_lanes)
-def _at(value: Any, i: int) -> Any:
-    return value[i]
 
 
 def lists_of(near: Any, block: int) -> Any:
@@ -119,27 +105,16 @@ def near_walls(near: Any, parameters: Parameters) -> tuple[Any, Any]:
 @variant(near_walls, several)
 def _near_walls(near: Any, parameters: Parameters) -> tuple[Any, Any]:
     lists = near.lists[0]
-    return near.walls[: _most(lists.walls)], near.corners[: _most(lists.corners)]
+    return near.walls[: most_listed(lists.walls)], near.corners[: most_listed(lists.corners)]
 
 
 @inline
-def _most(counts: Any) -> int:
+def most_listed(counts: Any) -> int:
+    """The largest number of walls, or of corners, in the lists of a block."""
     most = 0
     for i in range(counts.shape[0]):
         most = max(most, counts[i])
     return most
-
-
-def all_walls(near: Any, parameters: Parameters, i: int) -> tuple[Any, Any]:
-    """All walls and corners in the arena of one world: `wall_dtype` and `corner_dtype` records."""
-    return parameters.walls, parameters.corners
-
-
-@variant(all_walls, several)
-def _all_walls(near: Any, parameters: Parameters, i: int) -> tuple[Any, Any]:
-    arena = parameters.arenas[near.lists[0].arena[i]]
-    walls = parameters.walls[arena.first_wall : arena.first_wall + arena.walls]
-    return walls, parameters.corners[arena.first_corner : arena.first_corner + arena.corners]
 
 
 def cable_anchors(near: Any, constants: Any) -> tuple[Any, Any]:
@@ -176,8 +151,9 @@ def _make_lists(near: Any, robot: Any, scratch: Any, parameters: Parameters) -> 
         lists.x[i], lists.y[i], lists.range[i] = x, y, 2.0 * scratch.travel[i] + _SLACK
         # All that the kernels examine is within PUSHED of where the robot is or gets.
         reach = PUSHED + lists.range[i]
-        walls, corners = all_walls(near, parameters, i)
         arena = parameters.arenas[lists.arena[i]]
+        walls = parameters.walls[arena.first_wall : arena.first_wall + arena.walls]
+        corners = parameters.corners[arena.first_corner : arena.first_corner + arena.corners]
         lists.anchor_x[i], lists.anchor_y[i] = arena.anchor_x, arena.anchor_y
         count = 0
         for k in range(walls.shape[0]):
@@ -209,29 +185,3 @@ def _put_wall(entry: Any, i: int, wall: Any) -> None:
     entry.x1[i], entry.y1[i], entry.ex[i], entry.ey[i] = wall.x1, wall.y1, wall.ex, wall.ey
     entry.share[i], entry.offset[i] = wall.share, wall.offset
     entry.normal_x[i], entry.normal_y[i] = wall.normal_x, wall.normal_y
-
-
-def pack_near_wall(near: Any, scratch: Any) -> int:
-    """Pack the lanes with a wall near; returns their number."""
-    return int(pack(scratch.near_wall, scratch.lane, 0))
-
-
-@variant(pack_near_wall, several)
-def _pack_near_wall(near: Any, scratch: Any) -> int:
-    # All lanes: entries of lists that follow one another are loaded together.
-    lanes = scratch.lane.shape[0]
-    for i in range(lanes):
-        scratch.lane[i] = i
-    return int(lanes)
-
-
-def packed_share(value: Any, scratch: Any, count: int) -> tuple[Any]:
-    """The field `share` of a wall, as `at` reads it for packed lanes; alone in a tuple."""
-    return (value,)
-
-
-@variant(packed_share, _over_lanes)
-def _packed_share(value: Any, scratch: Any, count: int) -> tuple[Any]:
-    for n in range(count):
-        scratch.share[n] = value[scratch.lane[n]]
-    return (scratch.share,)

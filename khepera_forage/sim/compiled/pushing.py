@@ -6,6 +6,7 @@ from typing import Any
 from khepera_forage.compilation.decorators import inline
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.compiled.gripper import push_out, seen_from
+from khepera_forage.sim.compiled.listed_walls import wall_in
 from khepera_forage.sim.compiled.walls import from_wall, squared_from_wall
 
 _FRICTION = 0.04
@@ -67,8 +68,9 @@ def _settle(foods: Any, k: int, i: int, held: float, walls: Any) -> float:
     x, y = food.x[i], food.y[i]
     moved = 0.0
     for j in range(walls.shape[0]):
-        if squared_from_wall(x, y, walls[j]) < FOOD_RADIUS * FOOD_RADIUS:
-            far, nx, ny = from_wall(x, y, walls[j])
+        wall = wall_in(walls, j, i)
+        if squared_from_wall(x, y, wall) < FOOD_RADIUS * FOOD_RADIUS:
+            far, nx, ny = from_wall(x, y, wall)
             x, y = x + nx * (FOOD_RADIUS - far), y + ny * (FOOD_RADIUS - far)
             moved += FOOD_RADIUS - far
     food.x[i], food.y[i] = x, y

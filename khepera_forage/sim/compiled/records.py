@@ -44,11 +44,14 @@ _SCRATCH = (
     "lag",  # share of the round in which the robot still moves as in the last one
     *("near_wall", "near_food"),  # whether the robot could touch a wall, or food
     "touches",  # whether the robot touches something
-    # Lanes near a wall, packed (broad_phase).
+    # Lanes near a wall or corner, packed (broad_phase).
     *("near_x", "near_y", "near_cos", "near_sin", "near_jaw"),
-    *("near_from_x", "near_from_y", "near_held", "near_grip_x", "near_grip_y", "near_touches"),
+    *("near_from_x", "near_from_y", "near_held", "near_grip_x", "near_grip_y", "near_travel", "near_touches"),
+    # A wall and a corner of each packed lane, if worlds are in different arenas (listed_walls).
+    *(f"wall_{name}" for name in ("x1", "y1", "ex", "ey", "share", "normal_x", "normal_y", "offset")),
+    *("corner_x", "corner_y"),
     # Lanes with an obstacle in range of the infra-reds, packed (sensing).
-    *("ahead", "aside", "along", "across", "share", "reading"),
+    *("ahead", "aside", "along", "across", "reading"),
     *("in_range", "in_range_arm_down"),
     "marked",  # marks of lanes within one kernel
 )

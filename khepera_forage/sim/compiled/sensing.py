@@ -14,7 +14,7 @@ from khepera_forage.robots.proximity import RESPONSE_AT_RANGE as AT_RANGE
 from khepera_forage.robots.proximity import RESPONSE_GAIN as GAIN
 from khepera_forage.robots.proximity import RESPONSE_OFFSET as OFFSET
 from khepera_forage.sim.compiled.gripper import in_barrier
-from khepera_forage.sim.compiled.near_walls import at, packed_share
+from khepera_forage.sim.compiled.listed_walls import at, packed_share
 from khepera_forage.sim.compiled.numbers import DRAW_PROXIMITY, DRAWS, lower, upper
 
 _DRAWS = np.uint64(DRAWS)

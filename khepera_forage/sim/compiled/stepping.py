@@ -12,7 +12,12 @@ from khepera_forage.compilation.threads import share_out
 from khepera_forage.compilation.work_queue import take
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.bodies import Bodies, bodies_of, empty_bodies
-from khepera_forage.sim.compiled.broad_phase import find_food_contacts, find_near, find_wall_contacts
+from khepera_forage.sim.compiled.broad_phase import (
+    find_corner_contacts,
+    find_food_contacts,
+    find_near,
+    find_wall_contacts,
+)
 from khepera_forage.sim.compiled.camera import expose
 from khepera_forage.sim.compiled.contact import move_in_contact
 from khepera_forage.sim.compiled.drive import begin_round, move_freely, predict
@@ -43,7 +48,8 @@ def advance_block(bodies: Bodies, parameters: Parameters) -> None:
     walls, corners = near_walls(near, parameters)
     find_near(robot, foods, scratch, walls)
     predict(robot, scratch, constants)
-    find_wall_contacts(robot, scratch, near, walls, corners)
+    find_wall_contacts(robot, scratch, near, walls)
+    find_corner_contacts(robot, scratch, near, corners)
     find_food_contacts(robot, foods, scratch)
     move_freely(robot, scratch, constants)
     move_in_contact(robot, foods, scratch, near, parameters)
