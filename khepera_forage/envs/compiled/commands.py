@@ -4,7 +4,7 @@ from typing import Any
 
 from khepera_forage.compilation.decorators import inline, kernel
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
-from khepera_forage.envs.compiled.arena_maps import arena_maps, numbers_in
+from khepera_forage.envs.compiled.arena_maps import arena_maps, map_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.raw_data import raw_data_in
 from khepera_forage.envs.compiled.ways_home import find_ways_home
@@ -35,7 +35,7 @@ def drive_behaviours(worlds: Worlds, parameters: TaskParameters) -> None:
     find_ways_home(worlds, parameters, task.behaviour)
     for i in range(robot.x.shape[0]):
         motors = command(
-            int(task.behaviour[i]), raw_data_in(robot, task, i, numbers_in(maps, task, i)), decisions
+            int(task.behaviour[i]), raw_data_in(robot, task, i, map_in(maps, task, i)), decisions
         )
         robot.left[i], robot.right[i] = motors.left, motors.right
         robot.arm_target[i], robot.jaw_target[i] = motors.arm, motors.jaw
@@ -55,7 +55,7 @@ def drive_actions(worlds: Worlds, actions: Any, parameters: TaskParameters) -> N
     maps, decisions = arena_maps(worlds.bodies.near, parameters), parameters.decisions[0]
     find_ways_home(worlds, parameters, task.state)
     for i in range(robot.x.shape[0]):
-        arena = numbers_in(maps, task, i)
+        arena = map_in(maps, task, i)
         given = applicable(decode_motors(actions[i, 0], actions[i, 1], actions[i, 2], actions[i, 3]))
         right = applicable(command(int(task.state[i]), raw_data_in(robot, task, i, arena), decisions))
         same = (

@@ -18,6 +18,7 @@ from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.compiled.listed_walls import at
 from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.task.arena_map import ArenaMap, Floor
@@ -123,6 +124,7 @@ def arena_map(task: TaskParameters) -> ArenaMap:
     """What the robots know of their arena."""
     return map_of(
         task.arena[0],
+        0,
         task.map_walls,
         task.corners,
         task.waypoints,
@@ -134,27 +136,46 @@ def arena_map(task: TaskParameters) -> ArenaMap:
 
 @inline
 def map_of(
-    arena: Any, walls: Any, corners: Any, waypoints: Any, lengths: Any, start_lengths: Any, home_lengths: Any
+    numbers: Any,
+    i: int,
+    walls: Any,
+    corners: Any,
+    waypoints: Any,
+    lengths: Any,
+    start_lengths: Any,
+    home_lengths: Any,
 ) -> ArenaMap:
-    """What the robots know of one arena, from its `arena_dtype` record and its part of each array."""
+    """What the robots know of one arena, from its part of each array and its numbers.
+
+    Args:
+        numbers: A record with the fields `MAP`: of the arena, or of one block of worlds.
+        i: The lane, if it is of worlds.
+        walls: As in `TaskParameters`; so are the others.
+        corners: Of this arena.
+        waypoints: Of this arena.
+        lengths: Of this arena.
+        start_lengths: Of this arena.
+        home_lengths: Of this arena.
+    """
+    home_x, home_y = at(numbers.map_home_x, i), at(numbers.map_home_y, i)
     return ArenaMap(
-        arena.map_home_x,
-        arena.map_home_y,
-        int(arena.map_home_radius),
-        arena.map_start_x,
-        arena.map_start_y,
-        arena.map_home_opening,
-        int(arena.map_diagonal),
-        arena.map_left,
-        arena.map_bottom,
-        arena.map_right,
-        arena.map_top,
+        home_x,
+        home_y,
+        int(at(numbers.map_home_radius, i)),
+        at(numbers.map_start_x, i),
+        at(numbers.map_start_y, i),
+        at(numbers.map_home_opening, i),
+        int(at(numbers.map_diagonal, i)),
+        at(numbers.map_left, i),
+        at(numbers.map_bottom, i),
+        at(numbers.map_right, i),
+        at(numbers.map_top, i),
         walls,
         Ways(
-            arena.map_clearance,
-            arena.map_home_x,
-            arena.map_home_y,
-            arena.map_berth,
+            at(numbers.map_clearance, i),
+            home_x,
+            home_y,
+            at(numbers.map_berth, i),
             corners,
             waypoints,
             lengths,

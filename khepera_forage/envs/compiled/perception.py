@@ -6,7 +6,7 @@ import numpy as np
 
 from khepera_forage.compilation.decorators import inline, kernel, variant
 from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
-from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
+from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.raw_data import perceived, senses_in
 from khepera_forage.envs.compiled.ways_home import begin_ways_home, known_ways_in
@@ -45,7 +45,7 @@ def track_food(worlds: Worlds, parameters: TaskParameters) -> None:
             known_ways_in(worlds, i),
             worlds.links[i],
             worlds.bodies.tracks[i],
-            map_in(maps, i),
+            map_in(maps, task, i),
             robot.marker_x[i],
             robot.marker_y[i],
             robot.marker_heading[i],
@@ -69,7 +69,7 @@ def perceive_block(worlds: Worlds, parameters: TaskParameters) -> None:
     _find_nearest_walls(maps, worlds)
     begin_ways_home(worlds, maps, parameters)
     for i in range(robot.x.shape[0]):
-        arena = numbers_in(maps, task, i)
+        arena = map_in(maps, task, i)
         raw = perceived(worlds, i, arena)
         task.food_type[i] = raw.food_type
         task.wall_distance[i], task.wall_bearing[i] = raw.wall_distance, raw.wall_bearing
@@ -110,7 +110,7 @@ def _find_nearest_walls_world_by_world(maps: Any, worlds: Worlds) -> None:
     for i in range(robot.x.shape[0]):
         known, x, y = worlds.nearest_walls[i], robot.marker_x[i], robot.marker_y[i]
         if not is_among_four(known, x, y):
-            walls = map_in(maps, i).walls
+            walls = map_in(maps, task, i).walls
             find_nearest_walls(known, x, y, walls)
             _keep_wall(task, 0, i, walls[known.first])
             _keep_wall(task, 1, i, walls[known.second])

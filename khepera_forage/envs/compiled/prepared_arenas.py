@@ -11,6 +11,7 @@ from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.compiled.joined_arenas import JoinedArenas
 from khepera_forage.envs.compiled.parameters import TaskParameters, recall_parameters
+from khepera_forage.envs.compiled.records import MAP, PARTS
 from khepera_forage.envs.compiled.worlds import Worlds, empty_worlds
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena
@@ -47,6 +48,8 @@ class PreparedArenas:
         self._numbers: list[int] = []
         self._index_of: dict[int, int] = {}
         self._pieces = JoinedArenas()
+        self._most = 0, 0, 0
+        """Most walls, corners and waypoints of an arena."""
         self.parameters: Parameters
         self.task: TaskParameters
         if self.several:
@@ -65,14 +68,15 @@ class PreparedArenas:
         Raises:
             ValueError: An arena that is too narrow, or that the camera does not see.
         """
-        new = [number for number in np.unique(numbers).tolist() if number not in self._index_of]
+        listed = numbers.tolist()
+        new = sorted(set(listed).difference(self._index_of))
         for number in new:
             self._pieces.add(*self._prepare(self._pool[number]))
             self._index_of[number] = len(self._numbers)
             self._numbers.append(number)
         if new:
-            self.parameters, self.task = self._pieces.joined()
-        return np.array([self._index_of[number] for number in numbers.tolist()], np.int64)
+            self._join()
+        return np.array([self._index_of[number] for number in listed], np.int64)
 
     def next(self, keys: NDArray[np.uint64], episodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Indices of the arenas of episodes, see `task.placement.arena_number`; new arenas are prepared.
@@ -101,13 +105,15 @@ class PreparedArenas:
             self._pieces.add(*before[index])
         self._numbers = [self._numbers[index] for index in kept.tolist()]
         self._index_of = {number: index for index, number in enumerate(self._numbers)}
-        self.parameters, self.task = self._pieces.joined()
+        self._join()
+        if worlds is not None:
+            self._enter_maps(worlds)
 
     def with_room(self, worlds: Worlds) -> Worlds:
         """Worlds with room for all arenas prepared so far: these ones, or a copy if they have too little."""
         near, lengths, ways = worlds.bodies.near, worlds.food_lengths, worlds.to_waypoints
         present = near.walls.shape[1], near.corners.shape[1], lengths.shape[3]
-        if all(size >= most for size, most in zip(present, self._most(), strict=True)):
+        if all(size >= most for size, most in zip(present, self._most, strict=True)):
             return worlds
         larger = self.empty_worlds(len(worlds.tasks), worlds.trackers.shape[1])
         larger.bodies.near.lists["arena"] = near.lists["arena"]  # the lists are made again
@@ -124,15 +130,24 @@ class PreparedArenas:
         foods = self.parameters.foods
         if not self.several:
             return empty_worlds(blocks, foods, len(self.task.waypoints), lanes)
-        walls, corners, waypoints = self._most()
-        return empty_worlds(blocks, foods, waypoints, lanes, empty_lists(blocks, lanes, walls, corners))
+        walls, corners, waypoints = self._most
+        worlds = empty_worlds(blocks, foods, waypoints, lanes, empty_lists(blocks, lanes, walls, corners))
+        self._enter_maps(worlds)
+        return worlds
 
-    def _most(self) -> tuple[int, int, int]:
-        """Most walls, corners and waypoints of an arena."""
+    def _enter_maps(self, worlds: Worlds) -> None:
+        """Copy what each round reads of the arena of each world, as `arena_maps.enter_map` does in one world."""
+        arenas = worlds.bodies.near.lists["arena"][:, 0]
+        for name in (*MAP, *PARTS):
+            worlds.tasks[name] = self.task.arena[name][arenas]
+
+    def _join(self) -> None:
+        """Let kernels read all arenas prepared so far."""
+        self.parameters, self.task = self._pieces.joined()
         walls, corners, waypoints = (
             int(self.task.arena[name].max()) for name in ("walls", "corners", "waypoints")
         )
-        return walls, corners, waypoints
+        self._most = walls, corners, waypoints
 
 
 def recall_arenas(

@@ -27,13 +27,21 @@ TASK = (
     *("wall_x", "wall_y", "wall_squared"),
     *("home_distance", "home_bearing", "home_path", "home_way_x", "home_way_y"),
     *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
-    # Numbers of the arena's map, if worlds are in different arenas.
-    *("map_home_x", "map_home_y", "map_home_radius", "map_home_opening", "map_diagonal"),
     "behaviour",  # what was decided on
     "correct",  # whether the teacher would have decided the same
     "begins",  # whether the last frame was the first of its episode
 )
 """Fields of the task of one world."""
+MAP = (
+    *(f"map_{name}" for name in ArenaMap._fields if name not in ("walls", "ways")),
+    *("map_clearance", "map_berth"),
+)
+"""`task.arena_map.ArenaMap` in pixels without its walls, with the clearance and berth of its `Ways`."""
+PARTS = (
+    *("first_wall", "walls", "first_corner", "corners", "first_waypoint", "waypoints"),
+    "first_length",
+)
+"""Which of the walls, corners and waypoints of all arenas are those of one, and where the lengths of its ways begin."""
 NEAREST_WALLS = ("nearest_x1", "nearest_y1", "nearest_ex", "nearest_ey", "nearest_share")
 """Fields of the task of one world that hold the four nearest walls, if worlds are in different arenas."""
 
@@ -106,20 +114,23 @@ decisions_dtype = np.dtype([(field.name, "f8") for field in fields(Decisions)])
 """`task.decisions.DecisionValues`."""
 
 arena_dtype = np.dtype(
-    [(f"map_{name}", "f8") for name in ArenaMap._fields if name not in ("walls", "ways")]
-    + [("map_clearance", "f8"), ("map_berth", "f8")]
+    [(name, "f8") for name in MAP]
     + [(f"floor_{name}", "f8") for name in Floor._fields if name != "walls"]
     + [("odds", "f8", (len(FoodType) - 1,))]
     + [("limit", "i8")]
-    + [(name, "i8") for name in ("first_wall", "walls", "first_corner", "corners")]
-    + [(name, "i8") for name in ("first_waypoint", "waypoints", "first_length")]
+    + [(name, "i8") for name in PARTS]
 )
-"""`task.arena_map.ArenaMap` in pixels without its walls, with the clearance and berth of its `Ways`; `Floor` in mm
-without its walls; odds of food types, and the step limit. If worlds are in different arenas: which of all walls,
-corners and waypoints are this arena's, and where the lengths of its ways begin."""
+"""One arena: `MAP`; `Floor` in mm without its walls; odds of food types, and the step limit; `PARTS`, if worlds are in
+different arenas."""
 
 
 def task_dtype(lanes: int, several: bool = False) -> np.dtype[Any]:
-    """The task of one block of worlds, which are in one arena or in several."""
-    nearest = [(name, "f8", (4, lanes)) for name in NEAREST_WALLS] if several else []
-    return np.dtype([*((name, "f8", (lanes,)) for name in TASK), *nearest])
+    """The task of one block of worlds, which are in one arena or in several.
+
+    With several, it has a copy of what each round reads of the arena of each world: arenas lie anywhere in memory.
+    """
+    kinds: list[Any] = [(name, "f8", (lanes,)) for name in TASK]
+    if several:
+        kinds += [(name, "f8", (lanes,)) for name in MAP] + [(name, "i4", (lanes,)) for name in PARTS]
+        kinds += [(name, "f8", (4, lanes)) for name in NEAREST_WALLS]
+    return np.dtype(kinds)

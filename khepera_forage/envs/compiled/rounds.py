@@ -5,7 +5,7 @@ from typing import Any
 from khepera_forage.compilation.addresses import call_at
 from khepera_forage.compilation.decorators import entrance, inline, kernel, sequence
 from khepera_forage.compilation.work_queue import take
-from khepera_forage.envs.compiled.arena_maps import arena_maps, floor_in, keep_numbers, map_in
+from khepera_forage.envs.compiled.arena_maps import arena_maps, enter_map, floor_in, map_in
 from khepera_forage.envs.compiled.commands import drive_actions, drive_behaviours
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.perception import perceive_block, remember_senses, track_food
@@ -74,9 +74,9 @@ def begin_world(
             places[k].x, places[k].y = given_places[k].x, given_places[k].y
     drawn_key, values = layout_key(key, episode.number), task.decisions[0]
     near = worlds.bodies.near
-    ground, maps = floor_in(near, task, i), arena_maps(near, task)
-    keep_numbers(maps, worlds.tasks, i)
-    free = draw_layout(start, places, drawn_key, ground, map_in(maps, i), values, has_start, has_places)
+    enter_map(near, worlds.tasks, i, task)
+    ground, arena_map = floor_in(near, task, i), map_in(arena_maps(near, task), worlds.tasks, i)
+    free = draw_layout(start, places, drawn_key, ground, arena_map, values, has_start, has_places)
     put_down(worlds, i, parameters)
     draw_food_types(worlds.foods[i], food_type_key(key, episode.number), arena.odds)
     episode.number += 1

@@ -8,7 +8,7 @@ they are looked up at once.
 from typing import Any
 
 from khepera_forage.compilation.decorators import inline, kernel, variant
-from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in, numbers_in
+from khepera_forage.envs.compiled.arena_maps import are_several, arena_maps, map_in
 from khepera_forage.envs.compiled.parameters import TaskParameters
 from khepera_forage.envs.compiled.raw_data import perceived, raw_data_in
 from khepera_forage.envs.compiled.worlds import UNUSED, Worlds
@@ -48,7 +48,7 @@ def begin_ways_home(worlds: Worlds, maps: Any, parameters: TaskParameters) -> No
     """Begin with straight ways home, or look them up if the state vector needs them."""
     robot, task = worlds.bodies.robots, worlds.tasks
     for i in range(robot.x.shape[0]):
-        arena = numbers_in(maps, task, i)
+        arena = map_in(maps, task, i)
         task.home_way_x[i], task.home_way_y[i], task.home_path[i] = arena.home_x, arena.home_y, 0.0
     if perceives_paths(parameters.decisions[0]) and _can_be_bent(maps, parameters):
         for i in range(robot.x.shape[0]):
@@ -69,19 +69,19 @@ def find_ways_home(worlds: Worlds, parameters: TaskParameters, behaviours: Any) 
     if perceives_paths(parameters.decisions[0]) or not _can_be_bent(maps, parameters):
         return
     for i in range(robot.x.shape[0]):
-        raw = raw_data_in(robot, task, i, numbers_in(maps, task, i))
+        raw = raw_data_in(robot, task, i, map_in(maps, task, i))
         # A robot before its first frame does nothing.
         if robot.first_frame[i] == 0.0 and uses_way_home(int(behaviours[i]), raw):
             task.home_way_x[i], task.home_way_y[i], task.home_path[i] = _way_home(worlds, maps, i)
     # In a loop of its own, because it does the same in every lane: one instruction then works on several.
     for i in range(robot.x.shape[0]):
-        raw = perceived(worlds, i, numbers_in(maps, task, i))
+        raw = perceived(worlds, i, map_in(maps, task, i))
         task.home_bearing[i], task.home_path[i] = raw.home_bearing, raw.home_path
 
 
 @inline
 def _way_home(worlds: Worlds, maps: Any, i: int) -> Way:
-    robot, arena = worlds.bodies.robots, map_in(maps, i)
+    robot, arena = worlds.bodies.robots, map_in(maps, worlds.tasks, i)
     # Robots in unused lanes would try all waypoints, in every round.
     if robot.x[i] < UNUSED / 2.0:
         return arena.home_x, arena.home_y, 0.0

@@ -49,7 +49,7 @@ def decide(worlds: Worlds, task: TaskParameters, memories: Memories, decisions: 
             elif decision.policy == WITHOUT_ORIENTING:
                 known.behaviour[i] = _SEARCH_FOR_FOOD if known.state[i] == _NEXT_TO_FOOD else known.state[i]
             else:
-                diagonal = map_in(maps, i).diagonal
+                diagonal = map_in(maps, known, i).diagonal
                 known.behaviour[i] = _imitate(
                     known, i, diagonal, memories, decision, chance, values.distance_arithmetic
                 )
