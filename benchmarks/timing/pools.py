@@ -24,8 +24,8 @@ from timing.measures import Job, Measure, Values
 ARENAS, QUICK_ARENAS = 10_000, 50
 FOODS = 2
 """Food objects of a medium arena."""
-RESETS = 8
-"""Resets of all worlds, after which nearly every arena has been entered, and so prepared, once."""
+RESETS = 20
+"""Resets of all worlds, after which all but about three of the arenas have been entered, and so prepared, once."""
 PREPARED = Measure(
     SECTION,
     "drawing and preparing a medium procedural arena",
