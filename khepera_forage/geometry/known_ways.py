@@ -82,7 +82,7 @@ def examine(known: Any, x: float, y: float, to_x: float, to_y: float, walls: Any
 
 
 def room_beside(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Any) -> float:
-    """How far a clear way may move sideways while it certainly stays clear; 0 or less if that is not known.
+    """How far each end of a clear way may move sideways, in pixels, while the way certainly stays clear.
 
     Args:
         x: Of the one end.
@@ -129,8 +129,8 @@ def _room_near_walls(
 ) -> float:
     """The room that a way has because it may pass a corner as closely as its ends are to the walls that meet there.
 
-    An end that moves towards the corner gets no further from these walls than it was, or than the way passes the
-    corner.
+    Where the way passes the corner, it is no further from these walls than from the corner, which lies on them. An end
+    that moves along the way to there is never further from them than it was, or than it is then.
 
     Args:
         aside: At which the way passes the corner.
