@@ -49,7 +49,7 @@ class PreparedArenas:
         self._index_of: dict[int, int] = {}
         self._pieces = JoinedArenas()
         self._most = 0, 0, 0
-        """Most walls, corners and waypoints of an arena."""
+        """Most walls, corners and waypoints of an arena. Every step needs them, and there may be 16,384 arenas."""
         self.parameters: Parameters
         self.task: TaskParameters
         if self.several:
