@@ -36,6 +36,8 @@ from khepera_forage.geometry.walls import Wall
 from khepera_forage.policies import nearest_neighbour
 from khepera_forage.policies.nearest_neighbour import distance, votes
 from khepera_forage.rollouts.compiled.records import decision_dtype, pair_dtype
+from khepera_forage.sim.compiled import records as bodies
+from khepera_forage.sim.compiled.listed_walls import ListedWall
 from khepera_forage.sim.compiled.records import detection_dtype, track_dtype
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
@@ -225,6 +227,7 @@ def test_records_have_the_fields_of_the_dataclasses(record: Any, thing: Any) -> 
 
 def test_records_of_walls_arenas_and_detections_have_the_fields_of_the_tuples() -> None:
     assert set(Wall._fields) == set(wall_dtype.names or ())
+    assert ListedWall._fields == bodies.wall_dtype.names
     assert set(Corner._fields) == set(way_corner_dtype.names or ())
     assert set(Spot._fields) == set(place_dtype.names or ())
     for prefix, known in (("map", ArenaMap), ("floor", Floor)):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from khepera_forage.compilation.decorators import inline, types, variant
 from khepera_forage.compilation.packing import pack
+from khepera_forage.sim.arena import Point
 from khepera_forage.sim.compiled.near_walls import most_listed, several
 from khepera_forage.sim.compiled.parameters import Parameters
 
@@ -23,13 +24,6 @@ class ListedWall(NamedTuple):
     normal_x: float
     normal_y: float
     offset: float
-
-
-class ListedCorner(NamedTuple):
-    """A corner in the list of one world: the fields of `corner_dtype`."""
-
-    x: float
-    y: float
 
 
 def _over_lanes(value: Any) -> bool:
@@ -87,8 +81,8 @@ def corner_in(corners: Any, j: int, i: int) -> Any:
 
 
 @variant(corner_in, _are_listed)
-def _corner_in(corners: Any, j: int, i: int) -> ListedCorner:
-    return ListedCorner(corners[j].x[i], corners[j].y[i])
+def _corner_in(corners: Any, j: int, i: int) -> Point:
+    return Point(corners[j].x[i], corners[j].y[i])
 
 
 def pack_near_wall(near: Any, scratch: Any) -> int:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.geometry.polygon import line_of
+from khepera_forage.geometry.walls import wall_of
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.compiled.records import constants_dtype, corner_dtype, wall_dtype
@@ -65,12 +65,8 @@ def parameters_of(
 
 
 def _walls_of(arena: Arena) -> NDArray[Any]:
-    walls = []
-    for segment in arena.segments:
-        x1, y1, x2, y2 = segment
-        ex, ey = x2 - x1, y2 - y1
-        walls.append((x1, y1, ex, ey, 1.0 / (ex * ex + ey * ey), *line_of(segment)))
-    return np.array(walls, wall_dtype)
+    names, walls = wall_dtype.names or (), map(wall_of, arena.segments)
+    return np.array([tuple(getattr(wall, name) for name in names) for wall in walls], wall_dtype)
 
 
 def _write_noise(constants: NDArray[Any], noise: Noise, holes: int) -> None:

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from khepera_forage.geometry.walls import Wall
+
 LANES = 128
 """Worlds in a block of many. Only functions that allocate blocks use this number."""
 
@@ -36,6 +38,7 @@ _FOOD = (
     "lost",  # whether the tracker does not see the object at present
     *("seen", "seen_x", "seen_y"),  # whether this frame shows the object, and where, in pixels
 )
+_WALL = tuple(name for name in Wall._fields if name not in ("y2", "polygon"))
 _SCRATCH = (
     # The motion of this round.
     *("forward", "turn"),  # commanded speeds, mm/s and rad/s
@@ -48,7 +51,7 @@ _SCRATCH = (
     *("near_x", "near_y", "near_cos", "near_sin", "near_jaw"),
     *("near_from_x", "near_from_y", "near_held", "near_grip_x", "near_grip_y", "near_travel", "near_touches"),
     # A wall and a corner of each packed lane, if worlds are in different arenas (listed_walls).
-    *(f"wall_{name}" for name in ("x1", "y1", "ex", "ey", "share", "normal_x", "normal_y", "offset")),
+    *(f"wall_{name}" for name in _WALL),
     *("corner_x", "corner_y"),
     # Lanes with an obstacle in range of the infra-reds, packed (sensing).
     *("ahead", "aside", "along", "across", "reading"),
@@ -73,10 +76,8 @@ constants_dtype = np.dtype(
 )
 """Numbers that are the same in all worlds."""
 
-wall_dtype = np.dtype(
-    [(name, "f8") for name in ("x1", "y1", "ex", "ey", "share", "normal_x", "normal_y", "offset")]
-)
-"""A wall: one end, the vector to the other end, 1 / its squared length, and unit normal and offset of its line."""
+wall_dtype = np.dtype([(name, "f8") for name in _WALL])
+"""`geometry.walls.Wall` in mm, without `y2` and `polygon`."""
 
 corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """A corner of walls that points into the floor."""
