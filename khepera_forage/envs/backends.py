@@ -27,7 +27,7 @@ class EntryPoint:
 
     Args:
         on_pymunk: Class on pymunk.
-        compiled: Name of the class in `envs.compiled.single_envs`, which needs numba.
+        compiled: Name of the class in `envs.compiled.single`, which needs numba.
         decisions: Of the environment's version, for users that give none.
     """
 
@@ -55,7 +55,7 @@ class EntryPoint:
             kwargs["arena"] = spec_arena(kwargs["arena"])
         if check_backend(backend) == PYMUNK:
             return self._on_pymunk(**kwargs)
-        made = getattr(import_module("khepera_forage.envs.compiled.single_envs"), self._compiled)
+        made = getattr(import_module("khepera_forage.envs.compiled.single"), self._compiled)
         env: gym.Env[Any, Any] = made(**kwargs)
         return env
 
@@ -64,7 +64,7 @@ class VectorEntryPoint:
     """What `gym.make_vec` calls: makes compiled worlds, whatever their number.
 
     Args:
-        compiled: Name of the class in `envs.compiled.vector_envs`.
+        compiled: Name of the class in `envs.compiled.vector_env`.
         decisions: Of the environment's version, for users that give none.
     """
 
@@ -98,7 +98,7 @@ class VectorEntryPoint:
         kwargs["decisions"] = spec_decisions(decisions, self._decisions)
         if "arena" in kwargs:
             kwargs["arena"] = spec_arena(kwargs["arena"])
-        made = getattr(import_module("khepera_forage.envs.compiled.vector_envs"), self._compiled)
+        made = getattr(import_module("khepera_forage.envs.compiled.vector_env"), self._compiled)
         env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
         for wrapper in vector_wrappers:
             env = wrapper(env)

@@ -105,7 +105,7 @@ class Forager:
         update_food(
             tracker,
             tracker.foods,
-            tracker.known_ways,
+            tracker.memory,
             tracker.links,
             scene.regions,
             self.arena,

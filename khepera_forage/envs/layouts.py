@@ -17,7 +17,7 @@ from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_links import Link
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
-from khepera_forage.task.way_finding import no_known_ways
+from khepera_forage.task.way_finding import no_memory
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 
@@ -179,7 +179,7 @@ def tracker_of(places: Sequence[Point], arena: ArenaMap) -> FoodTracker:
     return FoodTracker(
         deliverable=len(foods),
         foods=foods,
-        known_ways=no_known_ways(len(foods), len(arena.ways.waypoints)),
+        memory=no_memory(len(foods), len(arena.ways.waypoints)),
         links=[Link() for _ in range(2 * len(foods))],
     )
 

@@ -1,13 +1,6 @@
-"""Angles and lengths in the plane. Plain functions, called from Python.
-
-Compiled code has its own versions of these, of the same accuracy, which run for many worlds at once
-(`compilation.trigonometry`): rules of the task call no other transcendental function.
-"""
+"""Angles and lengths in the plane. Plain functions, also compiled."""
 
 import math
-
-HEADINGS = tuple((math.cos(math.radians(degrees)), math.sin(math.radians(degrees))) for degrees in range(360))
-"""Cosine and sine of each whole degree."""
 
 
 def bearing_of(x: float, y: float) -> float:
@@ -17,12 +10,13 @@ def bearing_of(x: float, y: float) -> float:
 
 def turn_to(direction: float, orientation: float) -> float:
     """Degrees to turn from an orientation to a direction, -180..180, left positive."""
-    return (direction - orientation + 180.0) % 360.0 - 180.0
+    turn = direction - orientation + 180.0
+    return turn - 360.0 * math.floor(turn / 360.0) - 180.0
 
 
 def length(x: float, y: float) -> float:
     """Length of a vector."""
-    return math.hypot(x, y)
+    return math.sqrt(x * x + y * y)
 
 
 def sine(degrees: float) -> float:
@@ -41,5 +35,5 @@ def cosine_sine(radians: float) -> tuple[float, float]:
 
 
 def heading_of(orientation: int) -> tuple[float, float]:
-    """Cosine and sine of an orientation in whole degrees 0..359."""
-    return HEADINGS[orientation]
+    """Cosine and sine of an orientation in degrees."""
+    return cosine_sine(math.radians(orientation))

@@ -5,21 +5,41 @@ floor, with room for a robot that turns with food in its gripper, and the length
 known. The functions here look up, in every round, which waypoint comes next. An arena without such corners, like those
 of the thesis, has no waypoints, and every way is straight.
 
-Robots count in pixels. Lengths from all waypoints to one place are an array with one number a waypoint.
+Robots count in pixels. Walls are `geometry.walls.Wall` records. Lengths from all waypoints to one place are an array with
+one number a waypoint.
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.known_ways import is_known_clear
-from khepera_forage.geometry.straight_ways import is_clear
+from khepera_forage.geometry.walls import to_wall
 
+_NEARER = 0.85
+"""Share of the distance from an end of a way to the walls at a corner, or to the home, at which it may pass that."""
 _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
 KEPT = 8.0
 """Pixels (36 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
 waypoint, it looks in every round, so that it turns to the next one in time."""
+
+
+@dataclass(slots=True)
+class ChosenWaypoint:
+    """The next waypoint on the way of a robot to one place, while walls block the straight way.
+
+    Attributes:
+        x: Where the robot was when it chose the waypoint, pixels; infinite without one.
+        y: Likewise.
+        number: Of the waypoint.
+        blocked: Whether a wall, or a corner passed too closely, blocked the straight way when it was last looked at.
+    """
+
+    x: float = math.inf
+    y: float = math.inf
+    number: int = 0
+    blocked: bool = False
 
 
 class Spot(NamedTuple):
@@ -89,7 +109,7 @@ def has_path(
         to_y: Of the other place.
         to_lengths: Of the shortest path from each waypoint to the other place.
         past_home: As for `is_clear`.
-        walls: `geometry.walls.Wall` records in pixels.
+        walls: In pixels.
         ways: What is prepared of the arena.
     """
     if is_clear(x, y, to_x, to_y, past_home, walls, ways):
@@ -101,99 +121,180 @@ def has_path(
     return False
 
 
-def next_waypoint(
-    x: float,
-    y: float,
-    to_lengths: Any,
-    past_home: bool,
-    known: Any,
-    to_waypoints: Any,
-    walls: Any,
-    ways: Ways,
-) -> tuple[float, float, float]:
-    """Where to drive next on the shortest path from one place to another, to which the straight way is not clear.
+def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
+    """Whether a robot can drive straight from one place to another.
+
+    A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
+    before food drives on to it. It may come about as near to a corner as its ends are to the walls that meet there: so
+    a robot that stands beside a wall can leave it, and reach food that lies beside one.
 
     Args:
         x: Of the one place.
         y: Of the one place.
-        to_lengths: Of the shortest path from each waypoint to the other place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        past_home: Whether the way must pass the home at its berth. It may come about as near to it as its ends are.
+        walls: In pixels.
+        ways: What is prepared of the arena.
+    """
+    if past_home and crosses_home(x, y, to_x, to_y, ways):
+        return False
+    return not is_blocked(x, y, to_x, to_y, walls, ways)
+
+
+def is_blocked(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
+    """Whether a way crosses a wall, or passes a corner too closely; the home is left aside."""
+    for k in range(len(walls)):
+        if _is_crossed(x, y, to_x, to_y, walls[k]):
+            return True
+    for k in range(len(ways.corners)):
+        if _is_passed_closely(x, y, to_x, to_y, ways.corners[k], walls, ways):
+            return True
+    return False
+
+
+def crosses_home(x: float, y: float, to_x: float, to_y: float, ways: Ways) -> bool:
+    """Whether a way passes the home more closely than at its berth; arguments as for `is_clear`."""
+    dx, dy = to_x - x, to_y - y
+    home_x, home_y = ways.home_x - x, ways.home_y - y
+    squared = dx * dx + dy * dy
+    along = home_x * dx + home_y * dy
+    if along <= 0.0 or along >= squared:
+        return False
+    # How far the home lies aside, times the length of the way, squared: roots and quotients would take longer.
+    aside = (home_x * dy - home_y * dx) ** 2
+    if aside >= ways.berth * ways.berth * squared:
+        return False
+    nearer_end = min(home_x * home_x + home_y * home_y, (home_x - dx) ** 2 + (home_y - dy) ** 2)
+    return bool(aside < _NEARER * _NEARER * squared * nearer_end)
+
+
+def _is_crossed(x: float, y: float, to_x: float, to_y: float, wall: Any) -> bool:
+    """Whether a way crosses a wall."""
+    here = wall.normal_x * x + wall.normal_y * y - wall.offset
+    there = wall.normal_x * to_x + wall.normal_y * to_y - wall.offset
+    if (here > 0.0) == (there > 0.0):
+        return False
+    share = here / (here - there)
+    crossing_x, crossing_y = x + share * (to_x - x) - wall.x1, y + share * (to_y - y) - wall.y1
+    along = crossing_x * wall.ex + crossing_y * wall.ey
+    return bool(0.0 <= along * wall.share <= 1.0)
+
+
+def _is_passed_closely(
+    x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any, ways: Ways
+) -> bool:
+    """Whether a way passes a corner too closely."""
+    dx, dy = to_x - x, to_y - y
+    corner_x, corner_y = corner.x - x, corner.y - y
+    squared, along = dx * dx + dy * dy, corner_x * dx + corner_y * dy
+    if along <= 0.0 or along >= squared:
+        return False
+    # As in `crosses_home`, with the corner in place of the home.
+    aside = (corner_x * dy - corner_y * dx) ** 2
+    if aside >= min(ways.clearance * ways.clearance, squared / 4.0) * squared:
+        return False
+    return bool(aside < _NEARER * _NEARER * squared * _nearest_end(x, y, to_x, to_y, corner, walls))
+
+
+def _nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
+    """The squared distance of the nearer end of a way from the walls that meet at a corner.
+
+    Args:
+        x: As for `is_clear`; so are the others.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        corner: A `Corner` record.
+        walls: In pixels.
+    """
+    before, after = walls[corner.before], walls[corner.after]
+    return min(
+        _squared_distance(x, y, before),
+        _squared_distance(x, y, after),
+        _squared_distance(to_x, to_y, before),
+        _squared_distance(to_x, to_y, after),
+    )
+
+
+def _squared_distance(x: float, y: float, wall: Any) -> float:
+    dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+    return dx * dx + dy * dy
+
+
+def is_straight(
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways
+) -> bool:
+    """Whether the straight way is clear, as `is_clear`; if not, `next_waypoint` says where to drive.
+
+    Args:
+        x: As for `is_clear`; so are the others.
+        y: Of the one place.
+        to_x: Of the other place.
+        to_y: Of the other place.
+        past_home: Whether the way must pass the home at its berth.
+        chosen: The `ChosenWaypoint` record of this way; changed in place.
+        walls: In pixels.
+        ways: What is prepared of the arena.
+    """
+    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, ways)
+    if chosen.blocked:
+        return False
+    chosen.x = chosen.y = math.inf
+    return not (past_home and crosses_home(x, y, to_x, to_y, ways))
+
+
+def next_waypoint(
+    x: float, y: float, to_lengths: Any, past_home: bool, chosen: Any, walls: Any, ways: Ways
+) -> tuple[float, float, float]:
+    """Where to drive next on the shortest path to a place to which the way is not straight.
+
+    Args:
+        x: Of the robot.
+        y: Of the robot.
+        to_lengths: Of the shortest path from each waypoint to the place.
         past_home: As for `is_clear`.
-        known: `StraightWay` record of the way to the other place; changed in place.
-        to_waypoints: `StraightWay` records of the ways to each waypoint; changed in place.
-        walls: `geometry.walls.Wall` records in pixels.
+        chosen: The `ChosenWaypoint` record of this way, after `is_straight`; changed in place.
+        walls: In pixels.
         ways: What is prepared of the arena.
 
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
-    number = known.waypoint
-    if not _is_kept(x, y, to_lengths, past_home, known, to_waypoints, walls, ways):
-        number = _choose_waypoint(x, y, to_lengths, past_home, known.waypoint, to_waypoints, walls, ways)
+    if not _is_kept(x, y, to_lengths, past_home, chosen, walls, ways):
+        number = _choose_waypoint(x, y, to_lengths, past_home, walls, ways)
         if number < 0:
             return x, y, math.inf
-        known.waypoint = number
-        # While only the home is in the way, the record says where the clear way was examined.
-        if known.blocker >= 0:
-            known.x, known.y = x, y
-    point = ways.waypoints[number]
-    return point.x, point.y, length(point.x - x, point.y - y) + to_lengths[number]
+        chosen.number = number
+        # Where only the home is in the way, a robot looks for a shorter way in every round.
+        if chosen.blocked:
+            chosen.x, chosen.y = x, y
+    point = ways.waypoints[chosen.number]
+    return point.x, point.y, length(point.x - x, point.y - y) + to_lengths[chosen.number]
 
 
 def _is_kept(
-    x: float,
-    y: float,
-    to_lengths: Any,
-    past_home: bool,
-    known: Any,
-    to_waypoints: Any,
-    walls: Any,
-    ways: Ways,
+    x: float, y: float, to_lengths: Any, past_home: bool, chosen: Any, walls: Any, ways: Ways
 ) -> bool:
     """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
-    if known.blocker < 0 or length(x - known.x, y - known.y) >= KEPT:
+    if length(x - chosen.x, y - chosen.y) >= KEPT:
         return False
-    point = ways.waypoints[known.waypoint]
-    if length(point.x - x, point.y - y) <= KEPT or to_lengths[known.waypoint] == math.inf:
+    point = ways.waypoints[chosen.number]
+    if length(point.x - x, point.y - y) <= KEPT or to_lengths[chosen.number] == math.inf:
         return False
-    way = to_waypoints[known.waypoint]
-    return is_known_clear(way, x, y, point.x, point.y, past_home, walls, ways)
+    return is_clear(x, y, point.x, point.y, past_home, walls, ways)
 
 
-def _choose_waypoint(
-    x: float,
-    y: float,
-    to_lengths: Any,
-    past_home: bool,
-    last: int,
-    to_waypoints: Any,
-    walls: Any,
-    ways: Ways,
-) -> int:
-    """Number of the next waypoint on the shortest path; -1 without a path.
-
-    Args:
-        x: As for `next_waypoint`; so are the others.
-        y: Of the one place.
-        to_lengths: Of the shortest path from each waypoint to the other place.
-        past_home: As for `is_clear`.
-        last: Number of the waypoint last chosen, which is tried first.
-        to_waypoints: `StraightWay` records of the ways to each waypoint; changed in place.
-        walls: `geometry.walls.Wall` records in pixels.
-        ways: What is prepared of the arena.
-    """
+def _choose_waypoint(x: float, y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways) -> int:
+    """Number of the next waypoint on the shortest path; -1 without a path. Arguments as for `next_waypoint`."""
     best, found = math.inf, -1
-    # Whether a way is clear takes longest to find out. From the last waypoint on, few others can be nearer.
-    for k in range(-1, len(ways.waypoints)):
-        number = last if k < 0 else k
-        point = ways.waypoints[number]
+    for k in range(len(ways.waypoints)):
+        point = ways.waypoints[k]
         first = length(point.x - x, point.y - y)
-        total = first + to_lengths[number]
-        # Of two that are equally near, the first one counts, whichever is tried first.
-        nearer = total < best or (total == best and number < found)
-        if nearer and first > _REACHED:
-            way = to_waypoints[number]
-            if is_known_clear(way, x, y, point.x, point.y, past_home, walls, ways):
-                best, found = total, number
+        total = first + to_lengths[k]
+        # Whether a way is clear takes longest to find out.
+        if total < best and first > _REACHED and is_clear(x, y, point.x, point.y, past_home, walls, ways):
+            best, found = total, k
     return found
 
 
@@ -206,7 +307,7 @@ def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, 
         lengths: One number a waypoint; changed in place. Infinite without a path: with `past_home` also from waypoints
             in the home, to which only the way home leads.
         past_home: As for `is_clear`.
-        walls: `geometry.walls.Wall` records in pixels.
+        walls: In pixels.
         ways: What is prepared of the arena.
     """
     count = len(ways.waypoints)

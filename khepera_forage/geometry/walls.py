@@ -65,6 +65,18 @@ def to_wall(
     return dx + t * ex, dy + t * ey
 
 
+def to_nearest_wall(x: float, y: float, walls: Any) -> tuple[float, float]:
+    """From a place to the nearest point of a wall."""
+    nearest, wall_x, wall_y = math.inf, 0.0, 0.0
+    for k in range(len(walls)):
+        wall = walls[k]
+        dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+        squared = dx * dx + dy * dy
+        if squared < nearest:
+            nearest, wall_x, wall_y = squared, dx, dy
+    return wall_x, wall_y
+
+
 def clearance(x: float, y: float, walls: Any) -> float:
     """Distance from a place to the nearest wall; negative outside the outer wall and inside obstacles."""
     least = math.inf

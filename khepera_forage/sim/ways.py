@@ -12,9 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from khepera_forage.geometry.known_ways import StraightWay
-from khepera_forage.geometry.paths import NO_WAYS, Corner, Spot, Ways, find_lengths, has_path, next_waypoint
-from khepera_forage.geometry.straight_ways import is_clear
+from khepera_forage.geometry.paths import (
+    NO_WAYS,
+    ChosenWaypoint,
+    Corner,
+    Spot,
+    Ways,
+    find_lengths,
+    has_path,
+    is_clear,
+    next_waypoint,
+)
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
@@ -131,8 +139,7 @@ def _next_place(
     """Where to drive next, in pixels, and the length of the path; infinite without one."""
     if is_clear(*here, *there, past_home, walls, ways):
         return *there, math.dist(here, there)
-    known = [StraightWay() for _ in ways.waypoints]
-    return next_waypoint(*here, lengths, past_home, StraightWay(), known, walls, ways)
+    return next_waypoint(*here, lengths, past_home, ChosenWaypoint(), walls, ways)
 
 
 def check_ways(arena: Arena) -> None:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.geometry.angles import heading_of, length
-from khepera_forage.geometry.nearest_wall import NearestWall
 from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
@@ -21,7 +20,7 @@ from khepera_forage.task.food_links import Link, count_lost_rounds, is_shown, li
 from khepera_forage.task.identification import at_home
 from khepera_forage.task.nearest_food import find_nearest
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import KnownWays, no_known_ways
+from khepera_forage.task.way_finding import WayMemory, no_memory
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
@@ -82,8 +81,7 @@ class FoodTracker:
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
-        nearest_wall: Which wall is nearest to the robot.
-        known_ways: What it knows of the ways in the arena.
+        memory: What it remembers of its ways.
         links: Twice as many slots as food objects.
     """
 
@@ -101,15 +99,14 @@ class FoodTracker:
     food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
-    nearest_wall: NearestWall = field(default_factory=NearestWall, compare=False)
-    known_ways: KnownWays = field(default_factory=lambda: no_known_ways(0, 0))
+    memory: WayMemory = field(default_factory=lambda: no_memory(0, 0))
     links: list[Link] = field(default_factory=list)
 
 
 def update_food(
     tracker: Any,
     foods: Any,
-    known_ways: KnownWays,
+    memory: WayMemory,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -126,7 +123,7 @@ def update_food(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records; changed in place.
-        known_ways: What the robot knows of the ways in its arena; changed in place.
+        memory: What the robot remembers of its ways; changed in place.
         links: Its `Link` records; changed in place.
         tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
         arena: The arena of this robot.
@@ -147,7 +144,7 @@ def update_food(
     _follow_tracks(tracker, foods, links, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
         count_lost_rounds(links, tracks)
-    find_nearest(tracker, foods, known_ways, links, tracks, arena, x, y, arm, decisions)
+    find_nearest(tracker, foods, memory, links, tracks, arena, x, y, arm, decisions)
     _count(tracker, foods)
     if decisions.no_food_distance == LAST_DISTANCE:
         if tracker.food_seen:

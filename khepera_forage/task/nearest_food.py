@@ -18,7 +18,7 @@ from khepera_forage.task.decision_readings import (
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_links import link_of
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import KnownWays, drivable, way_to_food
+from khepera_forage.task.way_finding import WayMemory, drivable, way_to_food
 
 _POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
@@ -28,7 +28,7 @@ _NO_PATH = 1e6
 def find_nearest(
     tracker: Any,
     foods: Any,
-    known_ways: KnownWays,
+    memory: WayMemory,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -45,7 +45,7 @@ def find_nearest(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records.
-        known_ways: What the robot knows of the ways in its arena; changed in place.
+        memory: What the robot remembers of its ways; changed in place.
         links: Its `Link` records.
         tracks: Regions or tracks of the camera.
         arena: The arena of this robot.
@@ -80,7 +80,7 @@ def find_nearest(
                     continue
                 if len(arena.ways.corners) > 0:
                     to_x, to_y, length = way_to_food(
-                        x, y, track.x, track.y, foods[number], number, known_ways, arena
+                        x, y, track.x, track.y, foods[number], number, memory, arena
                     )
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from khepera_forage.geometry.angles import bearing_of, length, turn_to
-from khepera_forage.geometry.nearest_wall import to_nearest_wall
+from khepera_forage.geometry.walls import to_nearest_wall
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decision_readings import ALONG_PATH, LAST_DISTANCE
@@ -94,7 +94,7 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         arena: Its arena.
     """
     x, y = own.x, own.y
-    wall_x, wall_y = to_nearest_wall(tracker.nearest_wall, x, y, arena.walls)
+    wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
     return raw_data(
         senses,
         x,
@@ -107,7 +107,7 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
-        way_home(x, y, tracker, tracker.foods, tracker.known_ways, arena),
+        way_home(x, y, tracker, tracker.foods, tracker.memory, arena),
         (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
     )

@@ -67,10 +67,10 @@ def steer(
         return _turn_on_the_spot(raw, error, decisions)
     turn = error * (0.3 if abs(error) > 10.0 else 0.2)
     if by_infra_reds and raw.arm < ARM_ON_FLOOR:
-        a, b, c, d, e, f = raw.proximity
-        if c > _BLOCKED and d > _BLOCKED:
+        near = raw.proximity
+        if near[2] > _BLOCKED and near[3] > _BLOCKED:
             return -_CAREFUL, -_CAREFUL
-        left, right = max(a // 2, b, c), max(f // 2, e, d)
+        left, right = max(near[0] // 2, near[1], near[2]), max(near[5] // 2, near[4], near[3])
         if left > _OBSTACLE or right > _OBSTACLE:
             speed = min(speed, _CAREFUL)
             turn = math.copysign(speed, right - left)
@@ -95,9 +95,9 @@ def wander(raw: RawData, speed: float, decisions: DecisionValues) -> tuple[float
     bearing = abs(raw.wall_bearing)
     if raw.wall_distance < _SWING and bearing < 30.0:
         return -_CAREFUL, -_CAREFUL
-    _, left, ahead_left, ahead_right, right, _ = raw.proximity
+    near = raw.proximity
     wall_ahead = raw.wall_distance < _SWING + 2.0 and bearing < 60.0
-    if wall_ahead or max(left, ahead_left, ahead_right, right) > _OBSTACLE:
+    if wall_ahead or max(near[1], near[2], near[3], near[4]) > _OBSTACLE:
         return -decisions.turn_speed, decisions.turn_speed
     return speed, speed
 

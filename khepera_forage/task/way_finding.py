@@ -7,8 +7,7 @@ import math
 from typing import Any, NamedTuple
 
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.known_ways import StraightWay, is_known_clear
-from khepera_forage.geometry.paths import find_lengths, has_path, next_waypoint
+from khepera_forage.geometry.paths import ChosenWaypoint, find_lengths, has_path, is_straight, next_waypoint
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.past_poison import is_poison_about, past_poison
 
@@ -20,35 +19,31 @@ Way = tuple[float, float, float]
 the arena is straight, and infinite if there is none."""
 
 
-class KnownWays(NamedTuple):
-    """What one robot knows of the ways in its arena, so that it need not find out again in every round.
+class WayMemory(NamedTuple):
+    """What one robot remembers of its ways.
 
     Attributes:
-        straight: `StraightWay` records: to the home, then to each food object.
-        to_waypoints: `StraightWay` records: to each waypoint.
+        chosen: `ChosenWaypoint` records: on the way home, then on the way to each food object.
         food_lengths: Of the shortest path from each waypoint to each food object, pixels.
     """
 
-    straight: Any
-    to_waypoints: Any
+    chosen: Any
     food_lengths: Any
 
 
-def no_known_ways(foods: int, waypoints: int) -> KnownWays:
-    """What a robot knows at the start of an episode.
+def no_memory(foods: int, waypoints: int) -> WayMemory:
+    """What a robot remembers at the start of an episode.
 
     Args:
         foods: Number of food objects.
         waypoints: Number of waypoints in the arena.
     """
-    return KnownWays(
-        [StraightWay() for _ in range(1 + foods)],
-        [StraightWay() for _ in range(waypoints)],
-        [[math.inf] * waypoints for _ in range(foods)],
+    return WayMemory(
+        [ChosenWaypoint() for _ in range(1 + foods)], [[math.inf] * waypoints for _ in range(foods)]
     )
 
 
-def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, arena: ArenaMap) -> Way:
+def way_home(x: float, y: float, tracker: Any, foods: Any, memory: WayMemory, arena: ArenaMap) -> Way:
     """The way home of a robot.
 
     Args:
@@ -56,29 +51,25 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, known: KnownWays, are
         y: Of the robot, pixels.
         tracker: Its `FoodTracker` record.
         foods: The `FoodObject` records.
-        known: What it knows; changed in place.
+        memory: What it remembers; changed in place.
         arena: Its arena.
     """
-    way = arena.home_x, arena.home_y, 0.0
-    if len(arena.ways.corners) > 0:
-        way = _around_walls(x, y, known, arena)
+    to_x, to_y, ways, walls = arena.home_x, arena.home_y, arena.ways, arena.walls
+    way = to_x, to_y, 0.0
+    if len(ways.corners) > 0:
+        chosen = memory.chosen[0]
+        if is_straight(x, y, to_x, to_y, False, chosen, walls, ways):
+            way = to_x, to_y, length(to_x - x, to_y - y)
+        else:
+            way = next_waypoint(x, y, ways.home_lengths, False, chosen, walls, ways)
+            way = drivable(way, to_x, to_y)
     if tracker.held < 0 or not is_poison_about(tracker.held, foods):
         return way
     return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 
 
-def _around_walls(x: float, y: float, known: KnownWays, arena: ArenaMap) -> Way:
-    """The way home around walls, poison left aside."""
-    to_x, to_y, ways = arena.home_x, arena.home_y, arena.ways
-    straight = known.straight[0]
-    if is_known_clear(straight, x, y, to_x, to_y, False, arena.walls, ways):
-        return to_x, to_y, length(to_x - x, to_y - y)
-    way = next_waypoint(x, y, ways.home_lengths, False, straight, known.to_waypoints, arena.walls, ways)
-    return drivable(way, to_x, to_y)
-
-
 def way_to_food(
-    x: float, y: float, to_x: float, to_y: float, food: Any, number: int, known: KnownWays, arena: ArenaMap
+    x: float, y: float, to_x: float, to_y: float, food: Any, number: int, memory: WayMemory, arena: ArenaMap
 ) -> Way:
     """The way past the home from a place to food.
 
@@ -90,20 +81,20 @@ def way_to_food(
         food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place to which the lengths of paths are known,
             are changed.
         number: Of the food object.
-        known: What the robot knows; changed in place.
+        memory: What the robot remembers; changed in place.
         arena: Its arena.
     """
     ways = arena.ways
     if len(ways.corners) == 0:
         return to_x, to_y, 0.0
-    straight = known.straight[1 + number]
-    if is_known_clear(straight, x, y, to_x, to_y, True, arena.walls, ways):
+    chosen, walls = memory.chosen[1 + number], arena.walls
+    if is_straight(x, y, to_x, to_y, True, chosen, walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)
-    lengths = known.food_lengths[number]
+    lengths = memory.food_lengths[number]
     if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, True, arena.walls, ways)
+        find_lengths(to_x, to_y, lengths, True, walls, ways)
         food.lengths_x, food.lengths_y = to_x, to_y
-    return next_waypoint(x, y, lengths, True, straight, known.to_waypoints, arena.walls, ways)
+    return next_waypoint(x, y, lengths, True, chosen, walls, ways)
 
 
 def drivable(way: Way, to_x: float, to_y: float) -> Way:

@@ -1,1 +1,4 @@
-"""The task in thousands of worlds at once: bodies of `sim.compiled`, functions of `foraging`, compiled. Needs numba."""
+"""The task in compiled worlds, one or thousands. Needs numba.
+
+`worlds` has the records of a world, `step` is one round of it, `batch` steps many.
+"""

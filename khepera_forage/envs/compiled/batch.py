@@ -1,25 +1,79 @@
-"""`CompiledBatch`: bodies and task of many worlds, one robot each, advanced together."""
+"""`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import key_of, keys_of
-from khepera_forage.envs.arena_pool import Arenas
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.compiled.prepared_arenas import enter_arenas, recall_arenas
-from khepera_forage.envs.compiled.records import place_dtype, start_dtype
-from khepera_forage.envs.compiled.results import Results, empty_results
-from khepera_forage.envs.compiled.rounds import read_results
-from khepera_forage.envs.compiled.stepping import step_worlds
-from khepera_forage.envs.compiled.worlds import kept
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
+from khepera_forage.envs.compiled.step import begin, carry_out, command_action, command_behaviour
+from khepera_forage.envs.compiled.worlds import (
+    World,
+    new_worlds,
+    place_dtype,
+    start_dtype,
+    world_of,
+)
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.noise import Noise
+from khepera_forage.records import dtype_of
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.scoring import penalty, score
+
+_LEAST = 512
+"""Worlds for which another thread pays."""
+
+
+@dataclass(slots=True)
+class Shown:
+    """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
+
+    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`; `type_in_gripper`
+    is the food type of the raw data.
+    """
+
+    reward: float = 0.0
+    terminated: bool = False
+    truncated: bool = False
+    score: float = 0.0
+    penalty: float = 0.0
+    correct: int = 0
+    steps: int = 0
+    delivered: int = 0
+    poison_home: int = 0
+    state: int = 0
+    x: float = 0.0
+    y: float = 0.0
+    orientation: float = 0.0
+    object_presence: int = 0
+    robot_home_distance: int = 0
+    food_type: int = 0
+    arms_height: int = 0
+    robot_food_distance: int = 0
+    arm: int = 0
+    jaw: int = 0
+    tracked: int = 0
+    food_seen: int = 0
+    food_x: float = 0.0
+    food_y: float = 0.0
+    type_in_gripper: int = 0
+    home_x: float = 0.0
+    home_y: float = 0.0
+    home_radius: float = 0.0
+    wall_distance: float = 0.0
+    wall_bearing: float = 0.0
+    diagonal: int = 0
+    proximity: list[int] = field(default_factory=lambda: [0] * 6)
+
+
+shown_dtype = dtype_of(Shown)
 
 
 class CompiledBatch:
@@ -33,6 +87,10 @@ class CompiledBatch:
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
         decisions: Ours by default.
+
+    Attributes:
+        worlds: Their records.
+        shown: `Shown` records, one a world, as of the last step or restart.
 
     Raises:
         ValueError: An argument out of range.
@@ -50,32 +108,28 @@ class CompiledBatch:
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
         self.decisions = checked_decisions(decisions)
-        self._arenas = recall_arenas(arena, foods, limit, noise, food_types, self.decisions)
         self.foods, self.limit = foods, limit
-        self._blocks = -(-self.num_worlds // LANES)
-        self.worlds = self._arenas.empty_worlds(self._blocks)
-        self._random_places = as_records(None, None, self.foods)
+        self._settings = settings_of(
+            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker
+        )
+        self._arenas = PreparedArenas(ArenaPool(arena, self.decisions))
+        self._places = np.zeros(self.num_worlds, np.int64)
+        self.worlds = new_worlds(self.num_worlds, foods, self._arenas.waypoints)
+        self.shown = np.zeros(self.num_worlds, shown_dtype)
+        self._random, self._free = given_records(None, None, foods), np.ones(1, np.bool_)
 
     @property
-    def bytes_per_world(self) -> float:
-        """Memory of a world, without what threads work in."""
-        arrays = (*kept(self.worlds), *self.worlds.bodies.near)
-        return float(sum(array.nbytes for array in arrays) / self._blocks / LANES)
-
+    def bytes_per_world(self) -> int:
+        """Memory of a world."""
+        return sum(part.nbytes for part in self.worlds) // self.num_worlds
     @property
     def arenas(self) -> list[Arena]:
         """The arena in which each world is."""
-        return [self._arenas[index] for index in self._indices.tolist()]
+        return [self._arenas.arena(place) for place in self._places.tolist()]
 
-    @property
-    def diagonals(self) -> NDArray[np.int64]:
-        """Of the arena in which each world is, in pixels."""
-        return self._of_arenas("map_diagonal", np.int64)
-
-    @property
-    def homes(self) -> NDArray[np.float64]:
-        """x, y and radius of the home of each world, in pixels, shape (worlds, 3)."""
-        return np.stack([self._of_arenas(f"map_home_{name}") for name in ("x", "y", "radius")], axis=1)
+    def world(self, number: int) -> World:
+        """The records of one world, which share its memory."""
+        return world_of(self.worlds, number)
 
     def seed(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
         """Seed some worlds, each with its own seed: it then has the episodes of a single environment with that seed.
@@ -88,9 +142,8 @@ class CompiledBatch:
             keys = keys_of(np.array(seeds, np.uint64))
         else:
             keys = np.array([key_of(seed) for seed in seeds], np.uint64)
-        robots, here = self.worlds.bodies.robots, (worlds // LANES, worlds % LANES)
-        robots["key"][here], robots["round"][here] = keys, 0
-        self.worlds.episodes["number"][here] = 0
+        robots, foragers = self.worlds.robots[:, 0], self.worlds.foragers[:, 0]
+        robots["key"][worlds], robots["round"][worlds], foragers["number"][worlds] = keys, 0, 0
 
     def restart(self, worlds: NDArray[np.int64], options: Mapping[str, Any] | None = None) -> None:
         """Begin new episodes in some worlds, up to their first observation; the others stay unchanged.
@@ -102,99 +155,74 @@ class CompiledBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        indices = self._next_arenas(worlds)
-        for index in np.unique(indices).tolist():
-            places = given_places(self._arenas[index], self.foods, options or {})
-        given = as_records(*places, self.foods)
-        # New episodes begin in blocks of their own, whose records are then copied to where they belong.
-        blocks = -(-len(worlds) // LANES)
-        begun = self._arenas.empty_worlds(blocks)
-        new = np.arange(len(worlds))
-        there, here = (new // LANES, new % LANES), (worlds // LANES, worlds % LANES)
-        for name in ("key", "round"):
-            begun.bodies.robots[name][there] = self.worlds.bodies.robots[name][here]
-        begun.episodes["number"][there] = self.worlds.episodes["number"][here]
-        enter_arenas(begun, there, indices)
-        lanes = blocks * LANES
-        waiting = np.arange(lanes) < len(worlds)
-        if not step_worlds(begun, self._arenas, np.zeros(lanes), waiting, *given, empty_results(0)):
-            raise self._no_room(indices)
-        for array, source in zip(kept(self.worlds), kept(begun), strict=True):
-            _copy_worlds(array, here, source, there)
-        enter_arenas(self.worlds, here, indices)
+        places = self._next_arenas(worlds)
+        given = self._random
+        if options:
+            for place in np.unique(places).tolist():
+                given = given_records(
+                    *given_places(self._arenas.arena(place), self.foods, options), self.foods
+                )
+        some, shown, count = World(*(part[worlds] for part in self.worlds)), self.shown[worlds], len(worlds)
+        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given, shown)
+        for part, begun in zip(self.worlds, some, strict=True):
+            part[worlds] = begun
+        self._places[worlds], self.shown[worlds] = places, shown
 
-    def step(self, actions: ArrayLike, waiting: ArrayLike) -> Results:
+    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> NDArray[Any]:
         """One round in every world, and what it has brought.
 
         Args:
-            actions: One behaviour a world, shape (worlds,), or four numbers in -1..1, shape (worlds, 4).
+            actions: One behaviour a world, shape (worlds, 1), or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
+
+        Returns:
+            `shown`, which the next step overwrites.
 
         Raises:
             ValueError: An arena has no room for a new episode.
         """
-        new = np.flatnonzero(waiting)
-        if len(new) and self._arenas.several:
-            indices = self._next_arenas(new)  # may replace `worlds` by larger records
-            enter_arenas(self.worlds, (new // LANES, new % LANES), indices)
-        results, random = empty_results(self.num_worlds), self._random_places
-        if not step_worlds(self.worlds, self._arenas, actions, waiting, *random, results):
-            raise self._no_room(self._indices[new])
-        return results
+        new = waiting.nonzero()[0]
+        if len(new):
+            self._places[new] = self._next_arenas(new)
+        self._run(self.worlds, self._places, actions, waiting, self._random, self.shown)
+        return self.shown
 
-    def results(self) -> Results:
-        """What the last step or restart has brought, in fresh arrays."""
-        results = empty_results(self.num_worlds)
-        read_results(results, self.worlds)
-        return results
-
-    def task(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
-        """A field of the task's records, one number a world, as a fresh array of some type."""
-        return self._over_worlds(self.worlds.tasks[name]).astype(kind)
-
-    def robot(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
-        """A field of the robots' records, one number a world, as a fresh array of some type."""
-        return self._over_worlds(self.worlds.bodies.robots[name]).astype(kind)
-
-    @property
-    def proximity(self) -> NDArray[np.int64]:
-        """The eight infra-reds of each world, shape (worlds, 8)."""
-        readings: NDArray[Any] = self.worlds.bodies.robots["proximity"].swapaxes(1, 2).reshape(-1, 8)
-        return readings[: self.num_worlds].astype(np.int64)
-
-    @property
-    def _indices(self) -> NDArray[np.int64]:
-        """Index of the arena in which each world is."""
-        near = self.worlds.bodies.near
-        return self._over_worlds(near.lists["arena"]) if near else np.zeros(self.num_worlds, np.int64)
-
-    def _of_arenas(self, name: str, kind: type[np.generic] = np.float64) -> NDArray[Any]:
-        """A field of the arena in which each world is, one number a world, as a fresh array of some type."""
-        values: NDArray[Any] = self._arenas.task.arena[name].astype(kind)
-        return values[self._indices] if self._arenas.several else np.full(self.num_worlds, values[0])
+    def _run(
+        self,
+        worlds: World,
+        places: NDArray[np.int64],
+        actions: NDArray[np.float64],
+        waiting: NDArray[np.bool_],
+        given: tuple[NDArray[Any], NDArray[Any]],
+        shown: NDArray[Any],
+    ) -> None:
+        free = self._free
+        free[0] = True
+        share_out(
+            _step_worlds,
+            len(places),
+            *(*worlds, self._arenas.blocks, places, self._settings),
+            *(actions, waiting, *given, shown, free),
+            least=_LEAST,
+        )
+        if not free[0]:
+            names = sorted({self._arenas.arena(place).name for place in places[waiting].tolist()})
+            raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Indices of the arenas of the next episodes of some worlds. There is then room for their records."""
-        if not self._arenas.several:
-            return np.zeros(len(worlds), np.int64)
-        here = (worlds // LANES, worlds % LANES)
-        keys, episodes = self.worlds.bodies.robots["key"][here], self.worlds.episodes["number"][here]
-        self._arenas.forget(self.worlds)
-        indices = self._arenas.next(keys, episodes)
-        self.worlds = self._arenas.with_room(self.worlds)
-        return indices
-
-    def _no_room(self, indices: NDArray[np.int64]) -> ValueError:
-        """The error of new episodes in arenas, one of which had no room."""
-        names = sorted({self._arenas[index].name for index in indices.tolist()})
-        return no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
-
-    def _over_worlds(self, array: NDArray[Any]) -> NDArray[Any]:
-        return array.reshape(-1)[: self.num_worlds]
+        """Places of the arenas of the next episodes of some worlds. There is then room for their records."""
+        self._places = self._arenas.forget(self._places)
+        keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
+        places = self._arenas.of_episodes(keys, numbers)
+        missing = self._arenas.waypoints - self.worlds.lengths.shape[2]
+        if missing > 0:
+            lengths = np.pad(self.worlds.lengths, ((0, 0), (0, 0), (0, missing)))
+            self.worlds = self.worlds._replace(lengths=lengths)
+        return places
 
 
-def as_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Given start and food places as kernels take them; not a number where they are random.
+def given_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Given start and food places as compiled worlds take them; not a number where they are random.
 
     Args:
         start: A `Pose`, or None.
@@ -207,11 +235,74 @@ def as_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArr
     return starts, np.array([tuple(place) for place in places], place_dtype)
 
 
-def _copy_worlds(array: NDArray[Any], here: Any, source: NDArray[Any], there: Any) -> None:
-    """Copy some worlds from one array of `kept` to another of the same kind."""
-    if array.dtype.names is None or not array.dtype[0].shape:
-        array[here] = source[there]
-        return
-    for name in array.dtype.names or ():
-        # A field over lanes, which are its last axis.
-        np.moveaxis(array[name], -1, 1)[here] = np.moveaxis(source[name], -1, 1)[there]
+@entry
+def _step_worlds(
+    first: int,
+    last: int,
+    robots: Any,
+    foragers: Any,
+    starts: Any,
+    foods: Any,
+    objects: Any,
+    food_places: Any,
+    detections: Any,
+    tracks: Any,
+    links: Any,
+    chosen: Any,
+    lengths: Any,
+    blocks: Any,
+    places: Any,
+    settings: Any,
+    actions: Any,
+    waiting: Any,
+    given_start: Any,
+    given_food_places: Any,
+    shown: Any,
+    free: Any,
+) -> None:
+    """One round in the worlds from `first` to `last`: an action, or the start of an episode where they wait for one.
+
+    `free[0]` becomes False where a new episode has no room.
+    """
+    # As arguments of their own, which numba hands over faster than a tuple.
+    worlds = World(
+        robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen, lengths
+    )
+    place, arena = places[first], arena_at(blocks, places[first])
+    for i in range(first, last):
+        world = world_of(worlds, i)
+        if places[i] != place:
+            place, arena = places[i], arena_at(blocks, places[i])
+        if waiting[i] and not begin(world, arena, settings[0], given_start[0], given_food_places):
+            free[0] = False
+        if actions.shape[1] == 1:
+            command_behaviour(world, arena, settings[0], int(actions[i, 0]))
+        else:
+            command_action(world, arena, settings[0], actions[i])
+        carry_out(world, arena, settings[0])
+        _show(world, shown[i], arena.numbers[0].map_diagonal)
+
+
+@rule
+def _show(world: World, shown: Any, diagonal: float) -> None:
+    """Write what environments show of a world."""
+    robot, forager = world.robots[0], world.foragers[0]
+    raw, vector, episode, tracker = forager.raw, forager.vector, forager.episode, forager.tracker
+    lost = penalty(tracker.delivered, tracker.deliverable)
+    shown.reward, shown.terminated, shown.truncated = episode.reward, episode.terminated, episode.truncated
+    shown.score, shown.penalty = score(episode.correct, episode.steps, lost), lost
+    shown.correct, shown.steps = episode.correct, episode.steps
+    shown.delivered, shown.poison_home = tracker.delivered, tracker.poison_home
+    shown.state = forager.state
+    shown.x, shown.y, shown.orientation = raw.x, raw.y, robot.marker_heading
+    shown.object_presence, shown.food_type = vector.object_presence, vector.food_type
+    shown.robot_home_distance = min(vector.robot_home_distance, int(diagonal))
+    shown.robot_food_distance = min(vector.robot_food_distance, int(diagonal))
+    shown.arms_height, shown.arm, shown.jaw = vector.arms_height, raw.arm, raw.jaw
+    shown.tracked, shown.food_seen = int(raw.tracked), int(raw.food_seen)
+    shown.food_x, shown.food_y, shown.type_in_gripper = raw.food_x, raw.food_y, raw.food_type
+    shown.home_x, shown.home_y, shown.home_radius = raw.home_x, raw.home_y, raw.home_radius
+    shown.wall_distance, shown.wall_bearing = raw.wall_distance, raw.wall_bearing
+    shown.diagonal = int(diagonal)
+    for k in range(6):
+        shown.proximity[k] = raw.proximity[k]

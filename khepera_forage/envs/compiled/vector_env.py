@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, whole_number
 from khepera_forage.envs.backends import COMPILED, check_compiled
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.results import Results
 from khepera_forage.envs.info import episode_info
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.task.decisions import Decisions
 
@@ -114,8 +115,8 @@ class RecallVectorEnv(VectorEnv):
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
-        results = self.batch.results()
-        return self._observation(results), self._infos(results, _marked(worlds, self))
+        shown = self.batch.shown
+        return self._observation(shown), self._infos(shown, _marked(worlds, self))
 
     def step(
         self, actions: ArrayLike
@@ -133,25 +134,26 @@ class RecallVectorEnv(VectorEnv):
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
                 "reset(options={'reset_mask': terminations | truncations})"
             )
-        results = self.batch.step(self._checked(actions), self._over)
-        rewards, terminated, truncated = results.reward, results.terminated, results.truncated
+        shown = self.batch.step(self._checked(actions), self._over)
+        rewards, terminated, truncated = (
+            shown[name].copy() for name in ("reward", "terminated", "truncated")
+        )
         self._over = terminated | truncated
-        observation = self._observation(results)
+        observation = self._observation(shown)
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
-            infos = self._infos(results, np.ones(self.num_envs, np.bool_))
+            infos = self._infos(shown, np.ones(self.num_envs, np.bool_))
             return observation, rewards, terminated, truncated, infos
         worlds = np.flatnonzero(self._over)
-        final_obs, final_infos = observation, self._infos(results, self._over)
+        final_obs, final_infos = observation, self._infos(shown, self._over)
         self.batch.restart(worlds)
         self._over = np.zeros(self.num_envs, np.bool_)
-        results = self.batch.results()
-        infos = self._infos(results, np.ones(self.num_envs, np.bool_))
+        infos = self._infos(shown, np.ones(self.num_envs, np.bool_))
         single = np.full(self.num_envs, None, dtype=object)
         for world in worlds.tolist():
             single[world] = {name: values[world] for name, values in final_obs.items()}
         infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
         infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
-        return self._observation(results), rewards, terminated, truncated, infos
+        return self._observation(shown), rewards, terminated, truncated, infos
 
     @abstractmethod
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
@@ -166,8 +168,8 @@ class RecallVectorEnv(VectorEnv):
         """
 
     @abstractmethod
-    def _observation(self, results: Results) -> Observation:
-        """What the policy gets to know."""
+    def _observation(self, shown: NDArray[Any]) -> Observation:
+        """What the policy gets to know, from `Shown` records, in fresh arrays."""
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
@@ -181,19 +183,17 @@ class RecallVectorEnv(VectorEnv):
             )
         return mask
 
-    def _infos(self, results: Results, mask: NDArray[np.bool_]) -> Infos:
+    def _infos(self, shown: NDArray[Any], mask: NDArray[np.bool_]) -> Infos:
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
         infos = episode_info(
-            results.state,
-            results.pose,
-            results.score,
-            results.penalty,
-            results.correct,
-            results.steps,
-            results.delivered,
-            results.poison_home,
+            shown["state"].copy(),
+            pose_of(shown),
+            *(
+                shown[name].copy()
+                for name in ("score", "penalty", "correct", "steps", "delivered", "poison_home")
+            ),
         )
-        infos["correct_behaviour"] = results.state.copy()
+        infos["correct_behaviour"] = infos["state"].copy()
         if not mask.all():
             for values in infos.values():
                 values[~mask] = 0
@@ -204,3 +204,64 @@ def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_
     mask = np.zeros(env.num_envs, np.bool_)
     mask[worlds] = True
     return mask
+
+
+def pose_of(shown: NDArray[Any]) -> NDArray[np.float64]:
+    """x and y in pixels and orientation in degrees, one row a world."""
+    return np.stack([shown[name] for name in ("x", "y", "orientation")], axis=1)
+
+
+class BehavioursVectorEnv(RecallVectorEnv):
+    """`BehavioursEnv` in many worlds: one behaviour a world in, state vectors out."""
+
+    def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
+        return BehavioursEnv(**kwargs)
+
+    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given, count = np.asarray(actions), int(self.single_action_space.n)  # type: ignore[attr-defined]
+        fine = given.shape == (self.num_envs,) and given.dtype.kind in "iu"
+        if not fine or given.min() < 0 or given.max() >= count:
+            raise ValueError(
+                f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to {count - 1}, one "
+                "behaviour each"
+            )
+        return given.astype(np.float64)[:, None]
+
+    def _observation(self, shown: NDArray[Any]) -> Observation:
+        observation = {name: shown[name].copy() for name in self.single_observation_space}  # type: ignore[attr-defined]
+        for name in ("robot_home_distance", "arms_height", "robot_food_distance"):
+            observation[name] = observation[name][:, None]
+        return observation
+
+
+class WheelsVectorEnv(RecallVectorEnv):
+    """`WheelsEnv` in many worlds: four numbers a world in, raw data out."""
+
+    def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
+        return WheelsEnv(**kwargs)
+
+    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+        given = np.ascontiguousarray(actions, np.float64)
+        if given.shape != (self.num_envs, 4) or not np.all(np.abs(given) <= 1.0):
+            raise ValueError(
+                f"actions are {actions!r}; allowed: numbers in -1..1, {self.num_envs} rows of left, right, arm, jaw"
+            )
+        return given
+
+    def _observation(self, shown: NDArray[Any]) -> Observation:
+        def rows(*names: str) -> NDArray[np.float64]:
+            return np.stack([shown[name] for name in names], axis=1)
+
+        return {
+            "proximity": shown["proximity"].copy(),
+            "arm": shown["arm"][:, None].copy(),
+            "jaw": shown["jaw"][:, None].copy(),
+            "object_presence": shown["object_presence"].copy(),
+            "pose": pose_of(shown),
+            "tracked": shown["tracked"].copy(),
+            "food_seen": shown["food_seen"].copy(),
+            "food": rows("food_x", "food_y"),
+            "food_type": shown["type_in_gripper"].copy(),
+            "home": rows("home_x", "home_y", "home_radius"),
+            "wall": rows("wall_distance", "wall_bearing"),
+        }

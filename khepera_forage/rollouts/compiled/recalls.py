@@ -1,31 +1,42 @@
-"""Recalls in thousands of compiled worlds: teacher, imitators and chance forage.
+"""Recalls in compiled worlds, one after the other without Python in between: teacher, imitators and chance forage.
 
 Every recall is a world of its own: what happens in recall i of a seed depends on its policy and on nothing else.
 """
 
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.compilation.aligned import aligned_zeros
-from khepera_forage.compilation.threads import share_out, threads_for
+from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of
-from khepera_forage.envs.arena_pool import Arenas
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.compiled.batch import as_records
-from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
+from khepera_forage.envs.compiled.batch import given_records
+from khepera_forage.envs.compiled.step import begin, carry_out, command_behaviour
+from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
-from khepera_forage.policies.nearest_neighbour.memories import NO_MEMORIES, Memories
-from khepera_forage.rollouts.compiled.policy_kernel import TEACHER, UNIFORM, WITHOUT_ORIENTING
-from khepera_forage.rollouts.compiled.records import decision_dtype, outcome_dtype
-from khepera_forage.rollouts.compiled.rollout_kernel import Outcomes, Plan, run_all
-from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.stepping import advance_address
+from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
+from khepera_forage.records import dtype_of
+from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
+from khepera_forage.sim.compiled.random import DRAW_POLICY, draw, upper
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import DecisionCounts, count_decision
+from khepera_forage.task.food_tracking import is_collected
+from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State
 
-__all__ = ["TEACHER", "UNIFORM", "WITHOUT_ORIENTING", "Episodes", "Recalls", "run_recalls", "run_teacher"]
+TEACHER, UNIFORM, WITHOUT_ORIENTING = -1, -2, -3
+"""Policies that need no memory: the teacher; every behaviour equally likely; and the teacher with SEARCH FOR FOOD in
+the place of ORIENT WITH FOOD. From 0 on: imitators."""
+
+_BEYOND = 1 << 16  # pixels
+_NEXT_TO_FOOD, _SEARCH_FOR_FOOD = State.NEXT_TO_FOOD.value, Behaviour.SEARCH_FOR_FOOD.value
+_LEAST = 32
+"""Recalls for which another thread pays."""
 
 
 class Episodes(NamedTuple):
@@ -67,6 +78,49 @@ class Episodes(NamedTuple):
     conflicts: NDArray[np.int64]
 
 
+@dataclass(slots=True)
+class _Policy:
+    """The policy of a recall, its latest votes, and what it decided.
+
+    Attributes:
+        number: Of a memory, or one of the policies above.
+        query: State vector of the votes below, as one number; -1 without votes.
+        total: Number of votes.
+        ties: Rounds in which several experience vectors were equally near.
+        conflicts: Rounds with a tie between different behaviours.
+        counts: Its decisions by state.
+        votes: For each behaviour.
+    """
+
+    number: int = TEACHER
+    query: int = -1
+    total: int = 0
+    ties: int = 0
+    conflicts: int = 0
+    counts: DecisionCounts = field(default_factory=DecisionCounts)
+    votes: list[int] = field(default_factory=lambda: [0] * NUM_BEHAVIOURS)
+
+
+@dataclass(slots=True)
+class _Outcome:
+    """What became of one recall; the attributes are those of `Episodes`."""
+
+    score: float = 0.0
+    penalty: float = 0.0
+    steps: int = 0
+    correct: int = 0
+    delivered: int = 0
+    poison_home: int = 0
+    deliverable: int = 0
+    ties: int = 0
+    conflicts: int = 0
+    counts: DecisionCounts = field(default_factory=DecisionCounts)
+    start: list[float] = field(default_factory=lambda: [0.0] * 3)
+
+
+_policy_dtype, _outcome_dtype = dtype_of(_Policy), dtype_of(_Outcome)
+
+
 class Recalls:
     """Recalls from random places: those of `Corridor-v1` and `Rectangle-v1` (4.6, 5.4).
 
@@ -97,10 +151,12 @@ class Recalls:
         wheel_speed: float = 1.0,
         decisions: Decisions | None = None,
     ) -> None:
+        decisions = checked_decisions(decisions)
         self._foods = foods
-        self._arenas = recall_arenas(
-            arena, foods, limit, noise, food_types, checked_decisions(decisions), wheel_speed
+        self._settings = settings_of(
+            foods, limit, noise, food_types, decisions, decisions.recall_marker, wheel_speed
         )
+        self._arenas = PreparedArenas(ArenaPool(arena, decisions))
 
     def run(
         self, memories: Memories | None, memory_of_episode: ArrayLike, seed: int | NDArray[np.int64] = 0
@@ -120,24 +176,31 @@ class Recalls:
         memories = NO_MEMORIES if memories is None else memories
         policies = _checked_policies(memory_of_episode, len(memories.planes) - 1)
         count, foods, arenas = len(policies), self._foods, self._arenas
-        outcomes = Outcomes(
-            np.zeros(count, outcome_dtype),
-            np.zeros((count, foods, 2)),
-            np.zeros((count, foods), np.bool_),
-            np.ones(1, np.bool_),
+        keys = _keys(seed, count)
+        arenas.forget(np.zeros(0, np.int64))
+        places = arenas.of_episodes(keys, np.zeros(count, np.int64))
+        outcomes = np.zeros(count, _outcome_dtype)
+        food_places, collected = np.zeros((count, foods, 2)), np.zeros((count, foods), np.bool_)
+        free = np.ones(1, np.bool_)
+        share_out(
+            _run_recalls,
+            count,
+            *(foods, arenas.waypoints, arenas.blocks, places, self._settings, memories),
+            *(keys, policies, *given_records(None, None, foods), outcomes, food_places, collected, free),
+            least=_LEAST,
         )
-        # As few worlds at a time as keep all threads busy: fewest are idle while the last recalls end.
-        threads = threads_for(-(-count // LANES))
-        keys, several = _keys(seed, count), arenas.several
-        arenas.forget()
-        indices = arenas.next(keys, np.zeros(count, np.int64)) if several else ()
-        plan = Plan(keys, policies, indices, np.zeros(1, np.int64), *as_records(None, None, foods))
-        worlds, state = arenas.empty_worlds(threads), aligned_zeros((threads, LANES), decision_dtype)
-        common = (worlds, arenas.parameters, arenas.task, memories, plan, state, outcomes)
-        share_out(run_all, threads, *common, advance_address(LANES, run_all, 0, *common, 0, several=several))
-        if not outcomes.free[0]:
-            raise no_room(arenas[0].name if not several else "an arena", foods)
-        return _episodes(outcomes)
+        if not free[0]:
+            names = {arenas.arena(place).name for place in np.unique(places).tolist()}
+            raise no_room(names.pop() if len(names) == 1 else "an arena", foods)
+        counts = outcomes["counts"]
+        return Episodes(
+            foods=food_places,
+            food_delivered=collected,
+            rounds_by_state=counts["by_state"].copy(),
+            wrong_by_state=counts["wrong_by_state"].copy(),
+            orient_without_food=counts["orient_without_food"].copy(),
+            **{name: outcomes[name].copy() for name in outcomes.dtype.names or () if name != "counts"},
+        )
 
 
 def run_recalls(
@@ -177,30 +240,123 @@ def run_teacher(arena: Arenas = "corridor", episodes: int = 4096, seed: int = 0,
     return run_recalls(arena, None, np.full(whole_number("episodes", episodes, 1), TEACHER), seed, **settings)
 
 
-def _episodes(outcomes: Outcomes) -> Episodes:
-    """What became of the recalls, in arrays of their own."""
+@entry
+def _run_recalls(
+    first: int,
+    last: int,
+    foods: int,
+    waypoints: int,
+    blocks: Any,
+    places: Any,
+    settings: Any,
+    memories: Memories,
+    keys: Any,
+    policies: Any,
+    given_start: Any,
+    given_food_places: Any,
+    outcomes: Any,
+    food_places: Any,
+    collected: Any,
+    free: Any,
+) -> None:
+    """Run the recalls from `first` to `last`, one after the other in one world."""
+    world = world_of(new_worlds(1, foods, waypoints), 0)
+    policy, episode = np.zeros(1, _policy_dtype)[0], world.foragers[0].episode
+    for number in range(first, last):
+        arena = arena_at(blocks, places[number])
+        world.robots[0].key, world.robots[0].round = keys[number], np.uint64(0)
+        world.foragers[0].number = 0
+        if not begin(world, arena, settings[0], given_start[0], given_food_places):
+            free[0] = False
+        outcome, start = outcomes[number], world.starts[0]
+        outcome.start[0], outcome.start[1], outcome.start[2] = start.x, start.y, start.heading
+        for k in range(foods):
+            food_places[number, k, 0], food_places[number, k, 1] = world.places[k].x, world.places[k].y
+        _reset(policy, policies[number])
+        begun, diagonal = False, arena.numbers[0].map_diagonal
+        while not (begun and (episode.terminated or episode.truncated)):
+            # The first round takes the first frame; nothing is perceived before.
+            behaviour = _decide(world, diagonal, settings[0].decisions, memories, policy) if begun else 0
+            command_behaviour(world, arena, settings[0], behaviour)
+            carry_out(world, arena, settings[0])
+            begun = True
+        _record(world, policy, outcome)
+        for k in range(foods):
+            collected[number, k] = is_collected(world.objects[k])
 
-    def whole(name: str) -> NDArray[np.int64]:
-        values: NDArray[Any] = outcomes.recalls[name]
-        return values.astype(np.int64)
 
-    return Episodes(
-        score=outcomes.recalls["score"].copy(),
-        steps=whole("steps"),
-        correct=whole("correct"),
-        delivered=whole("delivered"),
-        poison_home=whole("poison_home"),
-        deliverable=whole("deliverable"),
-        penalty=outcomes.recalls["penalty"].copy(),
-        start=outcomes.recalls["start"].copy(),
-        foods=outcomes.foods,
-        food_delivered=outcomes.collected,
-        rounds_by_state=whole("by_state"),
-        wrong_by_state=whole("wrong_by_state"),
-        orient_without_food=whole("orient_without_food"),
-        ties=whole("ties"),
-        conflicts=whole("conflicts"),
+@rule
+def _reset(policy: Any, number: int) -> None:
+    """Begin with another policy, which has not decided anything."""
+    policy.number, policy.query = number, -1
+    policy.ties = policy.conflicts = policy.counts.orient_without_food = 0
+    for state in range(len(policy.counts.by_state)):
+        policy.counts.by_state[state] = policy.counts.wrong_by_state[state] = 0
+
+
+@rule
+def _decide(world: World, diagonal: float, decisions: Any, memories: Memories, policy: Any) -> int:
+    """The policy's behaviour, which is counted.
+
+    Args:
+        world: The world.
+        diagonal: Of its arena, pixels. No distance seems longer to an imitator, as in `BehavioursEnv`.
+        decisions: `DecisionValues`.
+        memories: Of all imitators.
+        policy: The `_Policy` record; changed in place.
+    """
+    forager, robot = world.foragers[0], world.robots[0]
+    behaviour = forager.state  # states and behaviours correspond one to one (4.4.1)
+    if policy.number != TEACHER:
+        chance = upper(draw(robot, DRAW_POLICY))
+        if policy.number == UNIFORM:
+            behaviour = int(chance * BEHAVIOURS)
+        elif policy.number == WITHOUT_ORIENTING:
+            behaviour = _SEARCH_FOR_FOOD if forager.state == _NEXT_TO_FOOD else forager.state
+        else:
+            behaviour = _imitate(forager.vector, int(diagonal), decisions, memories, policy, chance)
+    count_decision(
+        policy.counts, forager.state, behaviour, forager.vector.robot_food_distance, decisions
     )
+    return behaviour
+
+
+@rule
+def _imitate(
+    vector: Any, diagonal: int, decisions: Any, memories: Memories, policy: Any, chance: float
+) -> int:
+    """The behaviour of an imitator. A state vector that stays is not searched for again."""
+    presence, food_type, arm = vector.object_presence, vector.food_type, vector.arms_height
+    home, food = min(vector.robot_home_distance, diagonal), min(vector.robot_food_distance, diagonal)
+    query = (plane_key(presence, food_type, arm) * _BEYOND + home) * _BEYOND + food
+    votes = policy.votes
+    if policy.query != query:
+        clear(votes)
+        seen = presence, home, food_type, arm, food
+        _, policy.total = nearest_votes(
+            memories, policy.number, seen, diagonal, votes, decisions.distance_arithmetic
+        )
+        policy.query = query
+    behaviour = int(draw_label(votes, policy.total, chance))
+    policy.ties += 1 if policy.total > 1 else 0
+    policy.conflicts += 1 if votes[behaviour] < policy.total else 0
+    return behaviour
+
+
+@rule
+def _record(world: World, policy: Any, outcome: Any) -> None:
+    """Write down what became of a recall."""
+    episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
+    outcome.steps, outcome.correct = episode.steps, episode.correct
+    outcome.penalty = penalty(tracker.delivered, tracker.deliverable)
+    outcome.score = score(episode.correct, episode.steps, outcome.penalty)
+    outcome.delivered, outcome.poison_home = tracker.delivered, tracker.poison_home
+    outcome.deliverable = tracker.deliverable
+    outcome.ties, outcome.conflicts = policy.ties, policy.conflicts
+    outcome.counts.orient_without_food = policy.counts.orient_without_food
+    for state in range(len(policy.counts.by_state)):
+        outcome.counts.by_state[state] = policy.counts.by_state[state]
+        outcome.counts.wrong_by_state[state] = policy.counts.wrong_by_state[state]
 
 
 def _keys(seed: int | NDArray[np.int64], count: int) -> NDArray[np.uint64]:

@@ -6,41 +6,81 @@ gap between the arenas is wider than a marker reaches, and the cables hang from 
 but what the learner hears, where the teacher is, and the types of corresponding food.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from khepera_forage.compilation.threads import share_out, threads_for
+from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
-from khepera_forage.envs.arguments import (
-    FoodOdds,
-    checked_arena,
-    checked_decisions,
-    food_odds,
-    timing_of,
-    whole_number,
-)
-from khepera_forage.envs.compiled.batch import as_records
-from khepera_forage.envs.compiled.parameters import MOST_FOODS, task_parameters
-from khepera_forage.envs.compiled.worlds import empty_worlds
+from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decisions, whole_number
+from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
+from khepera_forage.envs.compiled.batch import given_records
+from khepera_forage.envs.compiled.step import carry_out, command_behaviour, drive, motors_of, stand_ready
+from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
+from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.rollouts.compiled.records import VECTOR_COLUMNS, attempt_dtype, pair_dtype
-from khepera_forage.rollouts.compiled.training_kernel import Records, train_all
-from khepera_forage.rollouts.compiled.training_results import Trained, trained
-from khepera_forage.rollouts.compiled.training_rounds import Side, Terms
+from khepera_forage.records import dtype_of
+from khepera_forage.rollouts.compiled.training_results import HEARD, Trained, attempt_dtype, trained
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.compiled.parameters import parameters_of
-from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.stepping import advance_address
+from khepera_forage.sim.compiled.random import MOST_FOODS
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import has_done_its_part
+from khepera_forage.task.food_tracking import share_identified
+from khepera_forage.task.pairing import (
+    Pairing,
+    attempt_ends,
+    is_complete,
+    lead,
+    rounds_since_done,
+    teacher_says,
+    update_pairing,
+)
+from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
+from khepera_forage.task.states import Behaviour
 
+_WAIT = Behaviour.WAIT.value
 _ROOM = 1 << 28
 """Bytes of records that are kept open at a time, at most."""
+_LEAST = 8
+"""Training episodes for which another thread pays."""
+
+
+@dataclass(slots=True)
+class _Attempt:
+    """An attempt at a training episode under way, and how an operator goes about it.
+
+    Attributes:
+        pairing: The learner and its teacher.
+        rounds: So far.
+        vectors: Experience vectors recorded so far.
+        since_done: For how many rounds the robots have done their part.
+        complete: Whether teacher and learner delivered and left home (5.3).
+        limit: Rounds after which an attempt is out of time.
+        patience: Rounds of separation after which an attempt is given up.
+        attempts: Incomplete attempts after which an episode is given up.
+        error: Standard deviation with which something is put on its mark, mm.
+        heading_error: Of a robot's heading, radians.
+    """
+
+    pairing: Pairing = field(default_factory=Pairing)
+    rounds: int = 0
+    vectors: int = 0
+    since_done: int = 0
+    complete: bool = False
+    limit: int = 600
+    patience: int = 100
+    attempts: int = 200
+    error: float = 0.0
+    heading_error: float = 0.0
+
+
+_attempt_dtype = dtype_of(_Attempt)
 
 
 def train_learners(
@@ -83,47 +123,44 @@ def train_learners(
         IncompleteTrainingError: No attempt at a training episode was complete.
     """
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
-    decisions = checked_decisions(decisions)
-    noise = checked_noise(noise)
-    terms = Terms(
-        whole_number("max_cycles", max_cycles, 1),
-        decisions.patience if patience is None else whole_number("patience", patience, 1),
-        decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1),
-        float(noise.placement_error),
-        float(np.radians(noise.placement_heading_error)),
-    )
+    decisions, noise = checked_decisions(decisions), checked_noise(noise)
+    terms = np.zeros(1, _attempt_dtype)
+    terms["limit"] = limit = whole_number("max_cycles", max_cycles, 1)
+    terms["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
+    most = decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
+    terms["attempts"], terms["error"] = most, noise.placement_error
+    terms["heading_error"] = np.radians(noise.placement_heading_error)
     arenas = arenas_with_marks(copies(checked_arena(arena, decisions), 2), options or {})
     _check(arenas)
-    odds = food_odds(food_types)
+    foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
+    # The teacher has the marker of one hole.
+    sides: list[Any] = []
+    for side, holes in zip(arenas, (1, 2), strict=True):
+        settings = settings_of(foods, limit, noise, food_types, decisions, holes)
+        sides += [arena_block(side, anchor), settings, *given_records(side.start, side.foods, foods)]
+    waypoints = len(arena_map_of(arenas[0]).ways.waypoints)
     learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
-    room = terms.limit * VECTOR_COLUMNS * 2 + terms.attempts * attempt_dtype.itemsize
-    at_once = min(keys.size, max(LANES, _ROOM // room))
-    records = Records(
-        np.empty((at_once, terms.limit, VECTOR_COLUMNS), np.int16),
-        np.empty((at_once, terms.attempts), attempt_dtype),
-        np.empty(at_once, np.int64),
-        np.ones(at_once, np.bool_),
-    )
+    at_once = min(keys.size, max(_LEAST, _ROOM // (limit * (HEARD + 1) * 2 + most * attempt_dtype.itemsize)))
+    rows = np.empty((at_once, limit, HEARD + 1), np.int16)
+    records = np.empty((at_once, most), attempt_dtype)
     vectors, lines, tried = [], [], []
     for first in range(0, keys.size, at_once):
         some = keys[first : first + at_once]
-        threads, taken = threads_for(-(-some.size // LANES)), np.zeros(1, np.int64)
-        sides = [_side(arenas, k, threads, noise, odds, terms, decisions) for k in (0, 1)]
-        pairs = np.zeros((threads, LANES), pair_dtype)
-        common = (*sides, pairs, terms, some, taken, records)
-        share_out(train_all, threads, *common, advance_address(LANES, train_all, 0, *common, 0))
-        if not records.free[: some.size].all():
+        made, free = np.zeros(some.size, np.int64), np.ones(some.size, np.bool_)
+        share_out(
+            _train,
+            some.size,
+            *(foods, waypoints, *sides, terms, some, rows, records, made, free),
+            least=_LEAST,
+        )
+        if not free.all():
             raise no_room_on_marks(arenas[0], noise)
-        made = records.tried[: some.size].copy()
-        done = records.attempts[: some.size][np.arange(terms.attempts) < made[:, None]]
+        done = records[: some.size][np.arange(most) < made[:, None]]
         last = done[np.cumsum(made) - 1]
         if not last["complete"].all():
-            raise IncompleteTrainingError(
-                f"none of {terms.attempts} attempts at a training episode was complete"
-            )
-        kept = np.arange(terms.limit) < last["vectors"][:, None]
-        vectors.append(records.vectors[: some.size][kept])
+            raise IncompleteTrainingError(f"none of {most} attempts at a training episode was complete")
+        vectors.append(rows[: some.size][np.arange(limit) < last["vectors"][:, None]])
         lines.append(done)
         tried.append(made)
     return trained(
@@ -131,7 +168,7 @@ def train_learners(
         np.concatenate(lines),
         np.concatenate(tried),
         n,
-        terms.limit,
+        limit,
         arenas[0].name,
         seed,
         decisions,
@@ -150,24 +187,192 @@ def _check(arenas: Any) -> None:
     check_layout(arenas, layout)
 
 
-def _side(
-    arenas: Sequence[Arena],
-    number: int,
-    blocks: int,
-    noise: Noise,
-    odds: tuple[float, ...],
-    terms: Terms,
-    decisions: Decisions,
-) -> Side:
-    """One side of the pairs: one camera over both arenas, the teacher with the marker of one hole."""
-    arena, foods = arenas[number], len(arenas[0].foods)
-    parameters = parameters_of(
-        arena, foods, noise, holes=number + 1, timing=timing_of(decisions), anchor=cable_anchor(arenas)
+@entry
+def _train(
+    first: int,
+    last: int,
+    foods: int,
+    waypoints: int,
+    teacher_block: Any,
+    teacher_settings: Any,
+    teacher_mark: Any,
+    teacher_food_marks: Any,
+    learner_block: Any,
+    learner_settings: Any,
+    learner_mark: Any,
+    learner_food_marks: Any,
+    terms: Any,
+    keys: Any,
+    rows: Any,
+    records: Any,
+    made: Any,
+    free: Any,
+) -> None:
+    """Train the episodes from `first` to `last`, attempt by attempt until one is complete.
+
+    Args:
+        first: Number of an episode.
+        last: Number after the last one.
+        foods: Food objects of each robot.
+        waypoints: Of the arena.
+        teacher_block: The teacher's arena; likewise its settings, the robot's mark and the food's.
+        teacher_settings: Likewise.
+        teacher_mark: Likewise.
+        teacher_food_marks: Likewise.
+        learner_block: The learner's; likewise.
+        learner_settings: Likewise.
+        learner_mark: Likewise.
+        learner_food_marks: Likewise.
+        terms: One `_Attempt` record, with how an operator goes about it.
+        keys: Of the random numbers of each episode.
+        rows: Experience vectors of the last attempt at each episode, shape (episodes, rounds, 6).
+        records: `attempt_dtype`, shape (episodes, attempts).
+        made: How many attempts at each episode there were.
+        free: Whether robots and food found room on their marks.
+    """
+    worlds = new_worlds(2, foods, waypoints)
+    teacher, learner = world_of(worlds, 0), world_of(worlds, 1)
+    teacher_arena, learner_arena = arena_at(teacher_block, 0), arena_at(learner_block, 0)
+    diagonal = int(learner_arena.numbers[0].map_diagonal)
+    attempt = terms.copy()[0]
+    for number in range(first, last):
+        attempt.complete = False
+        for k in range(attempt.attempts):
+            key = random_bits(keys[number], k)
+            _begin(attempt)
+            room = _put_on_marks(
+                teacher, teacher_arena, teacher_settings[0], 0, key, teacher_mark[0], teacher_food_marks, attempt
+            )
+            room = room and _put_on_marks(
+                learner, learner_arena, learner_settings[0], 1, key, learner_mark[0], learner_food_marks, attempt
+            )
+            free[number] = free[number] and room
+            ended = False
+            while not ended:
+                ended = _round(
+                    teacher,
+                    learner,
+                    teacher_arena,
+                    learner_arena,
+                    teacher_settings[0],
+                    learner_settings[0],
+                    attempt,
+                    rows[number],
+                    diagonal,
+                )
+            record = records[number, k]
+            record.complete, record.rounds, record.vectors = attempt.complete, attempt.rounds, attempt.vectors
+            record.separations = attempt.pairing.separations
+            made[number] = k + 1
+            if attempt.complete:
+                break
+
+
+@rule
+def _begin(attempt: Any) -> None:
+    pairing = attempt.pairing
+    pairing.separated, pairing.separated_rounds, pairing.separations = False, 0, 0
+    attempt.rounds = attempt.vectors = attempt.since_done = 0
+    attempt.complete = False
+
+
+@rule
+def _put_on_marks(
+    world: World, arena: Any, settings: Any, side: int, key: Any, mark: Any, food_marks: Any, terms: Any
+) -> bool:
+    """Put the robot and food of one side on their marks; returns whether there was room."""
+    robot = world.robots[0]
+    robot.key, robot.round = random_bits(key, side), np.uint64(0)
+    room = place_by_hand(
+        world.starts[0],
+        world.places,
+        random_bits(layout_key(key, 0), side),
+        mark,
+        food_marks,
+        terms.error,
+        terms.heading_error,
+        ground_of(arena),
     )
-    task = task_parameters(arena, terms.limit, odds, decisions)
-    return Side(
-        empty_worlds(blocks, foods, len(task.waypoints)),
-        parameters,
-        task,
-        *as_records(arena.start, arena.foods, foods),
+    stand_ready(world, settings)
+    draw_food_types(world.objects, food_type_key(key, 0), settings.odds)
+    return bool(room)
+
+
+@rule
+def _round(
+    teacher: World,
+    learner: World,
+    teacher_arena: Any,
+    learner_arena: Any,
+    teacher_settings: Any,
+    learner_settings: Any,
+    attempt: Any,
+    row: Any,
+    diagonal: int,
+) -> bool:
+    """One round of a pair; returns whether the attempt has ended. The first round only takes the first frame."""
+    pairing, first = attempt.pairing, teacher.robots[0].first_frame
+    # The learner hears the teacher's decision in the same round, and executes it.
+    behaviour = teacher_says(teacher.foragers[0].state, pairing.separated or first)
+    if behaviour != _WAIT:
+        _record_vector(learner.foragers[0].vector, behaviour, row[attempt.vectors], diagonal)
+        attempt.vectors += 1
+    command_behaviour(teacher, teacher_arena, teacher_settings, behaviour)
+    carry_out(teacher, teacher_arena, teacher_settings)
+    share_identified(teacher.objects, learner.objects)
+    _command_learner(learner, learner_arena, learner_settings, pairing, behaviour)
+    carry_out(learner, learner_arena, learner_settings)
+    share_identified(learner.objects, teacher.objects)
+
+    shown, learning = teacher.robots[0], learner.robots[0]
+    decisions = teacher_settings.decisions
+    teacher_map, learner_map = map_of(teacher_arena), map_of(learner_arena)
+    update_pairing(
+        pairing,
+        learning.marker_x,
+        learning.marker_y,
+        learner_map,
+        shown.marker_x,
+        shown.marker_y,
+        shown.marker_heading,
+        teacher_map,
+        decisions,
+    )
+    if first:
+        return False
+    attempt.rounds += 1
+    radius = learner_map.home_radius
+    done = _is_done(teacher, radius, decisions) and _is_done(learner, radius, decisions)
+    attempt.since_done = rounds_since_done(attempt.since_done, done)
+    attempt.complete = is_complete(attempt.since_done, decisions)
+    return bool(
+        attempt_ends(
+            attempt.complete, attempt.rounds, attempt.limit, pairing.separated_rounds, attempt.patience
+        )
+    )
+
+
+@rule
+def _record_vector(vector: Any, behaviour: int, row: Any, diagonal: int) -> None:
+    """Record the learner's own state vector with the behaviour heard."""
+    row[0], row[1] = vector.object_presence, min(vector.robot_home_distance, diagonal)
+    row[2], row[3] = vector.food_type, vector.arms_height
+    row[4], row[HEARD] = min(vector.robot_food_distance, diagonal), behaviour
+
+
+@rule
+def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
+    """Command what the behaviour heard commands, bent towards the teacher (4.5.2)."""
+    robot, forager = world.robots[0], world.foragers[0]
+    forager.behaviour = behaviour
+    own = motors_of(world, map_of(arena), settings, behaviour)
+    x, y, orientation = robot.marker_x, robot.marker_y, robot.marker_heading
+    drive(world, lead(pairing, own, behaviour, x, y, orientation, settings.decisions))
+
+
+@rule
+def _is_done(world: World, home_radius: float, decisions: Any) -> bool:
+    forager = world.foragers[0]
+    return bool(
+        has_done_its_part(forager.tracker, world.objects, forager.vector, home_radius, decisions)
     )

@@ -6,8 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.experience import Experience
-from khepera_forage.rollouts.compiled.records import HEARD
 from khepera_forage.task.decisions import Decisions
+
+HEARD = 5
+"""Column of the behaviour heard in an experience vector, behind the five attributes."""
+attempt_dtype = np.dtype(
+    [("complete", "?"), *((name, "i4") for name in ("rounds", "vectors", "separations"))], align=True
+)
+"""What became of one attempt at a training episode."""
 
 
 class Attempts(NamedTuple):

@@ -1,4 +1,4 @@
-"""Simulated bodies compiled by numba: one robot, its food and a camera in each of many worlds. No task.
+"""Bodies that compiled functions move: the backend "compiled". Needs numba (extra `fast`).
 
-Needs numba (extra `fast`). `CompiledWorld` in `world` is one world; `stepping` has the kernels for blocks of worlds.
+Every function here is written for one world, in plain Python with scalars and records; `step.advance` is the round.
 """

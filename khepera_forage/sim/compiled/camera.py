@@ -1,6 +1,7 @@
-"""The overhead camera: what each frame shows of the robot and the food (see `vision.simulated_camera`).
+"""The overhead camera: what each frame shows of robots and food (see `vision.simulated_camera`), and the tracks of food.
 
-The robot has the only marker of its kind, so its track never ends. Food becomes tracks in `tracking`.
+Each robot has the only marker of its kind, so its track never ends. Food becomes tracks by the rule of
+`vision.association`.
 """
 
 import math
@@ -8,105 +9,179 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.compilation.decorators import inline, kernel
+from khepera_forage.compilation import rule
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.robots.khepera import FOOD_RADIUS
-from khepera_forage.sim.compiled.listed_walls import at
-from khepera_forage.sim.compiled.near_walls import cable_anchors
-from khepera_forage.sim.compiled.numbers import (
+from khepera_forage.sim.compiled.random import (
     DRAW_FOOD,
     DRAW_MARKER,
-    DRAWS,
     FOOD_DRAWS,
+    draw,
+    halves,
     lower,
     normal,
     upper,
 )
+from khepera_forage.vision import association
+from khepera_forage.vision.association import match, may_vanish, start_tracks
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH, Plate, touches_plate
+from khepera_forage.vision.shapes import (
+    FOOD_RADIUS_PX,
+    PICTURE_HEIGHT,
+    PICTURE_WIDTH,
+    Plate,
+    shows_beside_lost_food,
+    touches_plate,
+    visible_clearance,
+)
 
-_DRAWS, _32 = np.uint64(DRAWS), np.uint64(32)
-_X, _Y, _DITHER, _TURN, _CHANCE = (np.uint64(DRAW_MARKER + n) for n in range(5))
-_FOOD_Y, _FOOD_DITHER, _FOOD_CHANCE = (np.uint64(n) for n in (1, 2, 3))
-_DEGREES = 180.0 / math.pi
+_DITHER = np.uint64(DRAW_MARKER + 2)
 
-touches_plate = inline(touches_plate)
-
-
-@inline
-def plate_of(robot: Any, i: int) -> Plate:
-    """The marker of one robot."""
-    return Plate(robot.x[i], robot.y[i], robot.cos[i], robot.sin[i])
+for _rule in (
+    *(touches_plate, shows_beside_lost_food, visible_clearance),
+    *(match, may_vanish, start_tracks, association.association_cost),
+    *(association._match_obvious, association._match_by_cost, association._is_shown),
+    *(association._reads_before, association._slot_for_new_track),
+):
+    rule(_rule)
 
 
-@inline
-def _is_lost(lost: float, chance: float, rate: float, end: float) -> float:
+@rule
+def look(
+    robots: Any,
+    foods: Any,
+    tracks: Any,
+    detections: Any,
+    anchor_x: float,
+    anchor_y: float,
+    constants: Any,
+) -> None:
+    """Take one frame, in which the first time after a reset nothing is lost, and continue the tracks.
+
+    Args:
+        robots: All robots of the world.
+        foods: The food objects.
+        tracks: Slots of `Track` records, twice as many as food objects.
+        detections: Room for one `FoodDetection` record a food object; it holds nothing between rounds.
+        anchor_x: The point from which the robots' cables hang, mm.
+        anchor_y: Likewise.
+        constants: `Constants`.
+    """
+    first_frame = robots[0].first_frame
+    for i in range(len(robots)):
+        _look_at_marker(robots[i], constants)
+    count = 0
+    for k in range(len(foods)):
+        if _look_at_food(robots, foods[k], k, detections[count], anchor_x, anchor_y, first_frame, constants):
+            count += 1
+    new = match(tracks, detections, count, False)
+    clearance = visible_clearance(constants.position_jitter)
+    for k in range(len(tracks)):
+        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance):
+            tracks[k].label = -1
+    if new:
+        robots[0].next_label = start_tracks(tracks, detections, count, robots[0].next_label)
+
+
+@rule
+def forget_tracks(foods: Any, tracks: Any) -> None:
+    """Begin with nothing tracked and nothing lost."""
+    for k in range(len(foods)):
+        foods[k].lost = False
+    for k in range(len(tracks)):
+        track = tracks[k]
+        track.label = track.detection = -1
+        track.x = track.y = 0.0
+        track.holes = 0
+        track.found = False
+
+
+@rule
+def _is_lost(lost: bool, chance: float, rate: float, end: float) -> bool:
     """Whether the tracker does not see a region in this frame: losses begin at a rate and end with a chance."""
-    stays = chance >= end
-    begins = chance < rate
-    return 1.0 if (stays if lost != 0.0 else begins) else 0.0
+    return chance >= end if lost else chance < rate
 
 
-@kernel
-def expose(robot: Any, foods: Any, near: Any, constants: Any) -> None:
-    """Take one frame in every world of a block; in the first frame after a reset nothing is lost."""
-    _expose_marker(robot, constants)
-    jitter, rate, end = (constants[0].position_jitter, constants[0].loss_rate_food, constants[0].loss_end)
-    factor, (anchors_x, anchors_y) = constants[0].cable_loss_factor, cable_anchors(near, constants)
-    lanes = robot.x.shape[0]
-    for k in range(foods.shape[0]):
-        food = foods[k]
-        draw = np.uint64(DRAW_FOOD + k * FOOD_DRAWS)
-        for i in range(lanes):
-            key, first = robot.key[i], robot.round[i] * _DRAWS + draw
-            dither = random_bits(key, first + _FOOD_DITHER)
-            x = food.x[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first), dither)
-            y = food.y[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _FOOD_Y), dither >> _32)
-            # The robot's cable is a straight line from the anchor to the middle of its marker.
-            anchor_x, anchor_y = at(anchors_x, i), at(anchors_y, i)
-            to_x, to_y = robot.x[i] - anchor_x, robot.y[i] - anchor_y
-            dx, dy = food.x[i] - anchor_x, food.y[i] - anchor_y
-            t = min(1.0, max(0.0, (dx * to_x + dy * to_y) / max(to_x * to_x + to_y * to_y, 1e-9)))
-            dx, dy = dx - t * to_x, dy - t * to_y
-            under_cable = dx * dx + dy * dy <= FOOD_RADIUS * FOOD_RADIUS
-            chance = upper(random_bits(key, first + _FOOD_CHANCE))
-            lost = _is_lost(food.lost[i], chance, rate * (factor if under_cable else 1.0), end)
-            lost *= 1.0 - robot.first_frame[i]
-            hidden = touches_plate(food.x[i], food.y[i], FOOD_RADIUS, plate_of(robot, i))
-            inside = 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
-            food.lost[i] = lost
-            food.seen[i] = 1.0 if inside and lost == 0.0 and not hidden else 0.0
-            food.seen_x[i] = x
-            food.seen_y[i] = y
-    for i in range(lanes):
-        robot.first_frame[i] = 0.0
+@rule
+def _look_at_marker(robot: Any, constants: Any) -> None:
+    """What this frame shows of a robot's marker."""
+    jitter, chances = constants.position_jitter, draw(robot, DRAW_MARKER + 4)
+    for_x, for_y = halves(draw(robot, DRAW_MARKER + 2))
+    x = robot.x / MM_PER_PIXEL + jitter * normal(draw(robot, DRAW_MARKER), for_x)
+    y = robot.y / MM_PER_PIXEL + jitter * normal(draw(robot, DRAW_MARKER + 1), for_y)
+    # A robot's own cable never disturbs its marker (3.7).
+    rate = constants.loss_rate_one_hole if robot.holes == 1 else constants.loss_rate_two_holes
+    lost = _is_lost(robot.marker_lost, upper(chances), rate, constants.loss_end)
+    robot.marker_lost = lost and not robot.first_frame
+    robot.marker_found = not robot.marker_lost and 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
+    robot.first_frame = False
+    if not robot.marker_found:
+        return
+    turn = draw(robot, DRAW_MARKER + 3)
+    degrees = robot.heading * (180.0 / math.pi)
+    degrees += constants.heading_jitter * normal(turn, random_bits(turn, _DITHER))
+    degrees = np.rint(degrees + (180.0 if lower(chances) < constants.reversal_rate else 0.0))
+    robot.marker_x, robot.marker_y = x, y
+    robot.marker_heading = degrees - 360.0 * math.floor(degrees / 360.0)
 
 
-@inline
-def _expose_marker(robot: Any, constants: Any) -> None:
-    """What this frame shows of the robots' markers."""
-    jitter, heading_jitter, reversal_rate = (
-        constants[0].position_jitter,
-        constants[0].heading_jitter,
-        constants[0].reversal_rate,
-    )
-    rate, end = constants[0].loss_rate_marker, constants[0].loss_end
-    for i in range(robot.x.shape[0]):
-        key, first = robot.key[i], robot.round[i] * _DRAWS
-        dither, chances = random_bits(key, first + _DITHER), random_bits(key, first + _CHANCE)
-        x = robot.x[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _X), dither)
-        y = robot.y[i] / MM_PER_PIXEL + jitter * normal(random_bits(key, first + _Y), dither >> _32)
-        turn = random_bits(key, first + _TURN)
-        degrees = robot.heading[i] * _DEGREES + heading_jitter * normal(turn, random_bits(turn, _DITHER))
-        degrees += 180.0 if lower(chances) < reversal_rate else 0.0
-        degrees = np.rint(degrees)
-        degrees -= 360.0 * math.floor(degrees / 360.0)
-        # A robot's own cable never disturbs its marker (3.7).
-        lost = _is_lost(robot.marker_lost[i], upper(chances), rate, end)
-        lost *= 1.0 - robot.first_frame[i]
-        shown = lost == 0.0 and 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
-        robot.marker_lost[i] = lost
-        robot.marker_found[i] = 1.0 if shown else 0.0
-        robot.marker_x[i] = x if shown else robot.marker_x[i]
-        robot.marker_y[i] = y if shown else robot.marker_y[i]
-        robot.marker_heading[i] = degrees if shown else robot.marker_heading[i]
+@rule
+def _look_at_food(
+    robots: Any,
+    food: Any,
+    k: int,
+    detection: Any,
+    anchor_x: float,
+    anchor_y: float,
+    first_frame: bool,
+    constants: Any,
+) -> bool:
+    """What this frame shows of food object `k`; returns whether it is seen, and then writes the detection."""
+    robot, jitter, number = robots[0], constants.position_jitter, DRAW_FOOD + k * FOOD_DRAWS
+    chance, rate = upper(draw(robot, number + 3)), constants.loss_rate_food
+    # A cable makes a loss likelier: so seldom that only then cables are looked at.
+    if not food.lost and rate <= chance < rate * constants.cable_loss_factor:
+        for i in range(len(robots)):
+            if _is_under_cable(food, robots[i], anchor_x, anchor_y):
+                rate = rate * constants.cable_loss_factor
+                break
+    food.lost = _is_lost(food.lost, chance, rate, constants.loss_end) and not first_frame
+    if food.lost or _is_hidden(robots, food.x, food.y, FOOD_RADIUS):
+        return False
+    for_x, for_y = halves(draw(robot, number + 2))
+    x = food.x / MM_PER_PIXEL + jitter * normal(draw(robot, number), for_x)
+    y = food.y / MM_PER_PIXEL + jitter * normal(draw(robot, number + 1), for_y)
+    detection.x = detection.first_x = x
+    detection.y, detection.first_y = y, y + FOOD_RADIUS_PX
+    detection.holes = 0
+    return 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
+
+
+@rule
+def _is_under_cable(food: Any, robot: Any, anchor_x: float, anchor_y: float) -> bool:
+    """Whether a robot's cable, a straight line from the anchor to the middle of its marker, passes over food."""
+    to_x, to_y = robot.x - anchor_x, robot.y - anchor_y
+    dx, dy = food.x - anchor_x, food.y - anchor_y
+    t = min(1.0, max(0.0, (dx * to_x + dy * to_y) / max(to_x * to_x + to_y * to_y, 1e-9)))
+    dx, dy = dx - t * to_x, dy - t * to_y
+    return dx * dx + dy * dy <= FOOD_RADIUS * FOOD_RADIUS
+
+
+@rule
+def _is_hidden(robots: Any, x: float, y: float, radius: float) -> bool:
+    """Whether a disc on the floor touches the marker of any robot."""
+    for i in range(len(robots)):
+        robot = robots[i]
+        if touches_plate(x, y, radius, Plate(robot.x, robot.y, robot.cos, robot.sin)):
+            return True
+    return False
+
+
+@rule
+def _is_visible(robots: Any, foods: Any, track: Any, clearance: float) -> bool:
+    """Whether food at the last place of a track would have shown in this frame."""
+    x, y = track.x * MM_PER_PIXEL, track.y * MM_PER_PIXEL
+    for k in range(len(foods)):
+        if foods[k].lost and not shows_beside_lost_food(x, y, foods[k].x, foods[k].y):
+            return False
+    return not _is_hidden(robots, x, y, clearance)

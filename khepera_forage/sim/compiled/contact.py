@@ -1,19 +1,18 @@
 """Rounds in which a robot touches something, step by step: walls turn it or hold it back, and it pushes food.
 
-Positions are corrected; no forces are integrated. Overlapping bodies are moved apart at once: food yields to the robot,
-and both yield to walls. The wheels resist a shift with 0.6 of the robot's weight, and a turn with the same force at the
-wheels. So a wall that touches a point further than half a wheel base aside of the robot's middle turns the robot, and a
-wall that touches a nearer point shifts it. A robot stays where it is if the food before it cannot move. A finger drags
-food along by friction, which keeps food before a closed jaw while the robot turns a little. Pushed food stops with the
-robot: at friction 0.3 it would slide on by 1 mm from the fastest push.
+Positions are corrected; no forces are integrated. Overlapping bodies are moved apart at once: food yields to robots, and
+all yield to walls. The wheels resist a shift with 0.6 of the robot's weight, and a turn with the same force at the wheels.
+So a wall that touches a point further than half a wheel base aside of the robot's middle turns the robot, and a wall that
+touches a nearer point shifts it. Another robot is an obstacle like a wall. A robot stays where it is if the food before it
+cannot move. A finger drags food along by friction, which keeps food before a closed jaw while the robot turns a little.
+Pushed food stops with the robot: at friction 0.3 it would slide on by 1 mm from the fastest push.
 """
 
 import math
 from typing import Any
 
-from khepera_forage.compilation.decorators import inline, kernel
-from khepera_forage.compilation.packing import pack
-from khepera_forage.compilation.trigonometry import cosine_sine
+from khepera_forage.compilation import rule
+from khepera_forage.geometry.angles import cosine_sine
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
@@ -23,13 +22,8 @@ from khepera_forage.robots.khepera import (
     WHEEL_BASE,
     half_gap,
 )
-from khepera_forage.sim.compiled.gripper import push_out, seen_from
-from khepera_forage.sim.compiled.jaw import move_jaw
-from khepera_forage.sim.compiled.listed_walls import corner_in, wall_in, walls_beside
-from khepera_forage.sim.compiled.parameters import Parameters
-from khepera_forage.sim.compiled.pushing import push_food
-from khepera_forage.sim.compiled.walls import from_wall, gripper_behind, squared_from_wall
-from khepera_forage.sim.pymunk.khepera import SUBSTEPS as STEPS
+from khepera_forage.sim.compiled.gripper import behind_wall, grip_place, move_jaw, push_out, seen_from
+from khepera_forage.sim.world import SUBSTEPS
 
 _REPEATS = 4
 _REACH = FINGER_TIP + 2 * FOOD_RADIUS
@@ -37,149 +31,291 @@ _REACH = FINGER_TIP + 2 * FOOD_RADIUS
 _TOLERATED = 0.5
 """mm of overlap up to which a robot is not held back."""
 _SETTLED = 1e-6
-
-half_gap = inline(half_gap)
-
-
-@kernel
-def move_in_contact(robot: Any, foods: Any, scratch: Any, near: Any, parameters: Parameters) -> None:
-    """Move the robots that touch something, step by step."""
-    constants = parameters.constants
-    duration = constants[0].round_duration / STEPS
-    jaw_step = constants[0].jaw_speed * constants[0].round_duration / STEPS
-    for n in range(pack(scratch.touches, scratch.lane, 0)):
-        i = scratch.lane[n]
-        # Robots away from walls need not look at any.
-        walls, corners = walls_beside(near, parameters, i)
-        walls = walls[: walls.shape[0] if scratch.near_wall[i] != 0.0 else 0]
-        late = scratch.lag[i] * STEPS
-        allowed = max(_TOLERATED, _overlap(robot, foods, i, walls, corners))
-        for step in range(STEPS):
-            share = late if step == 0 else 0.0
-            goes = scratch.forward[i] + share * (robot.last_forward[i] - scratch.forward[i])
-            turns = scratch.turn[i] + share * (robot.last_turn[i] - scratch.turn[i])
-            x, y, heading = robot.x[i], robot.y[i], robot.heading[i]
-            move_jaw(robot, foods, i, walls, jaw_step)
-            turn, forward = turns * duration, goes * duration
-            cos, sin = robot.cos[i], robot.sin[i]
-            if turn != 0.0:
-                cos, sin = cosine_sine(heading + turn / 2)
-            _put(robot, i, x + forward * cos, y + forward * sin, heading + turn)
-            moved = 1.0
-            for _ in range(_REPEATS):
-                moved = _off_walls(robot, i, walls, corners) + push_food(
-                    robot, foods, i, walls, forward, turn
-                )
-                if moved < _SETTLED:
-                    break
-                forward = turn = 0.0
-            held_back = moved >= _SETTLED and _overlap(robot, foods, i, walls, corners) > allowed
-            if held_back:
-                _put(robot, i, x, y, heading)
-            if step == STEPS - 1:
-                robot.last_forward[i] = 0.0 if held_back else scratch.forward[i]
-                robot.last_turn[i] = 0.0 if held_back else scratch.turn[i]
+"""mm of movement below which everything is in its place."""
+_FRICTION = 0.04
+"""Friction of a finger along food: pymunk multiplies 0.2 of each."""
 
 
-@inline
-def _put(robot: Any, i: int, x: float, y: float, heading: float) -> None:
-    robot.x[i], robot.y[i] = x, y
-    if heading != robot.heading[i]:
-        robot.heading[i] = heading
-        robot.cos[i], robot.sin[i] = cosine_sine(heading)
+@rule
+def move_in_contact(
+    robots: Any,
+    i: int,
+    foods: Any,
+    walls: Any,
+    corners: Any,
+    constants: Any,
+    forward: float,
+    turn: float,
+    lag: float,
+) -> None:
+    """Move a robot that touches something for one round.
+
+    Args:
+        robots: All robots of the world.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls that it could touch.
+        corners: The corners that point into the floor.
+        constants: `Constants`.
+        forward: Speed of this round, mm/s.
+        turn: Likewise, rad/s.
+        lag: Share of the round in which the robot still moves as in the last one.
+    """
+    robot = robots[i]
+    duration = constants.round_duration / SUBSTEPS
+    jaw_step = constants.jaw_speed * constants.round_duration / SUBSTEPS
+    late = lag * SUBSTEPS
+    allowed = max(_TOLERATED, _overlap(robots, i, foods, walls, corners))
+    held_back = False
+    for step in range(SUBSTEPS):
+        share = late if step == 0 else 0.0
+        goes = forward + share * (robot.last_forward - forward)
+        turns = turn + share * (robot.last_turn - turn)
+        x, y, heading = robot.x, robot.y, robot.heading
+        move_jaw(robots, i, foods, walls, jaw_step)
+        turned, driven = turns * duration, goes * duration
+        cos, sin = robot.cos, robot.sin
+        if turned != 0.0:
+            cos, sin = cosine_sine(heading + turned / 2)
+        put(robot, x + driven * cos, y + driven * sin, heading + turned)
+        moved = 1.0
+        for _ in range(_REPEATS):
+            moved = _give_way(robots, i, walls, corners)
+            moved += _push_food(robots, i, foods, walls, driven, turned)
+            if moved < _SETTLED:
+                break
+            driven = turned = 0.0
+        held_back = moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed
+        if held_back:
+            put(robot, x, y, heading)
+    robot.last_forward, robot.last_turn = (0.0, 0.0) if held_back else (forward, turn)
 
 
-@inline
-def _yield(robot: Any, i: int, u: float, v: float, nx: float, ny: float, depth: float) -> None:
-    """Give way to a wall that pushes at (u, v) of the robot's frame, by `depth` mm along (nx, ny)."""
-    cos, sin = robot.cos[i], robot.sin[i]
+@rule
+def put(robot: Any, x: float, y: float, heading: float) -> None:
+    """Set the pose of a robot."""
+    robot.x, robot.y = x, y
+    if heading != robot.heading:
+        robot.heading = heading
+        robot.cos, robot.sin = cosine_sine(heading)
+
+
+@rule
+def from_wall(x: float, y: float, wall: Any) -> tuple[float, float, float]:
+    """Distance of a place from a wall in mm, and the unit vector from the wall to the place."""
+    dx, dy = _off_wall(x, y, wall)
+    distance = max(math.sqrt(dx * dx + dy * dy), 1e-9)
+    return distance, dx / distance, dy / distance
+
+
+@rule
+def squared_from_wall(x: float, y: float, wall: Any) -> float:
+    """The square of the distance: enough to see that a wall is far, without a root or a division."""
+    dx, dy = _off_wall(x, y, wall)
+    return dx * dx + dy * dy
+
+
+@rule
+def _off_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
+    x, y = x - wall.x1, y - wall.y1
+    t = min(1.0, max(0.0, (x * wall.ex + y * wall.ey) * wall.share))
+    return x - t * wall.ex, y - t * wall.ey
+
+
+@rule
+def _yield_at(robot: Any, u: float, v: float, nx: float, ny: float, depth: float) -> None:
+    """Give way to something that pushes at (u, v) of the robot's frame, by `depth` mm along (nx, ny)."""
+    cos, sin = robot.cos, robot.sin
     lever = (u * cos - v * sin) * ny - (u * sin + v * cos) * nx
-    x, y, heading = robot.x[i], robot.y[i], robot.heading[i]
     if abs(lever) > WHEEL_BASE / 2:
-        _put(robot, i, x, y, heading + depth / lever)
+        put(robot, robot.x, robot.y, robot.heading + depth / lever)
     else:
-        robot.x[i], robot.y[i] = x + nx * depth, y + ny * depth
+        put(robot, robot.x + nx * depth, robot.y + ny * depth, robot.heading)
 
 
-@inline
-def _off_walls(robot: Any, i: int, walls: Any, corners: Any) -> float:
-    """Move the robot out of all walls; returns the sum of the overlaps, mm."""
-    moved = 0.0
-    wide = half_gap(robot.jaw[i]) + FINGER_THICKNESS
-    for j in range(walls.shape[0]):
-        wall = wall_in(walls, j, i)
-        if squared_from_wall(robot.x[i], robot.y[i], wall) > _REACH * _REACH:
+@rule
+def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
+    """Move the robot out of all walls and other robots; returns the sum of the overlaps, mm."""
+    robot, moved = robots[i], 0.0
+    wide = half_gap(robot.jaw) + FINGER_THICKNESS
+    for k in range(len(walls)):
+        wall = walls[k]
+        if squared_from_wall(robot.x, robot.y, wall) > _REACH * _REACH:
             continue
-        far, nx, ny = from_wall(robot.x[i], robot.y[i], wall)
+        far, nx, ny = from_wall(robot.x, robot.y, wall)
         if far < RADIUS:
-            robot.x[i] += nx * (RADIUS - far)
-            robot.y[i] += ny * (RADIUS - far)
+            robot.x += nx * (RADIUS - far)
+            robot.y += ny * (RADIUS - far)
             moved += RADIUS - far
         for corner in range(4):
-            u, v, depth, nx, ny = gripper_behind(robot, i, corner, wide, wall)
+            u, v, depth, nx, ny = behind_wall(robot, corner, wide, wall)
             if depth > 0.0:
-                _yield(robot, i, u, v, nx, ny, depth)
+                _yield_at(robot, u, v, nx, ny, depth)
                 moved += depth
-        if robot.held[i] >= 0.0:
-            u, v = robot.grip_x[i], robot.grip_y[i]
-            cos, sin = robot.cos[i], robot.sin[i]
-            far, nx, ny = from_wall(robot.x[i] + u * cos - v * sin, robot.y[i] + u * sin + v * cos, wall)
+        if robot.held >= 0:
+            x, y = grip_place(robot)
+            far, nx, ny = from_wall(x, y, wall)
             if far < FOOD_RADIUS:
-                _yield(robot, i, u, v, nx, ny, FOOD_RADIUS - far)
+                _yield_at(robot, robot.grip_x, robot.grip_y, nx, ny, FOOD_RADIUS - far)
                 moved += FOOD_RADIUS - far
-    for j in range(corners.shape[0]):
-        corner = corner_in(corners, j, i)
-        dx, dy = corner.x - robot.x[i], corner.y - robot.y[i]
-        cos, sin = robot.cos[i], robot.sin[i]
-        u, v = dx * cos + dy * sin, dy * cos - dx * sin
-        depth, along, aside = push_out(u, v, robot.jaw[i], 0.0)
-        if depth > 0.0:
-            _yield(robot, i, u, v, -(along * cos - aside * sin), -(along * sin + aside * cos), depth)
-            moved += depth
+    for k in range(len(corners)):
+        moved += _give_way_to_disc(robot, corners[k].x, corners[k].y, 0.0)
+    for j in range(len(robots)):
+        if j != i:
+            moved += _give_way_to_robot(robot, robots[j])
     return moved
 
 
-@inline
-def _overlap(robot: Any, foods: Any, i: int, walls: Any, corners: Any) -> float:
-    """The largest remaining overlap in mm: robot with walls or food, food with walls or other food."""
-    worst = 0.0
-    held = robot.held[i]
-    low = robot.arm[i] >= ARM_ON_FLOOR
-    cos, sin = robot.cos[i], robot.sin[i]
-    wide = half_gap(robot.jaw[i]) + FINGER_THICKNESS
-    for j in range(walls.shape[0]):
-        wall = wall_in(walls, j, i)
-        squared = squared_from_wall(robot.x[i], robot.y[i], wall)
+@rule
+def _give_way_to_disc(robot: Any, x: float, y: float, radius: float) -> float:
+    """Move the gripper out of a disc on the floor; returns the overlap, mm."""
+    u, v = seen_from(robot, x, y)
+    depth, along, aside = push_out(u, v, robot.jaw, radius)
+    if depth <= 0.0:
+        return 0.0
+    cos, sin = robot.cos, robot.sin
+    _yield_at(robot, u, v, -(along * cos - aside * sin), -(along * sin + aside * cos), depth)
+    return depth
+
+
+@rule
+def _give_way_to_robot(robot: Any, other: Any) -> float:
+    """Move a robot out of another one; returns the sum of the overlaps, mm."""
+    dx, dy = robot.x - other.x, robot.y - other.y
+    far = math.sqrt(dx * dx + dy * dy)
+    if far > _REACH + RADIUS:
+        return 0.0
+    moved = 0.0
+    if 1e-9 < far < 2 * RADIUS:
+        moved = 2 * RADIUS - far
+        robot.x, robot.y = robot.x + dx * moved / far, robot.y + dy * moved / far
+    return moved + _give_way_to_disc(robot, other.x, other.y, RADIUS)
+
+
+@rule
+def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float:
+    """The largest remaining overlap in mm: robot with walls, robots or food, food with walls or other food."""
+    robot, worst = robots[i], 0.0
+    low = robot.arm >= ARM_ON_FLOOR
+    wide = half_gap(robot.jaw) + FINGER_THICKNESS
+    for k in range(len(walls)):
+        squared = squared_from_wall(robot.x, robot.y, walls[k])
         if squared > _REACH * _REACH:
             continue
         worst = max(worst, RADIUS - math.sqrt(squared))
         for corner in range(4):
-            _, _, depth, _, _ = gripper_behind(robot, i, corner, wide, wall)
-            worst = max(worst, depth)
-    for j in range(corners.shape[0]):
-        corner = corner_in(corners, j, i)
-        dx, dy = corner.x - robot.x[i], corner.y - robot.y[i]
-        depth, _, _ = push_out(dx * cos + dy * sin, dy * cos - dx * sin, robot.jaw[i], 0.0)
-        worst = max(worst, depth)
-    for k in range(foods.shape[0]):
-        food = foods[k]
-        u, v = seen_from(robot, food, i)
+            worst = max(worst, behind_wall(robot, corner, wide, walls[k])[2])
+    for k in range(len(corners)):
+        u, v = seen_from(robot, corners[k].x, corners[k].y)
+        worst = max(worst, push_out(u, v, robot.jaw, 0.0)[0])
+    for j in range(len(robots)):
+        if j != i:
+            u, v = seen_from(robot, robots[j].x, robots[j].y)
+            worst = max(worst, 2 * RADIUS - math.sqrt(u * u + v * v), push_out(u, v, robot.jaw, RADIUS)[0])
+    for k in range(len(foods)):
+        x, y = foods[k].x, foods[k].y
+        u, v = seen_from(robot, x, y)
         if u * u + v * v > (FINGER_TIP + 8 * FOOD_RADIUS) ** 2:
             continue
-        x, y = food.x[i], food.y[i]
-        if k == held:
-            x, y = (robot.x[i] + robot.grip_x[i] * cos, robot.y[i] + robot.grip_x[i] * sin)
-        for j in range(walls.shape[0]):
-            wall = wall_in(walls, j, i)
-            worst = max(worst, FOOD_RADIUS - math.sqrt(squared_from_wall(x, y, wall)))
-        if k == held:
+        if k == robot.held:
+            x, y = robot.x + robot.grip_x * robot.cos, robot.y + robot.grip_x * robot.sin
+        for n in range(len(walls)):
+            worst = max(worst, FOOD_RADIUS - math.sqrt(squared_from_wall(x, y, walls[n])))
+        if k == robot.held:
             continue
         worst = max(worst, RADIUS + FOOD_RADIUS - math.sqrt(u * u + v * v))
         if low:
-            depth, _, _ = push_out(u, v, robot.jaw[i], FOOD_RADIUS)
-            worst = max(worst, depth)
+            worst = max(worst, push_out(u, v, robot.jaw, FOOD_RADIUS)[0])
         for n in range(k):
-            if n != held:
-                dx, dy = foods[n].x[i] - x, foods[n].y[i] - y
+            if n != robot.held:
+                dx, dy = foods[n].x - x, foods[n].y - y
                 worst = max(worst, 2 * FOOD_RADIUS - math.sqrt(dx * dx + dy * dy))
     return worst
+
+
+@rule
+def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn: float) -> float:
+    """Move food out of the robot's way, out of walls and away from other food and robots.
+
+    Args:
+        robots: All robots of the world.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls near the robot.
+        forward: Distance that the robot has just moved, mm: its fingers drag food that they touch.
+        turn: Angle that it has turned, radians.
+
+    Returns:
+        Sum of the distances that food was moved, mm.
+    """
+    robot, moved = robots[i], 0.0
+    low = robot.arm >= ARM_ON_FLOOR
+    for k in range(len(foods)):
+        if _is_held(robots, k):
+            continue
+        from_x, from_y = foods[k].x, foods[k].y
+        u, v = seen_from(robot, from_x, from_y)
+        if u * u + v * v > (FINGER_TIP + 4 * FOOD_RADIUS) ** 2:
+            continue
+        u, v = _apart(u, v, 0.0, 0.0, RADIUS + FOOD_RADIUS)
+        if low:
+            if robot.held >= 0:
+                u, v = _apart(u, v, robot.grip_x, robot.grip_y, 2 * FOOD_RADIUS)
+            depth, along, aside = push_out(u, v, robot.jaw, FOOD_RADIUS)
+            if depth > 0.0:
+                # Within the cone of friction food moves with the point of the finger that it touches; beyond the cone
+                # it slips along the finger.
+                slip = along * turn * u - aside * (forward - turn * v)
+                drag = min(_FRICTION * depth, max(-_FRICTION * depth, slip))
+                u, v = u + depth * along - drag * aside, v + depth * aside + drag * along
+        cos, sin = robot.cos, robot.sin
+        x, y = robot.x + u * cos - v * sin, robot.y + u * sin + v * cos
+        foods[k].x, foods[k].y = x, y
+        moved += abs(x - from_x) + abs(y - from_y)
+    if moved > 0.0:
+        for k in range(len(foods)):
+            if not _is_held(robots, k):
+                moved += _settle(robots, i, foods, k, walls)
+    return moved
+
+
+@rule
+def _is_held(robots: Any, k: int) -> bool:
+    """Whether any robot has a food object between its fingers."""
+    for j in range(len(robots)):
+        if robots[j].held == k:
+            return True
+    return False
+
+
+@rule
+def _settle(robots: Any, i: int, foods: Any, k: int, walls: Any) -> float:
+    """Move food object `k` out of walls and other robots, and others away from it; returns the sum of the distances."""
+    x, y, moved = foods[k].x, foods[k].y, 0.0
+    for n in range(len(walls)):
+        if squared_from_wall(x, y, walls[n]) < FOOD_RADIUS * FOOD_RADIUS:
+            far, nx, ny = from_wall(x, y, walls[n])
+            x, y = x + nx * (FOOD_RADIUS - far), y + ny * (FOOD_RADIUS - far)
+            moved += FOOD_RADIUS - far
+    for j in range(len(robots)):
+        if j != i:
+            from_x, from_y = x, y
+            x, y = _apart(x, y, robots[j].x, robots[j].y, RADIUS + FOOD_RADIUS)
+            moved += abs(x - from_x) + abs(y - from_y)
+    foods[k].x, foods[k].y = x, y
+    for n in range(len(foods)):
+        if n != k and not _is_held(robots, n):
+            from_x, from_y = foods[n].x, foods[n].y
+            foods[n].x, foods[n].y = _apart(from_x, from_y, x, y, 2 * FOOD_RADIUS)
+            moved += abs(foods[n].x - from_x) + abs(foods[n].y - from_y)
+    return moved
+
+
+@rule
+def _apart(x: float, y: float, from_x: float, from_y: float, distance: float) -> tuple[float, float]:
+    """A place, moved away from another to at least this distance."""
+    dx, dy = x - from_x, y - from_y
+    far = math.sqrt(dx * dx + dy * dy)
+    if far >= distance or far < 1e-9:
+        return x, y
+    return from_x + dx * distance / far, from_y + dy * distance / far

@@ -1,156 +1,189 @@
-"""The records that hold compiled worlds: numpy structured types with one lane for each world of a block.
+"""The records of simulated bodies: robots, food, and the numbers of noise and timing that all worlds share.
 
-Kernels work on blocks of worlds. A quantity of a robot or of food is a field with one number a lane, `robot.x[i]`, so
-that one instruction works on several worlds. The number of lanes is part of the type: loops have a fixed length, and
-the same kernels run blocks of one lane. Units are millimetres, radians and seconds unless a comment says otherwise;
-flags that kernels use as numbers are 0.0 or 1.0.
+Units are millimetres, radians and seconds unless a comment says otherwise.
 """
 
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.geometry.walls import Wall
+from khepera_forage.noise import Noise
+from khepera_forage.records import dtype_of
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
+from khepera_forage.sim.world import Timing
+from khepera_forage.vision.association import Track
 
-LANES = 128
-"""Worlds in a block of many. Only functions that allocate blocks use this number."""
 
-_ROBOT = (
-    *("x", "y", "heading", "cos", "sin"),
-    *("arm", "jaw"),  # positions on the scales of `robots.khepera`
-    "held",  # number of the food object between the closed fingers, -1 without
-    *("grip_x", "grip_y"),  # the place of held food in the robot's frame
-    *("bias_left", "bias_right"),  # lasting error of each wheel, as a share of its travel
-    *("pulses_left", "pulses_right"),
-    # Motor commands as applied.
-    *("left", "right", "arm_target", "jaw_target"),
-    # Senses: whole numbers. The eight readings `proximity` are a field of their own.
-    *("object_presence", "arm_reading", "jaw_reading"),
-    # The robot's own region in the camera's scene: pixels and whole degrees.
-    *("marker_x", "marker_y", "marker_heading"),
-    "marker_found",  # whether this frame shows the marker
-    "marker_lost",  # whether the tracker does not see the marker at present
-    "first_frame",  # whether the coming frame is the first after a reset
-    *("last_forward", "last_turn"),  # speeds at the end of the last round, mm/s and rad/s
+@dataclass(slots=True)
+class RobotState:
+    """One robot: its body, its senses, and its marker as the camera shows it.
+
+    Attributes:
+        x: Centre.
+        y: Centre.
+        heading: Counter-clockwise from the x axis.
+        cos: Of the heading.
+        sin: Of the heading.
+        arm: Position of the arm, 255 (down) to 215 (raised).
+        jaw: Position of the jaw, 200 (open) to 0 (closed).
+        held: Number of the food object between the closed fingers; -1 without.
+        grip_x: Place of held food in the robot's frame.
+        grip_y: Likewise.
+        bias_left: Lasting error of the left wheel, as a share of its travel.
+        bias_right: Likewise.
+        left_pulses: Encoder counter of the left wheel.
+        right_pulses: Likewise.
+        left: Motor command as applied, in speed units; also `right`, `arm_target` and `jaw_target`.
+        right: Likewise.
+        arm_target: Likewise.
+        jaw_target: Likewise.
+        last_forward: Speed at the end of the last round, mm/s.
+        last_turn: Likewise, rad/s.
+        object_presence: As sensed at the end of the last round: 255 or 0.
+        arm_reading: Position of the arm as sensed.
+        jaw_reading: Position of the jaw as sensed.
+        marker_x: Centre of its marker as last shown, pixels.
+        marker_y: Likewise.
+        marker_heading: Whole degrees.
+        marker_found: Whether the last frame showed the marker.
+        marker_lost: Whether the tracker does not see the marker at present.
+        first_frame: Whether the coming frame is the first after a reset.
+        next_label: Label of the next new track of food.
+        holes: Of its marker, 1 or 2.
+        key: Of the random numbers of its world.
+        round: Rounds since the key was set.
+        proximity: Readings of the eight infra-reds.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    heading: float = 0.0
+    cos: float = 1.0
+    sin: float = 0.0
+    arm: float = ARM_RAISED
+    jaw: float = JAW_OPEN
+    held: int = -1
+    grip_x: float = 0.0
+    grip_y: float = 0.0
+    bias_left: float = 0.0
+    bias_right: float = 0.0
+    left_pulses: float = 0.0
+    right_pulses: float = 0.0
+    left: float = 0.0
+    right: float = 0.0
+    arm_target: float = ARM_RAISED
+    jaw_target: float = JAW_OPEN
+    last_forward: float = 0.0
+    last_turn: float = 0.0
+    object_presence: int = 0
+    arm_reading: int = 0
+    jaw_reading: int = 0
+    marker_x: float = 0.0
+    marker_y: float = 0.0
+    marker_heading: float = 0.0
+    marker_found: bool = False
+    marker_lost: bool = False
+    first_frame: bool = False
+    next_label: int = 0
+    holes: int = 1
+    key: np.uint64 = np.uint64(0)
+    round: np.uint64 = np.uint64(0)
+    proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
+
+
+@dataclass(slots=True)
+class FoodState:
+    """One food object, and what the camera shows of it.
+
+    Attributes:
+        x: Centre.
+        y: Centre.
+        lost: Whether the tracker does not see it at present.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    lost: bool = False
+
+
+@dataclass(slots=True)
+class FoodDetection:
+    """What a frame shows of a food object, in pixels: the fields of `vision.association.Detection` that tracks need."""
+
+    x: float = 0.0
+    y: float = 0.0
+    holes: int = 0
+    first_x: float = 0.0
+    first_y: float = 0.0
+
+
+@dataclass(slots=True)
+class Constants:
+    """Sizes and rates of `Noise`, and how the bodies move in time.
+
+    Attributes:
+        wheel_slip: As in `Noise`; so are those down to `cable_loss_factor`.
+        wheel_bias: Likewise.
+        proximity_gain: Likewise.
+        proximity_floor: Likewise.
+        position_jitter: Likewise.
+        heading_jitter: Likewise.
+        reversal_rate: Likewise.
+        loss_rate_one_hole: Likewise.
+        loss_rate_two_holes: Likewise.
+        loss_rate_food: Likewise.
+        cable_loss_factor: Likewise.
+        loss_end: Chance that a loss ends.
+        wheel_speed: Share of the commanded speed that wheels reach.
+        round_duration: As in `Timing`; so are the last two.
+        arm_speed: Positions a second.
+        jaw_speed: Positions a second.
+    """
+
+    wheel_slip: float = 0.0
+    wheel_bias: float = 0.0
+    proximity_gain: float = 0.0
+    proximity_floor: float = 0.0
+    position_jitter: float = 0.0
+    heading_jitter: float = 0.0
+    reversal_rate: float = 0.0
+    loss_rate_one_hole: float = 0.0
+    loss_rate_two_holes: float = 0.0
+    loss_rate_food: float = 0.0
+    cable_loss_factor: float = 1.0
+    loss_end: float = 1.0
+    wheel_speed: float = 1.0
+    round_duration: float = 0.1
+    arm_speed: float = 0.0
+    jaw_speed: float = 0.0
+
+
+robot_dtype, food_dtype, detection_dtype, constants_dtype = map(
+    dtype_of, (RobotState, FoodState, FoodDetection, Constants)
 )
-_FOOD = (
-    *("x", "y"),
-    "lost",  # whether the tracker does not see the object at present
-    *("seen", "seen_x", "seen_y"),  # whether this frame shows the object, and where, in pixels
-)
-_WALL = tuple(name for name in Wall._fields if name not in ("y2", "polygon"))
-_SCRATCH = (
-    # The motion of this round.
-    *("forward", "turn"),  # commanded speeds, mm/s and rad/s
-    "travel",  # distance that any part of the robot can move, mm
-    *("free_x", "free_y", "free_heading", "free_cos", "free_sin", "free_jaw"),  # the end if nothing resists
-    "lag",  # share of the round in which the robot still moves as in the last one
-    *("near_wall", "near_food"),  # whether the robot could touch a wall, or food
-    "touches",  # whether the robot touches something
-    # Lanes near a wall or corner, packed (broad_phase).
-    *("near_x", "near_y", "near_cos", "near_sin", "near_jaw"),
-    *("near_from_x", "near_from_y", "near_held", "near_grip_x", "near_grip_y", "near_travel", "near_touches"),
-    # A wall and a corner of each packed lane, if worlds are in different arenas (listed_walls).
-    *(f"wall_{name}" for name in _WALL),
-    *("corner_x", "corner_y"),
-    # Lanes with an obstacle in range of the infra-reds, packed (sensing).
-    *("ahead", "aside", "along", "across", "reading"),
-    *("in_range", "in_range_arm_down"),
-    "marked",  # marks of lanes within one kernel
-)
-
-constants_dtype = np.dtype(
-    [
-        (name, "f8")
-        for name in (
-            # Sizes and rates of `Noise`; `loss_end` is the chance that a loss ends.
-            *("wheel_slip", "wheel_bias", "proximity_gain", "proximity_floor"),
-            *("position_jitter", "heading_jitter", "reversal_rate"),
-            *("loss_rate_marker", "loss_rate_food", "loss_end", "cable_loss_factor"),
-            *("anchor_x", "anchor_y"),  # the point from which the cable hangs
-            "wheel_speed",  # share of the commanded speed that wheels reach
-            "round_duration",  # seconds
-            *("arm_speed", "jaw_speed"),  # positions a second
-        )
-    ]
-)
-"""Numbers that are the same in all worlds."""
-
-wall_dtype = np.dtype([(name, "f8") for name in _WALL])
-"""`geometry.walls.Wall` in mm, without `y2` and `polygon`."""
-
+track_dtype, wall_dtype = dtype_of(Track), dtype_of(Wall)
 corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 """A corner of walls that points into the floor."""
 
-arena_dtype = np.dtype(
-    [
-        *((name, "i8") for name in ("first_wall", "walls", "first_corner", "corners")),
-        *((name, "f8") for name in ("anchor_x", "anchor_y")),
-    ]
-)
-"""One of several arenas: which of all walls and corners are its own, and the point from which the cable hangs."""
 
-track_dtype = np.dtype(
-    [
-        ("label", "i4"),
-        ("x", "f8"),
-        ("y", "f8"),
-        ("holes", "i1"),
-        ("found", "?"),
-        ("detection", "i2"),
-    ],
-    align=True,
-)
-"""The fields of `vision.association.Track`: one track of one world."""
+def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0) -> NDArray[Any]:
+    """The `Constants` of worlds, as an array of one record.
 
-detection_dtype = np.dtype([("x", "f8"), ("y", "f8"), ("holes", "i8"), ("first_x", "f8"), ("first_y", "f8")])
-"""The fields of `vision.association.Detection` that association needs."""
-
-
-def robot_dtype(lanes: int) -> np.dtype[Any]:
-    """One block of robots, with the cameras' numbers of each world and its random numbers."""
-    return np.dtype(
-        [
-            *_over(lanes, _ROBOT),
-            ("proximity", "f8", (8, lanes)),
-            ("next_label", "i8", (lanes,)),  # label of the next new track
-            ("key", "u8", (lanes,)),  # of the world's random numbers
-            ("round", "u8", (lanes,)),  # rounds since the key was set
-        ]
-    )
-
-
-def food_dtype(lanes: int) -> np.dtype[Any]:
-    """One food object in each world of a block."""
-    return np.dtype(_over(lanes, _FOOD))
-
-
-def lists_dtype(lanes: int) -> np.dtype[Any]:
-    """In which of several arenas each world of a block is, and what its lists of near walls are made for."""
-    return np.dtype(
-        [
-            *((name, "i8", (lanes,)) for name in ("arena", "listed_arena", "walls", "corners")),
-            # Where the robot was, and how far it may move from there, mm.
-            *_over(lanes, ("x", "y", "range")),
-            *_over(lanes, ("anchor_x", "anchor_y")),  # the point from which the cable hangs
-        ]
-    )
-
-
-def near_wall_dtype(lanes: int) -> np.dtype[Any]:
-    """One entry in the list of near walls of each world of a block: the fields of `wall_dtype`."""
-    return np.dtype(_over(lanes, wall_dtype.names or ()))
-
-
-def near_corner_dtype(lanes: int) -> np.dtype[Any]:
-    """One entry in the list of near corners of each world of a block: the fields of `corner_dtype`."""
-    return np.dtype(_over(lanes, corner_dtype.names or ()))
-
-
-def scratch_dtype(lanes: int) -> np.dtype[Any]:
-    """Numbers that are needed within a round only: one record serves all blocks of a thread."""
-    return np.dtype([*_over(lanes, _SCRATCH), ("lane", "u2", (lanes,))])  # lane: numbers of packed lanes
-
-
-def _over(lanes: int, names: tuple[str, ...]) -> list[Any]:
-    return [(name, "f8", (lanes,)) for name in names]
+    Args:
+        noise: Sizes and rates.
+        timing: Duration of a round, and speeds of arm and jaw.
+        wheel_speed: Share of the commanded speed that wheels reach.
+    """
+    record = np.zeros(1, constants_dtype)
+    own = {known.name for known in fields(noise)}
+    for name in constants_dtype.names or ():
+        if name in own:
+            record[name] = getattr(noise, name)
+    record["loss_end"] = 1.0 / noise.loss_rounds
+    record["wheel_speed"] = wheel_speed
+    for name, value in timing._asdict().items():
+        record[name] = value
+    return record

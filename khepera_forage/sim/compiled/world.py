@@ -1,20 +1,38 @@
-"""`CompiledWorld`: one robot, its food and a camera on compiled bodies, as a `World`."""
+"""`CompiledWorld`: robots in one arena, their food and a camera on compiled bodies, as a `World`."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from khepera_forage.compilation.trigonometry import cosine_sine
+from khepera_forage.compilation import entry
+from khepera_forage.counter_rng import random_bits
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, Motors, Senses, applicable
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, Motors, Senses, applicable, check_finite
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.compiled.bodies import Bodies, empty_bodies
-from khepera_forage.sim.compiled.numbers import MOST_FOODS
-from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
-from khepera_forage.sim.compiled.start import stand_in_blocks
-from khepera_forage.sim.compiled.stepping import advance_all
-from khepera_forage.sim.layout_checks import arena_of, check_apart, check_robot, check_seen, check_starts
+from khepera_forage.sim.compiled.camera import forget_tracks
+from khepera_forage.sim.compiled.moving import put_down
+from khepera_forage.sim.compiled.random import MOST_FOODS
+from khepera_forage.sim.compiled.records import (
+    constants_of,
+    corner_dtype,
+    detection_dtype,
+    food_dtype,
+    robot_dtype,
+    track_dtype,
+    wall_dtype,
+)
+from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.layout_checks import (
+    arena_of,
+    cable_anchor,
+    check_apart,
+    check_robot,
+    check_seen,
+    check_starts,
+)
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.scene import Region, Scene
 from khepera_forage.vision.shapes import (
@@ -27,10 +45,10 @@ from khepera_forage.vision.shapes import (
 
 
 class CompiledKhepera:
-    """The robot of a `CompiledWorld`.
+    """A robot of a `CompiledWorld`.
 
     Args:
-        record: A `robot_dtype` record of one lane.
+        record: Its `RobotState` record.
     """
 
     def __init__(self, record: Any) -> None:
@@ -40,16 +58,17 @@ class CompiledKhepera:
         """What the robot senses since the last round."""
         record = self._record
         return Senses(
-            tuple(record["proximity"][:, 0].astype(np.int64).tolist()),
-            int(record["pulses_left"][0]),
-            int(record["pulses_right"][0]),
-            int(record["arm_reading"][0]),
-            int(record["jaw_reading"][0]),
-            int(record["object_presence"][0]),
+            tuple(record["proximity"].astype(np.int64).tolist()),
+            int(record["left_pulses"]),
+            int(record["right_pulses"]),
+            int(record["arm_reading"]),
+            int(record["jaw_reading"]),
+            int(record["object_presence"]),
         )
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
+        check_finite(motors)
         applied = applicable(motors)
         record = self._record
         record["left"], record["right"] = applied.left, applied.right
@@ -66,116 +85,117 @@ class CompiledKhepera:
 
 
 class CompiledCamera:
-    """The camera of a `CompiledWorld`: the marker's region has label 0, food follows.
+    """The camera of a `CompiledWorld`: the markers' regions come first, in the order of the robots; food follows."""
 
-    Args:
-        holes: Holes of the marker.
-    """
+    def __init__(self) -> None:
+        self._robots, self._tracks = np.zeros(0, robot_dtype), np.zeros(0, track_dtype)
 
-    def __init__(self, holes: int) -> None:
-        self._holes = holes
-        self._record: Any = None
-        self._tracks: Any = None
-
-    def reset(self, record: Any, tracks: Any) -> None:
+    def reset(self, robots: NDArray[Any], tracks: NDArray[Any]) -> None:
         """Show other records.
 
         Args:
-            record: A `robot_dtype` record of one lane.
-            tracks: The food's tracks, `track_dtype`.
+            robots: `RobotState` records.
+            tracks: Tracks of food, `Track` records.
         """
-        self._record, self._tracks = record, tracks
+        self._robots, self._tracks = robots, tracks
 
     def look(self) -> Scene:
         """The regions of the last frame; none before the first."""
-        if self._record is None:
-            return Scene(())
-        regions = [self._marker()]
+        regions = [_marker_region(i, robot) for i, robot in enumerate(self._robots)]
         for label, x, y, _, found, _ in sorted(self._tracks.tolist()):
             if label >= 0:
                 edge = not in_picture(x, y, FOOD_RADIUS_PX, FOOD_RADIUS_PX)
+                label += len(self._robots)
                 regions.append(
-                    Region(label + 1, x, y, 0, 0, found, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES)
+                    Region(label, x, y, 0, 0, found, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES)
                 )
         return Scene(tuple(regions))
 
-    def _marker(self) -> Region:
-        record, holes = self._record, self._holes
-        x, y = float(record["marker_x"][0]), float(record["marker_y"][0])
-        heading, found = int(record["marker_heading"][0]), bool(record["marker_found"][0])
-        turned = math.radians(heading)
-        half_width, half_height, first = marker_outline(math.cos(turned), math.sin(turned))
-        edge = not in_picture(x, y, half_width, half_height)
-        return Region(
-            0, x, y, holes, heading, found, edge, x + first, y + half_height, *MARKER_FEATURES[holes]
-        )
+
+def _marker_region(label: int, robot: Any) -> Region:
+    x, y, holes = float(robot["marker_x"]), float(robot["marker_y"]), int(robot["holes"])
+    heading, found = int(robot["marker_heading"]), bool(robot["marker_found"])
+    turned = math.radians(heading)
+    half_width, half_height, first = marker_outline(math.cos(turned), math.sin(turned))
+    edge = not in_picture(x, y, half_width, half_height)
+    return Region(
+        label, x, y, holes, heading, found, edge, x + first, y + half_height, *MARKER_FEATURES[holes]
+    )
 
 
 class CompiledWorld:
-    """One Khepera, food and an overhead camera above one arena, on the compiled bodies.
+    """Kheperas, food and an overhead camera above one arena, on the compiled bodies.
 
     Bodies and camera behave like those of `PymunkWorld`, with the same noise; `contact` says how contacts differ.
 
     Args:
         arena: The enclosure.
         noise: By default `Noise.laboratory()`.
-        holes: Holes of the robot's marker, 1 or 2.
+        holes: Holes of the robot's marker, 1 or 2; one number a robot for several robots.
         timing: Duration of a round, and speeds of arm and jaw.
 
     Raises:
         ValueError: Another number of holes, or an arena that the camera does not see.
     """
 
-    def __init__(self, arena: Arena, noise: Noise | str | None = None, *, holes: int, timing: Timing) -> None:
-        if holes not in (1, 2):
+    def __init__(
+        self, arena: Arena, noise: Noise | str | None = None, *, holes: int | Sequence[int], timing: Timing
+    ) -> None:
+        self.markers = (holes,) if isinstance(holes, int) else tuple(holes)
+        if not self.markers or any(number not in (1, 2) for number in self.markers):
             raise ValueError(f"holes is {holes!r}; allowed: 1 or 2")
         check_seen([arena])
         self.arenas = (arena,)
-        self.markers = (holes,)
         self.noise = checked_noise(noise)
         self._timing = timing
         self.round_duration = self._timing.round_duration
         self.robots: tuple[CompiledKhepera, ...] = ()
-        self.camera = CompiledCamera(holes)
-        self._bodies = empty_bodies(1, 0, lanes=1)
+        self.camera = CompiledCamera()
+        self._walls = np.array(list(map(tuple, arena.wall_records)), wall_dtype)
+        self._corners = np.array([(x, y) for x, y, _, _ in arena.corners], corner_dtype)
+        self._constants = constants_of(self.noise, timing)
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Put everything in its place.
 
         Args:
             rng: Spawned into the generator of this world's random numbers.
-            layout: One start, and at most 16 food objects.
+            layout: One start a robot, and at most 16 food objects.
 
         Raises:
             ValueError: Another number of starts or food objects, or something that does not stand on the free floor.
         """
         arena, foods = self.arenas[0], len(layout.foods)
-        check_starts(layout, 1)
+        check_starts(layout, len(self.markers))
         if foods > MOST_FOODS:
             raise ValueError(f"{foods} food objects; allowed: at most {MOST_FOODS} in a compiled world")
-        check_robot(arena, layout.starts[0])
+        for start in layout.starts:
+            check_robot(arena, start)
         for food in layout.foods:
             arena_of(self.arenas, "food", food, FOOD_RADIUS)
         check_apart(layout)
-        bodies = empty_bodies(1, foods, lanes=1)
-        parameters = parameters_of(arena, foods, self.noise, holes=self.markers[0], timing=self._timing)
-        self.show(bodies, parameters)
-        bodies.robots["key"] = rng.spawn(1)[0].integers(2**64, dtype=np.uint64)
-        stand_in_blocks(bodies, parameters, np.array(layout.starts))
-        for k, food in enumerate(layout.foods):
-            bodies.foods[0, k]["x"], bodies.foods[0, k]["y"] = food
+        robots, records = np.zeros(len(self.markers), robot_dtype), np.zeros(foods, food_dtype)
+        key = rng.spawn(1)[0].integers(2**64, dtype=np.uint64)
+        robots["key"] = random_bits(np.full(len(robots), key), np.arange(len(robots), dtype=np.uint64))
+        robots["key"][0] = key
+        robots["holes"] = self.markers
+        records["x"], records["y"] = np.array(layout.foods).reshape(-1, 2).T
+        self.show(robots, records, np.zeros(2 * foods, track_dtype))
+        _begin(self._robots, self._foods, self._tracks, np.array(layout.starts), self._constants)
         self.advance()  # Nothing moves: this takes the first frame.
 
-    def show(self, bodies: Bodies, parameters: Parameters) -> None:
+    def show(self, robots: NDArray[Any], foods: NDArray[Any], tracks: NDArray[Any]) -> None:
         """Be the world of these records, which others may change.
 
         Args:
-            bodies: The records of one block with one lane.
-            parameters: Theirs, of the same arena, noise, marker and timing.
+            robots: `RobotState` records.
+            foods: `FoodState` records.
+            tracks: `Track` records.
         """
-        self._bodies, self._parameters = bodies, parameters
-        self.robots = (CompiledKhepera(bodies.robots[0]),)
-        self.camera.reset(bodies.robots[0], bodies.tracks[0, 0])
+        self._robots, self._foods, self._tracks = robots, foods, tracks
+        self._detections = np.zeros(len(foods), detection_dtype)
+        self.robots = tuple(CompiledKhepera(robots[i]) for i in range(len(robots)))
+        self.camera.reset(robots, tracks)
 
     def advance(self) -> None:
         """One round.
@@ -185,48 +205,75 @@ class CompiledWorld:
         """
         if not self.robots:
             raise RuntimeError("advance() before reset()")
-        advance_all(self._bodies, self._parameters)
+        anchor_x, anchor_y = cable_anchor(self.arenas)
+        _advance(
+            *(self._robots, self._foods, self._tracks, self._detections, self._walls, self._corners),
+            *(anchor_x, anchor_y, self._constants),
+        )
 
     def poses(self) -> tuple[Pose, ...]:
-        """The true pose of the robot."""
-        record = self._bodies.robots[0]
-        return (Pose(*(float(record[name][0]) for name in ("x", "y", "heading"))),)
+        """The true poses of the robots."""
+        return tuple(Pose(*(float(robot[name]) for name in ("x", "y", "heading"))) for robot in self._robots)
 
     def food_places(self) -> tuple[FoodPlace, ...]:
         """The true places of the food."""
-        record, foods = self._bodies.robots[0], self._bodies.foods[0]
-        held = int(record["held"][0]) if record["arm"][0] < ARM_ON_FLOOR else -1
+        lifted = {int(robot["held"]) for robot in self._robots if robot["arm"] < ARM_ON_FLOOR}
         return tuple(
-            FoodPlace(float(food["x"][0]), float(food["y"][0]), k == held) for k, food in enumerate(foods)
+            FoodPlace(float(food["x"]), float(food["y"]), k in lifted) for k, food in enumerate(self._foods)
         )
 
-    def held(self) -> int:
-        """Number of the food object in the gripper, -1 without."""
-        return int(self._bodies.robots[0]["held"][0])
+    def held(self, robot: int = 0) -> int:
+        """Number of the food object in the gripper of a robot, -1 without."""
+        return int(self._robots[robot]["held"])
 
     def place(self, robot: int, pose: Pose) -> None:
-        """Put the robot down elsewhere, at rest, with the food that it holds.
+        """Put a robot down elsewhere, at rest, with the food that it holds.
 
         Raises:
-            ValueError: The place is not on the free floor.
+            ValueError: The place is not on the free floor, or taken.
         """
-        record, held = self._bodies.robots[robot], self.held()
+        record, held = self._robots[robot], self.held(robot)
         check_robot(self.arenas[0], pose)
-        foods = tuple(Point(x, y) for k, (x, y, _) in enumerate(self.food_places()) if k != held)
-        check_apart(Layout((pose,), foods))
+        others = tuple(other for i, other in enumerate(self.poses()) if i != robot)
+        foods = tuple(
+            Point(x, y) for k, (x, y, lifted) in enumerate(self.food_places()) if k != held and not lifted
+        )
+        check_apart(Layout((*others, pose), foods))
         record["x"], record["y"], record["heading"] = pose
-        record["cos"], record["sin"] = cos, sin = cosine_sine(pose.heading)
+        record["cos"], record["sin"] = cos, sin = math.cos(pose.heading), math.sin(pose.heading)
         record["last_forward"] = record["last_turn"] = 0.0
         if held >= 0:
-            ahead, aside, food = record["grip_x"], record["grip_y"], self._bodies.foods[0, held]
+            ahead, aside, food = record["grip_x"], record["grip_y"], self._foods[held]
             food["x"], food["y"] = pose.x + ahead * cos - aside * sin, pose.y + ahead * sin + aside * cos
 
     def stop(self) -> None:
-        """Stop the robot's wheels."""
+        """Stop the wheels of all robots."""
         for robot in self.robots:
             robot.stop()
 
     def close(self) -> None:
-        """Stop the robot."""
+        """Stop the robots."""
         for robot in self.robots:
             robot.close()
+
+
+@entry
+def _begin(robots: Any, foods: Any, tracks: Any, poses: Any, constants: Any) -> None:
+    for i in range(len(robots)):
+        put_down(robots[i], poses[i, 0], poses[i, 1], poses[i, 2], constants[0])
+    forget_tracks(foods, tracks)
+
+
+@entry
+def _advance(
+    robots: Any,
+    foods: Any,
+    tracks: Any,
+    detections: Any,
+    walls: Any,
+    corners: Any,
+    anchor_x: float,
+    anchor_y: float,
+    constants: Any,
+) -> None:
+    advance(robots, foods, tracks, detections, walls, corners, anchor_x, anchor_y, constants[0])

@@ -33,12 +33,8 @@ from khepera_forage.sim.pymunk.food import PymunkFood
 from khepera_forage.sim.pymunk.gripper import PymunkGripper
 from khepera_forage.sim.pymunk.nearby import discs_near, may_push
 from khepera_forage.sim.pymunk.wheels import add_wheels
-from khepera_forage.sim.world import Timing
+from khepera_forage.sim.world import FINE_TRAVEL, SUBSTEPS, Timing
 
-SUBSTEPS = 5
-"""Physics steps a round, 20 ms each, where something is pushed."""
-FINE_TRAVEL = 0.8
-"""How far a point of a robot may travel in one physics step near a wall, in mm: overlaps then stay below 1 mm."""
 # The properties' own functions: setting them by name goes through `__setattr__` too and costs twice as much.
 _set_position: Callable[[pymunk.Body, tuple[float, float]], None] = pymunk.Body.position.fset  # type: ignore[attr-defined]
 _set_angle: Callable[[pymunk.Body, float], None] = pymunk.Body.angle.fset  # type: ignore[attr-defined]

@@ -20,9 +20,9 @@ from khepera_forage.sim.layout_checks import (
 )
 from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
-from khepera_forage.sim.pymunk.khepera import FINE_TRAVEL, SUBSTEPS, PymunkKhepera
+from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.noise_blocks import Draws
-from khepera_forage.sim.world import FoodPlace, Layout, Timing
+from khepera_forage.sim.world import FINE_TRAVEL, SUBSTEPS, FoodPlace, Layout, Timing
 from khepera_forage.vision.simulated_camera import OverheadCamera, Truth
 
 

@@ -1,1 +1,0 @@
-"""The operations of a compiled step and the limits of the machine, measured by `benchmarks/operations.py`."""

@@ -1,0 +1,310 @@
+"""Arenas and settings as compiled worlds read them.
+
+An arena is a block of bytes, prepared once: its numbers, walls, corners, waypoints and the lengths of paths. The blocks of
+all arenas of a batch follow one another, and each world has the place of its own. What all worlds of a batch share is one
+record, which is read at run time: other decisions or another noise compile nothing.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.compilation import array_rule
+from khepera_forage.envs.arena_pool import ArenaPool
+from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
+from khepera_forage.envs.forager import arena_map_of, floor_of
+from khepera_forage.geometry.paths import Corner, Spot, Ways
+from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.records import dtype_of
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.compiled.random import MOST_FOODS
+from khepera_forage.sim.compiled.records import constants_dtype, constants_of, corner_dtype, wall_dtype
+from khepera_forage.sim.layout_checks import cable_anchor, check_seen
+from khepera_forage.task.arena_map import ArenaMap, Floor
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.placement import arena_number
+from khepera_forage.task.states import FoodType
+
+decisions_dtype = np.dtype([(name, "f8") for name in Decisions.__dataclass_fields__])
+"""`task.decisions.DecisionValues`."""
+settings_dtype = np.dtype(
+    [
+        ("constants", constants_dtype),
+        ("decisions", decisions_dtype),
+        ("odds", "f8", (len(FoodType) - 1,)),  # of food types
+        ("limit", "i8"),  # steps after which an episode ends
+        ("holes", "i8"),  # of the robot's marker
+    ],
+    align=True,
+)
+"""What all worlds of a batch share."""
+
+_COUNTS = ("walls", "corners", "waypoints")
+_MAP, _FLOOR, _WAYS = (
+    [name for name in kind._fields if name not in ("walls", "ways", *Ways._fields[4:], "home_x", "home_y")]
+    for kind in (ArenaMap, Floor, Ways)
+)
+arena_dtype = np.dtype(
+    [
+        *((name, "i8") for name in _COUNTS),
+        *((name, "f8") for name in ("anchor_x", "anchor_y", "map_home_x", "map_home_y")),
+        *((name, "f8") for name in ("floor_home_x", "floor_home_y")),
+        *((f"map_{name}", "f8") for name in _MAP),
+        *((f"floor_{name}", "f8") for name in _FLOOR),
+        *((f"ways_{name}", "f8") for name in _WAYS),
+    ]
+)
+"""The numbers of one arena: how many walls, corners and waypoints there are, where the robots' cables hang from, and the
+fields of `ArenaMap` (pixels), `Floor` (mm) and `Ways` that are numbers."""
+_way_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
+_ARENA, _WALL, _POINT, _CORNER, _SPOT = (
+    kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _way_corner_dtype, _spot_dtype)
+)
+
+
+class ArenaRecords(NamedTuple):
+    """One arena.
+
+    Attributes:
+        numbers: `arena_dtype`, shape (1,).
+        walls: `Wall` records in mm.
+        map_walls: The same in pixels.
+        corners: The corners that point into the floor, mm.
+        way_corners: `Corner` records in pixels.
+        waypoints: `Spot` records in pixels.
+        lengths: Of the paths between waypoints; also the next two, as in `Ways`.
+        start_lengths: Likewise.
+        home_lengths: Likewise.
+    """
+
+    numbers: Any
+    walls: Any
+    map_walls: Any
+    corners: Any
+    way_corners: Any
+    waypoints: Any
+    lengths: Any
+    start_lengths: Any
+    home_lengths: Any
+
+
+@array_rule
+def arena_at(blocks: Any, place: int) -> ArenaRecords:
+    """The arena whose block begins at this place."""
+    a = place + _ARENA
+    numbers = blocks[place:a].view(arena_dtype)
+    walls, corners, waypoints = numbers[0].walls, numbers[0].corners, numbers[0].waypoints
+    b = a + walls * _WALL
+    c = b + walls * _WALL
+    d = c + corners * _POINT
+    e = d + corners * _CORNER
+    f = e + waypoints * _SPOT
+    g = f + waypoints * waypoints * 8
+    h = g + waypoints * 8
+    i = h + waypoints * 8
+    return ArenaRecords(
+        numbers,
+        blocks[a:b].view(wall_dtype),
+        blocks[b:c].view(wall_dtype),
+        blocks[c:d].view(corner_dtype),
+        blocks[d:e].view(_way_corner_dtype),
+        blocks[e:f].view(_spot_dtype),
+        blocks[f:g].view(np.float64),
+        blocks[g:h].view(np.float64),
+        blocks[h:i].view(np.float64),
+    )
+
+
+@array_rule
+def map_of(arena: ArenaRecords) -> ArenaMap:
+    """What a robot knows of the arena."""
+    numbers = arena.numbers[0]
+    home_x, home_y = numbers.map_home_x, numbers.map_home_y
+    return ArenaMap(
+        home_x,
+        home_y,
+        int(numbers.map_home_radius),
+        numbers.map_start_x,
+        numbers.map_start_y,
+        numbers.map_home_opening,
+        int(numbers.map_diagonal),
+        numbers.map_left,
+        numbers.map_bottom,
+        numbers.map_right,
+        numbers.map_top,
+        arena.map_walls,
+        Ways(
+            numbers.ways_clearance,
+            home_x,
+            home_y,
+            numbers.ways_berth,
+            arena.way_corners,
+            arena.waypoints,
+            arena.lengths,
+            arena.start_lengths,
+            arena.home_lengths,
+        ),
+    )
+
+
+@array_rule
+def ground_of(arena: ArenaRecords) -> Floor:
+    """The floor of the arena, on which everything is placed."""
+    numbers = arena.numbers[0]
+    return Floor(
+        numbers.floor_left,
+        numbers.floor_bottom,
+        numbers.floor_right,
+        numbers.floor_top,
+        numbers.floor_home_x,
+        numbers.floor_home_y,
+        numbers.floor_home_radius,
+        arena.walls,
+    )
+
+
+def arena_block(arena: Arena, anchor: tuple[float, float] | None = None) -> NDArray[np.uint8]:
+    """The bytes of an arena.
+
+    Args:
+        arena: The arena.
+        anchor: Where the robots' cables hang from, mm; by default above the middle of the arena.
+    """
+    map_, floor = arena_map_of(arena), floor_of(arena)
+    ways = map_.ways
+    numbers = np.zeros(1, arena_dtype)
+    numbers["walls"], numbers["corners"] = len(floor.walls), len(ways.corners)
+    numbers["waypoints"] = len(ways.waypoints)
+    numbers["anchor_x"], numbers["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
+    for prefix, known in (("map", map_), ("floor", floor), ("ways", ways)):
+        for name in known._fields:
+            if f"{prefix}_{name}" in (arena_dtype.names or ()):
+                numbers[f"{prefix}_{name}"] = getattr(known, name)
+    parts = (
+        numbers,
+        _records(floor.walls, wall_dtype),
+        _records(map_.walls, wall_dtype),
+        _records([corner[:2] for corner in arena.corners], corner_dtype),
+        _records(ways.corners, _way_corner_dtype),
+        _records(ways.waypoints, _spot_dtype),
+        *(np.array(lengths, np.float64) for lengths in (ways.lengths, ways.start_lengths, ways.home_lengths)),
+    )
+    return np.concatenate([part.view(np.uint8) for part in parts])
+
+
+def _records(rows: Any, kind: np.dtype[Any]) -> NDArray[Any]:
+    return np.array(list(map(tuple, rows)), kind)
+
+
+def settings_of(
+    foods: int,
+    limit: int,
+    noise: Noise | str | None,
+    food_types: FoodOdds,
+    decisions: Decisions,
+    holes: int,
+    wheel_speed: float = 1.0,
+) -> NDArray[Any]:
+    """The settings of worlds, as an array of one record.
+
+    Args:
+        foods: Food objects in each world, 1 to 16.
+        limit: Steps after which an episode ends.
+        noise: The laboratory's troubles by default.
+        food_types: One type, or odds by type.
+        decisions: Of the task.
+        holes: Of the robot's marker.
+        wheel_speed: Share of the commanded speed that wheels reach.
+
+    Raises:
+        ValueError: An argument out of range.
+    """
+    if whole_number("foods", foods, 1) > MOST_FOODS:
+        raise ValueError(f"foods is {foods!r}; allowed: 1 to {MOST_FOODS} in compiled worlds")
+    record = np.zeros(1, settings_dtype)
+    record["constants"] = constants_of(checked_noise(noise), timing_of(decisions), wheel_speed)
+    values: Any = decisions.values()
+    record["decisions"] = np.array([tuple(values)], decisions_dtype)
+    record["odds"], record["limit"], record["holes"] = food_odds(food_types), whole_number("limit", limit, 1), holes
+    return record
+
+
+class PreparedArenas:
+    """The arenas of a batch of worlds, each prepared when a world first enters it.
+
+    Args:
+        pool: All arenas.
+        prepare: Makes the block of an arena.
+
+    Attributes:
+        blocks: The bytes of all arenas prepared so far, one after the other.
+        waypoints: Most waypoints of an arena prepared so far.
+    """
+
+    _MOST_BYTES = 1 << 27
+    """Bytes of blocks above which arenas that no world is in are forgotten."""
+
+    def __init__(
+        self, pool: ArenaPool, prepare: Callable[[Arena], NDArray[np.uint8]] = arena_block
+    ) -> None:
+        self._pool, self._prepare = pool, prepare
+        self._place_of: dict[int, int] = {}
+        self._numbers: dict[int, int] = {}
+        self._memory, self._used = np.zeros(1 << 16, np.uint8), 0
+        self.waypoints = 0
+        self.places(np.zeros(1, np.int64))
+
+    @property
+    def blocks(self) -> NDArray[np.uint8]:
+        """See the class."""
+        return self._memory
+
+    def arena(self, place: int) -> Arena:
+        """The arena whose block is at this place."""
+        return self._pool[self._numbers[place]]
+
+    def numbers_at(self, places: NDArray[np.int64]) -> NDArray[Any]:
+        """The numbers (`arena_dtype`) of the arenas at these places."""
+        rows = self._memory[places[:, None] + np.arange(_ARENA)]
+        return rows.view(arena_dtype)[:, 0]
+
+    def places(self, numbers: NDArray[Any]) -> NDArray[np.int64]:
+        """Places of the arenas with these numbers in the pool. New arenas are prepared.
+
+        Raises:
+            ValueError: An arena that is too narrow, or that the camera does not see.
+        """
+        listed = numbers.tolist()
+        for number in sorted(set(listed).difference(self._place_of)):
+            arena = self._pool[number]
+            check_seen([arena])
+            block = self._prepare(arena)
+            end = self._used + len(block)
+            if end > len(self._memory):
+                self._memory = np.concatenate([self._memory, np.zeros(end, np.uint8)])
+            self._memory[self._used : end] = block
+            self._place_of[number], self._numbers[self._used] = self._used, number
+            self._used = end
+            self.waypoints = max(self.waypoints, int(block[:_ARENA].view(arena_dtype)["waypoints"][0]))
+        return np.array([self._place_of[number] for number in listed], np.int64)
+
+    def of_episodes(self, keys: NDArray[np.uint64], episodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Places of the arenas of episodes, see `task.placement.arena_number`; new arenas are prepared.
+
+        Args:
+            keys: Of worlds.
+            episodes: Number of an episode of each.
+        """
+        if len(self._pool) == 1:
+            return np.zeros(len(keys), np.int64)
+        return self.places(arena_number(keys, episodes.astype(np.uint64), len(self._pool)))
+
+    def forget(self, places: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Forget all arenas but those at these places, if there are many; returns their new places."""
+        if self._used < self._MOST_BYTES:
+            return places
+        numbers = np.array([self._numbers[place] for place in places.tolist()], np.int64)
+        self._place_of, self._numbers, self._used = {}, {}, 0
+        return self.places(numbers)

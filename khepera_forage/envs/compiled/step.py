@@ -1,0 +1,266 @@
+"""One round of one compiled world at its task.
+
+A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.step.advance` moves the bodies, senses and
+takes a frame; `_perceive` calls the rules of `task`; `end_step` accounts for the round. `begin` starts an episode, whose
+first frame is taken by the first round.
+"""
+
+import math
+from typing import Any
+
+from khepera_forage.compilation import rule
+from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+from khepera_forage.envs.compiled.arenas import ArenaRecords, ground_of, map_of
+from khepera_forage.envs.compiled.worlds import World
+from khepera_forage.geometry.angles import bearing_of, turn_to
+from khepera_forage.geometry.walls import to_nearest_wall
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
+from khepera_forage.sim.compiled.camera import forget_tracks
+from khepera_forage.sim.compiled.moving import put_down
+from khepera_forage.sim.compiled.step import advance
+from khepera_forage.task.actions import decode_motors
+from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.behaviours import command, uses_way_home
+from khepera_forage.task.episode import begin_episode, end_step
+from khepera_forage.task.food_tracking import NOWHERE, update_food
+from khepera_forage.task.identification import explored
+from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
+from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
+from khepera_forage.task.states import Behaviour, FoodType, classify
+from khepera_forage.task.way_finding import Way, WayMemory, way_home
+from khepera_forage.vision.scene import MM_PER_PIXEL
+
+_WAIT = Behaviour.WAIT.value
+_POISONOUS = FoodType.POISONOUS.value - 1
+"""Index of its odds."""
+
+
+@rule
+def begin(world: World, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any) -> bool:
+    """Begin an episode; its first frame is taken in the coming round.
+
+    Args:
+        world: The world.
+        arena: Its arena.
+        settings: A `settings_dtype` record.
+        given_start: `Start` record: where the robot starts; not a number for a random start.
+        given_places: `Place` records: where food lies; not a number for random places.
+
+    Returns:
+        Whether there was room.
+    """
+    forager, key, start, places = world.foragers[0], world.robots[0].key, world.starts[0], world.places
+    has_start, has_places = not math.isnan(given_start.x), not math.isnan(given_places[0].x)
+    if has_start:
+        start.x, start.y, start.heading = given_start.x, given_start.y, given_start.heading
+    if has_places:
+        for k in range(len(places)):
+            places[k].x, places[k].y = given_places[k].x, given_places[k].y
+    free = draw_layout(
+        start,
+        places,
+        layout_key(key, forager.number),
+        ground_of(arena),
+        map_of(arena),
+        settings.decisions,
+        has_start,
+        has_places,
+    )
+    stand_ready(world, settings)
+    draw_food_types(world.objects, food_type_key(key, forager.number), settings.odds)
+    forager.number += 1
+    return bool(free)
+
+
+@rule
+def stand_ready(world: World, settings: Any) -> None:
+    """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
+    robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
+    robot.holes = settings.holes
+    put_down(robot, start.x, start.y, start.heading, settings.constants)
+    forget_tracks(world.foods, world.tracks)
+    tracker.held = tracker.nearest = -1
+    tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
+    tracker.deliverable = len(world.places)
+    tracker.last_distance = -1.0
+    for k in range(len(world.places)):
+        place, food, known = world.places[k], world.foods[k], world.objects[k]
+        food.x, food.y = place.x, place.y
+        known.x, known.y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
+        known.lengths_x = known.lengths_y = NOWHERE
+        known.known = known.side = 0
+        known.delivered = known.carried = False
+    for k in range(len(world.links)):
+        world.links[k].label = -1
+    for k in range(len(world.chosen)):
+        world.chosen[k].x = world.chosen[k].y = math.inf
+
+
+@rule
+def command_behaviour(world: World, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
+    """Command what a behaviour commands."""
+    forager = world.foragers[0]
+    forager.behaviour = behaviour
+    drive(world, motors_of(world, map_of(arena), settings, behaviour))
+
+
+@rule
+def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any) -> None:
+    """Command the motors of an action, four numbers in -1..1.
+
+    The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
+    """
+    forager = world.foragers[0]
+    given = applicable(decode_motors(action[0], action[1], action[2], action[3]))
+    right = applicable(motors_of(world, map_of(arena), settings, forager.state))
+    same = (
+        given.left == right.left
+        and given.right == right.right
+        and given.arm == right.arm
+        and given.jaw == right.jaw
+    )
+    forager.behaviour = forager.state if same else _WAIT
+    drive(world, given)
+
+
+@rule
+def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
+    """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
+    raw, decisions = world.foragers[0].raw, settings.decisions
+    if (
+        not perceives_paths(decisions)
+        and _ways_home_can_bend(arena, settings)
+        and not world.robots[0].first_frame  # nothing is perceived yet
+        and uses_way_home(behaviour, raw)
+    ):
+        x, y, path = _way_home(world, arena)
+        raw.home_bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
+        raw.home_path = path if path > raw.home_distance else raw.home_distance
+    return command(behaviour, raw, decisions)
+
+
+@rule
+def drive(world: World, motors: Motors) -> None:
+    """Give the robot its motors; before its first frame it stands as it was put down."""
+    robot = world.robots[0]
+    robot.left = robot.right = 0.0
+    robot.arm_target, robot.jaw_target = ARM_RAISED, JAW_OPEN
+    if not robot.first_frame:
+        applied = applicable(motors)
+        robot.left, robot.right = applied.left, applied.right
+        robot.arm_target, robot.jaw_target = applied.arm, applied.jaw
+
+
+@rule
+def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
+    """One round, once the motors are commanded; and what it is worth."""
+    robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
+    forager.correct = forager.behaviour == forager.state
+    forager.begins = robot.first_frame
+    forager.presence_before = robot.object_presence
+    forager.arm_before, forager.jaw_before = robot.arm_reading, robot.jaw_reading
+    advance(
+        world.robots,
+        world.foods,
+        world.tracks,
+        world.detections,
+        arena.walls,
+        arena.corners,
+        numbers.anchor_x,
+        numbers.anchor_y,
+        settings.constants,
+    )
+    _perceive(world, map_of(arena), settings)
+    if forager.begins:
+        begin_episode(forager.episode, forager.tracker)
+    else:
+        end_step(forager.episode, forager.tracker, forager.correct, settings.limit)
+
+
+@rule
+def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
+    """Track the food; then raw data, state vector and state."""
+    robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
+    tracker = forager.tracker
+    before = _senses(forager.presence_before, forager.arm_before, forager.jaw_before)
+    after = _senses(robot.object_presence, robot.arm_reading, robot.jaw_reading)
+    present, x, y = robot.object_presence != 0, robot.marker_x, robot.marker_y
+    update_food(
+        tracker,
+        world.objects,
+        WayMemory(world.chosen, world.lengths),
+        world.links,
+        world.tracks,
+        arena,
+        x,
+        y,
+        int(robot.marker_heading),
+        present,
+        present and explored(before, after, Motors(robot.left, robot.right, 0, 0)),
+        after.arm,
+        decisions,
+    )
+    wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
+    way = arena.home_x, arena.home_y, 0.0
+    if perceives_paths(decisions) and _ways_home_can_bend(arena, settings):
+        way = _way_home(world, arena)
+    raw = raw_data(
+        after,
+        x,
+        y,
+        int(robot.marker_heading),
+        robot.marker_found,
+        tracker.food_seen,
+        tracker.food_x,
+        tracker.food_y,
+        tracker.type_in_gripper,
+        wall_x,
+        wall_y,
+        way,
+        (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
+        arena,
+    )
+    _write_raw(forager.raw, raw, robot.proximity)
+    vector, written = state_vector(raw, without_food(tracker, arena, decisions), decisions), forager.vector
+    written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
+    written.food_type, written.arms_height = vector.food_type, vector.arms_height
+    written.robot_food_distance = vector.robot_food_distance
+    forager.state = classify(vector, arena.home_radius, decisions).value
+
+
+@rule
+def _senses(presence: int, arm: int, jaw: int) -> Senses:
+    """The senses that the rules of perception need, without infra-reds and encoders."""
+    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, arm, jaw, presence)
+
+
+@rule
+def _write_raw(record: Any, raw: RawData, proximity: Any) -> None:
+    """Write raw data into their record, with the infra-reds."""
+    for k in range(6):
+        record.proximity[k] = int(proximity[k])
+    record.arm, record.jaw, record.object_presence = raw.arm, raw.jaw, raw.object_presence
+    record.x, record.y, record.orientation, record.tracked = raw.x, raw.y, raw.orientation, raw.tracked
+    record.food_seen, record.food_x, record.food_y = raw.food_seen, raw.food_x, raw.food_y
+    record.food_type = int(raw.food_type)
+    record.home_x, record.home_y, record.home_radius = raw.home_x, raw.home_y, raw.home_radius
+    record.home_opening = raw.home_opening
+    record.wall_distance, record.wall_bearing = raw.wall_distance, raw.wall_bearing
+    record.home_distance, record.home_bearing = raw.home_distance, raw.home_bearing
+    record.home_path = raw.home_path
+    record.food_distance, record.food_bearing = raw.food_distance, raw.food_bearing
+    record.food_path = raw.food_path
+    record.food_way_x, record.food_way_y = raw.food_way_x, raw.food_way_y
+
+
+@rule
+def _ways_home_can_bend(arena: ArenaMap, settings: Any) -> bool:
+    """Whether a way home may lead around walls or past poison."""
+    return len(arena.ways.corners) > 0 or settings.odds[_POISONOUS] > 0.0
+
+
+@rule
+def _way_home(world: World, arena: ArenaMap) -> Way:
+    robot, tracker = world.robots[0], world.foragers[0].tracker
+    memory = WayMemory(world.chosen, world.lengths)
+    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, memory, arena)

@@ -1,0 +1,48 @@
+"""Records: a class of plain fields, and the numpy dtype of the same fields for compiled worlds.
+
+A rule that remembers something takes records. In Python these are instances of slotted dataclasses; in compiled code they
+are elements of numpy structured arrays, whose fields numba reads and writes by name. Each kind of record is declared
+once, as a class, and `dtype_of` derives the dtype.
+"""
+
+from dataclasses import MISSING, fields, is_dataclass
+from typing import Any, get_args, get_origin
+
+import numpy as np
+
+_KINDS: dict[Any, Any] = {float: "f8", int: "i8", bool: "?", np.uint64: "u8"}
+
+
+def dtype_of(kind: type) -> np.dtype[Any]:
+    """The dtype of a record class.
+
+    Args:
+        kind: A dataclass or a named tuple. Fields that are numbers, flags, records of their own, tuples of numbers of one
+            kind, or lists of as many numbers as their default has, become fields of the dtype. Others, such as lists of
+            records, are left out: compiled worlds keep them in arrays of their own.
+    """
+    if is_dataclass(kind):
+        known = [
+            (field.name, field.type, len(field.default_factory()) if _is_list_of_numbers(field) else 0)
+            for field in fields(kind)
+        ]
+    else:
+        known = [(name, annotation, 0) for name, annotation in kind.__annotations__.items()]
+    parts: list[Any] = []
+    for name, annotation, length in known:
+        if annotation in _KINDS:
+            parts.append((name, _KINDS[annotation]))
+        elif length:
+            parts.append((name, _KINDS[get_args(annotation)[0]], (length,)))
+        elif get_origin(annotation) is tuple:
+            parts.append((name, _KINDS[get_args(annotation)[0]], (len(get_args(annotation)),)))
+        elif isinstance(annotation, type) and (is_dataclass(annotation) or hasattr(annotation, "_fields")):
+            inner = dtype_of(annotation)
+            if inner.names:
+                parts.append((name, inner))
+    return np.dtype(parts, align=True)
+
+
+def _is_list_of_numbers(field: Any) -> bool:
+    numbers = get_origin(field.type) is list and get_args(field.type)[0] in _KINDS
+    return numbers and field.default_factory is not MISSING

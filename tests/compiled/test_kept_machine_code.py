@@ -1,0 +1,439 @@
+"""Machine code that entries keep on disk: found again, replaced when it is out of date, never needed.
+
+Most tests run programs with a throw-away package that has the name and the compiling module of the real one.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+
+from khepera_forage import compilation, extras
+from khepera_forage.compilation import share_out
+
+BEFORE = """
+import sys, numpy as np, numba
+from numba.core import event
+
+class Compiled(event.Listener):
+    names = []
+    def on_start(self, event):
+        self.names.append(event.data["dispatcher"].py_func.__name__)
+    def on_end(self, event):
+        pass
+
+event.register("numba:compile", Compiled())
+"""
+KERNEL = """
+import numpy as np
+from khepera_forage.compilation import entry, rule
+from khepera_forage.sim.rules import double, first
+
+@entry
+def add(numbers, amount):
+    for i in range(numbers.shape[0]):
+        numbers[i] += double(amount)
+    if amount < 0:
+        raise ValueError("a negative amount")
+
+@entry
+def left(points):
+    return first(points[0], 3) + first(points[1], 3)
+
+@entry
+def right(points):
+    return first(points[0], 3) + first(points[1], 3)
+
+LEFT = np.array([(1.0, 100.0)] * 2, [("x", "f8"), ("y", "f8")])
+RIGHT = np.array([(100.0, 1.0)] * 2, [("y", "f8"), ("x", "f8")])
+"""
+RULES = """
+import numpy as np
+from khepera_forage.compilation import rule
+
+@rule
+def double(amount):
+    return 2 * amount
+
+@rule
+def first(point, rounds):
+    total = 0.0
+    for i in range(rounds):  # too long to become part of the caller
+        total += np.sin(point.x * i) + np.exp(-point.x * i) * np.cos(total) + np.tan(point.x + i)
+        if total > 1e9:
+            total -= np.sqrt(total) * np.log(total) + np.arctan2(total, point.x)
+    return point.x + 1e-30 * total
+"""
+ADD = """
+from khepera_forage.sim.kernel import add
+numbers = np.zeros(2)
+add(numbers, 1.5)
+print(numbers[0], "add" in Compiled.names)
+"""
+COMPILED, LOADED = "3.0 True\n", "3.0 False\n"
+
+
+class Package:
+    """A throw-away package, and the environment of the programs that use it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.cache = folder / "cache"
+        self.sources = folder / "package" / "khepera_forage"
+        (self.sources / "sim").mkdir(parents=True)
+        for module in (compilation, extras):
+            shutil.copy(str(module.__file__), self.sources)
+        for name, text in (
+            ("__init__", ""),
+            ("sim/__init__", ""),
+            ("sim/kernel", KERNEL),
+            ("sim/rules", RULES),
+        ):
+            (self.sources / f"{name}.py").write_text(text)
+        path = os.pathsep.join([str(self.sources.parent), os.environ.get("PYTHONPATH", "")])
+        self.environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+        self.environment |= {"PYTHONPATH": path, "XDG_CACHE_HOME": str(self.cache)}
+
+    def run(self, code: str, **environment: str | None) -> tuple[str, str]:
+        """What a program writes to its two streams; a variable that is None does not exist."""
+        values = {k: v for k, v in {**self.environment, **environment}.items() if v is not None}
+        done = subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", BEFORE + code],
+            cwd=self.sources.parent.parent,
+            env=values,
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout, done.stderr
+
+    def files(self, pattern: str) -> list[Path]:
+        return sorted(self.cache.rglob(pattern))
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Package:
+    return Package(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Package:
+    """A package whose machine code is on disk."""
+    package = Package(tmp_path_factory.mktemp("kept"))
+    assert package.run(ADD) == (COMPILED, "")
+    return package
+
+
+def test_machine_code_is_loaded_by_another_process(kept: Package) -> None:
+    assert kept.run(ADD) == (LOADED, "")
+
+
+def test_machine_code_is_kept_in_the_user_cache_folder_only(kept: Package) -> None:
+    assert [path.suffix for path in kept.files("*.nb?")] == [".nbc", ".nbi"]
+    assert not list(kept.sources.rglob("*.nb?"))
+
+
+def test_folder_of_numba_comes_first(package: Package) -> None:
+    assert package.run(ADD, NUMBA_CACHE_DIR="other")[0] == COMPILED
+    assert len(list((package.sources.parent.parent / "other").rglob("*.nb?"))) == 2
+    assert not package.cache.exists()
+
+
+def test_own_functions_of_the_user_are_kept_where_they_were(kept: Package) -> None:
+    own = kept.sources.parent / "own.py"
+    own.write_text("import numba\n@numba.njit(cache=True)\ndef own(x):\n    return x\n")
+    code = f"{ADD}\nassert not numba.config.CACHE_DIR\nfrom own import own\nown(1)"
+    kept.run(code)
+    assert len(list((own.parent / "__pycache__").glob("own.own*.nbc"))) == 1
+
+
+def test_changed_rule_is_compiled(package: Package) -> None:
+    package.run(ADD)
+    rules = package.sources / "sim" / "rules.py"
+    rules.write_text(RULES.replace("2 * amount", "4 * amount"))
+    assert package.run(ADD) == ("6.0 True\n", "")
+
+
+def test_machine_code_of_other_sources_is_removed_when_long_unused(kept: Package, tmp_path: Path) -> None:
+    package = Package(tmp_path)
+    place = package.cache / kept.files("*.nbi")[0].parents[1].parent.relative_to(kept.cache)
+    old, used, foreign = (
+        place / name
+        for name in ("khepera_forage-" + "0" * 16, "khepera_forage-" + "1" * 16, "khepera_forage-notes")
+    )
+    for folder in (old, used, foreign):
+        (folder / "sim").mkdir(parents=True)
+        (folder / "sim" / "file").touch()
+    month = time.time() - 31 * 24 * 3600
+    for folder in (old, foreign):
+        os.utime(folder, (month, month))
+    package.run(ADD)
+    assert [folder.exists() for folder in (old, used, foreign)] == [False, True, True]
+
+
+# The same functions without the names that `rule` and `entry` give.
+NUMBA_ALONE = f"""
+import numpy as np, numba
+from numba.extending import register_jitable as rule
+entry = numba.njit(cache=True)
+{RULES.replace("from khepera_forage.compilation import rule", "")}
+{KERNEL.partition("rules import double, first")[2]}
+"""
+USE = """
+from {module} import LEFT, RIGHT, left, right
+for name in "{calls}".split():
+    function, points = (left, LEFT) if name == "left" else (right, RIGHT)
+    print(function(points), name in Compiled.names)
+"""
+BOTH_LOADED = ("left", "right", "left right"), "{} False\n{} False\n"
+ONE_LOADED = ("left", "right left"), "{} True\n{} False\n"
+MIXED = pytest.mark.parametrize(
+    ("processes", "last"), [BOTH_LOADED, ONE_LOADED], ids=["both loaded", "one compiled"]
+)
+
+
+@MIXED
+def test_numba_alone_mixes_up_functions_of_two_processes(
+    package: Package, processes: tuple[str, ...], last: str
+) -> None:
+    """Once this test fails, numba has mended it: rules can be functions of `register_jitable` again."""
+    (package.sources.parent / "alone.py").write_text(NUMBA_ALONE)
+    place = {"NUMBA_CACHE_DIR": str(package.cache)}
+    outputs = [package.run(USE.format(module="alone", calls=calls), **place)[0] for calls in processes]
+    assert outputs[-1] == last.format("2.0", "200.0")
+
+
+@MIXED
+def test_functions_of_two_processes_are_not_mixed_up(
+    package: Package, processes: tuple[str, ...], last: str
+) -> None:
+    module = "khepera_forage.sim.kernel"
+    outputs = [package.run(USE.format(module=module, calls=calls))[0] for calls in processes]
+    assert outputs[-1] == last.format("2.0", "2.0")
+
+
+@pytest.mark.parametrize("changes", [b"", b"garbage", "half", "zeros"], ids=str)
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, changes: bytes | str) -> None:
+    package = Package(tmp_path)
+    shutil.copytree(kept.cache, package.cache)
+    package.environment["PYTHONPATH"] = kept.environment[
+        "PYTHONPATH"
+    ]  # numba's folder names contain their paths
+    (file,) = package.files(f"*.{suffix}")
+    whole = file.read_bytes()
+    damaged = {"half": whole[: len(whole) // 2], "zeros": bytes(len(whole))}
+    file.write_bytes(damaged[changes] if isinstance(changes, str) else changes)
+    output, error = package.run(ADD)
+    assert output == COMPILED
+    assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
+    assert package.run(ADD) == (LOADED, "")
+
+
+FULL_DISK = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
+NO_PLACE = [
+    ("", {"NUMBA_CACHE_DIR": "/dev/null/x"}),
+    ("", {"XDG_CACHE_HOME": "/dev/null/x"}),
+    ("", {"XDG_CACHE_HOME": None, "HOME": "/proc/nope"}),
+    ("import os.path; os.path.expanduser = str\n", {"XDG_CACHE_HOME": None, "HOME": None}),
+    ("", {"NUMBA_CACHE_LOCATOR_CLASSES": "InTreeCacheLocator"}),
+    (FULL_DISK, {}),
+    ("sys.modules['platformdirs'] = None\n", {}),
+]
+NO_PLACE_NAMES = ["numba", "xdg", "home", "no home", "locator", "full disk", "no platformdirs"]
+
+
+@pytest.mark.parametrize(("before", "environment"), NO_PLACE, ids=NO_PLACE_NAMES)
+def test_without_a_place_for_files_code_is_compiled_in_memory(
+    package: Package, before: str, environment: dict[str, str | None]
+) -> None:
+    code = before + ADD + "from khepera_forage.sim.kernel import *\nprint(left(LEFT))"
+    output, error = package.run(code, **environment)
+    assert output == COMPILED + "2.0\n"
+    assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
+    assert not list(package.sources.parent.parent.rglob("*.nb?"))
+
+
+DELETED = "import os; os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone')\n"
+UNUSUAL = [
+    (DELETED, {}),
+    ("import pathlib; sys.path.insert(0, pathlib.Path('folder'))\n", {}),
+    ("", {"HOME": None}),
+]
+
+
+@pytest.mark.parametrize(("before", "environment"), UNUSUAL, ids=["no current folder", "path", "no home"])
+def test_unusual_process_loads_machine_code(
+    kept: Package, before: str, environment: dict[str, str | None]
+) -> None:
+    assert kept.run(before + ADD, **environment) == (LOADED, "")
+
+
+def test_deleted_current_folder_does_not_prevent_compilation(package: Package) -> None:
+    assert package.run(DELETED + ADD) == (COMPILED, "")
+    output, error = package.run(DELETED + ADD, NUMBA_CACHE_DIR="relative")
+    assert output == COMPILED
+    assert error.startswith(
+        "khepera_forage: machine code on disk cannot be used, compiling (FileNotFoundError"
+    )
+
+
+def test_without_compilation_an_entry_is_the_plain_function(package: Package) -> None:
+    code = f"{ADD}\nprint(type(add).__name__)"
+    assert package.run(code, NUMBA_DISABLE_JIT="1") == ("3.0 False\nfunction\n", "")
+
+
+def test_threads_may_compile_at_the_same_time(package: Package) -> None:
+    code = """
+from concurrent.futures import ThreadPoolExecutor
+from khepera_forage.sim.kernel import add, left, LEFT
+numbers = np.zeros(3)
+with ThreadPoolExecutor(6) as pool:
+    calls = [pool.submit(add, numbers[i:i + 1], 1.0) for i in range(3)]
+    print([call.result() for call in [pool.submit(left, LEFT) for _ in range(3)]])
+    assert [call.result() for call in calls] == [None] * 3
+print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
+"""
+    assert package.run(code) == ("[2.0, 2.0, 2.0]\n[2. 2. 2.] 1 1\n", "")
+
+
+def test_entry_is_compiled_for_a_second_signature(package: Package) -> None:
+    """Even where its machine code cannot be written any more."""
+    whole = "whole = np.zeros(2, np.int64)\nadd(whole, 3)\nprint(whole[0], Compiled.names.count('add'))\n"
+    assert package.run(ADD + whole)[0] == COMPILED + "6 2\n"
+    output, _ = package.run(ADD + whole + FULL_DISK + whole.replace("np.int64", "np.int32"))
+    assert output == LOADED + "6 0\n6 1\n"
+
+
+ERRORS = """
+from khepera_forage.sim.kernel import add
+def show(*arguments):
+    try:
+        add(*arguments)
+    except Exception as error:
+        print(type(error).__name__, str(error).splitlines()[0], error.__context__)
+"""
+
+
+def test_errors_of_a_call_are_those_of_numba(kept: Package) -> None:
+    calls = "show(); show('text', 1.0); show(object(), 1.0)\n"
+    plain = "add = numba.njit(add._function)\n"
+    expected, _ = kept.run(ERRORS + plain + calls)
+    assert "TypeError not enough arguments" in expected
+    assert "TypingError" in expected
+    assert kept.run(ERRORS + calls) == (expected, "")
+    assert kept.run(ERRORS + "add(np.zeros(2), 1.0)\n" + calls) == (expected, "")
+
+
+def test_error_of_compiled_code_is_raised_by_the_only_run(package: Package) -> None:
+    """Also if the call has compiled the code."""
+    code = """
+for numbers in (np.zeros(2), np.zeros(2), np.zeros(2, np.int64)):
+    show(numbers, -1)
+    print(numbers[0])
+"""
+    error = "ValueError a negative amount None\n"
+    assert package.run(ERRORS + code) == (f"{error}-2.0\n{error}-2.0\n{error}-2\n", "")
+
+
+def test_long_compilation_is_announced(package: Package) -> None:
+    code = "from khepera_forage import compilation; compilation._SLOW = 0.02\n" + ADD
+    assert package.run(code) == (
+        COMPILED,
+        "khepera_forage: compiling kernels, once for this version: about 20 s ...\n",
+    )
+    assert package.run(code) == (LOADED, "")
+    silent = "sys.stderr = None\n" + code
+    assert package.run(silent, NUMBA_CACHE_DIR="/dev/null/x") == (COMPILED, "")
+
+
+def record(ranges: list[tuple[int, int]]) -> Callable[..., None]:
+    def function(first: int, last: int) -> None:
+        ranges.append((first, last))
+
+    return function
+
+
+@pytest.mark.parametrize(
+    ("count", "threads", "parts"), [(1000, 1, 1), (1000, 2, 2), (127, 2, 1), (0, 2, 1), (10**6, 99, 2)]
+)
+def test_ranges_are_equal_and_cover_everything(
+    monkeypatch: pytest.MonkeyPatch, count: int, threads: int, parts: int
+) -> None:
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
+    ranges: list[tuple[int, int]] = []
+    share_out(record(ranges), count, threads=threads)
+    ranges.sort()
+    assert len(ranges) == parts
+    assert (ranges[0][0], ranges[-1][1]) == (0, count)
+    assert all(one[1] == other[0] for one, other in pairwise(ranges))
+    assert len({last - first for first, last in ranges}) == 1
+
+
+def test_ranges_run_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
+    barrier = threading.Barrier(2, timeout=30)
+    share_out(lambda first, last: barrier.wait(), 2, least=1)
+
+
+@pytest.mark.parametrize("bad", [0, 1])
+@pytest.mark.parametrize("error", [ValueError, IndexError, RuntimeError])
+def test_error_in_any_range_is_raised(
+    monkeypatch: pytest.MonkeyPatch, bad: int, error: type[Exception]
+) -> None:
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
+
+    def function(first: int, last: int) -> None:
+        if first == bad:
+            raise error("of the function")
+
+    with pytest.raises(error, match="of the function"):
+        share_out(function, 2, least=1)
+
+
+SHARE_OUT = """
+import atexit, os, threading
+from khepera_forage.compilation import share_out
+numba.get_num_threads = lambda: 2
+
+def call(name):
+    ranges = []
+    share_out(lambda first, last: ranges.append((first, last)), 200)
+    print(name, sorted(ranges), flush=True)
+"""
+
+
+def test_ranges_are_shared_out_in_every_phase_of_a_program(package: Package) -> None:
+    """In a forked process, in a thread that outlasts the main one, and at the end."""
+    code = """
+call("main")
+if os.fork() == 0:
+    call("child")
+    os._exit(0)
+os.wait()
+atexit.register(call, "exit")
+main = threading.main_thread()
+threading.Thread(target=lambda: (main.join(), call("thread"))).start()
+"""
+    names = ("main", "child", "thread", "exit")
+    assert package.run(SHARE_OUT + code)[0] == "".join(f"{name} [(0, 100), (100, 200)]\n" for name in names)
+
+
+def test_ranges_may_be_shared_out_within_a_range(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
+    ranges: list[tuple[int, int]] = []
+
+    def outer(first: int, last: int) -> Any:
+        share_out(record(ranges), 8, least=1)
+
+    share_out(outer, 8, least=1)
+    assert sorted(ranges) == [(0, 4)] * 2 + [(4, 8)] * 2
