@@ -8,7 +8,7 @@ from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.caption import Caption
 from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
-from khepera_forage.envs.rendering.painter import Painter
+from khepera_forage.envs.rendering.picture import Painter, to_array
 from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
@@ -17,7 +17,7 @@ PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
 
 
 def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
-    return Painter.to_array(KeyboardPainter().paint(view, caption))
+    return to_array(KeyboardPainter().paint(view, caption))
 
 
 def test_every_behaviour_has_a_letter_and_a_number() -> None:
@@ -29,7 +29,7 @@ def test_every_behaviour_has_a_letter_and_a_number() -> None:
 
 
 def test_picture_of_the_environment_is_above_the_keys() -> None:
-    picture, above = pixels(VIEW, PLAIN), Painter.to_array(Painter().paint(VIEW))
+    picture, above = pixels(VIEW, PLAIN), to_array(Painter().paint(VIEW))
     assert picture.shape[1] == above.shape[1]
     np.testing.assert_array_equal(picture[: len(above)], above)
 
@@ -41,7 +41,7 @@ def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> No
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, marked)
     rows, columns = np.nonzero((before != after).any(axis=2))
     assert len(rows) > 300
-    height, width = len(Painter.to_array(Painter().paint(VIEW))), before.shape[1]
+    height, width = len(to_array(Painter().paint(VIEW))), before.shape[1]
     row, column = divmod(int(behaviour), COLUMNS)
     middle = (columns.min() + columns.max()) / 2
     assert abs(middle / width - (column + 0.5) / COLUMNS) < 0.03
@@ -56,7 +56,7 @@ def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> No
 def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
     rows = np.nonzero((before != after).any(axis=2))[0]
-    height = len(Painter.to_array(Painter().paint(VIEW)))
+    height = len(to_array(Painter().paint(VIEW)))
     assert len(rows) > 0
     assert height <= rows.min() <= rows.max() < height + 36
 
@@ -68,6 +68,6 @@ def test_hint_is_left_out_beside_a_long_message() -> None:
 
 def test_keyboard_painter_draws_changed_views() -> None:
     painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
-    first = Painter.to_array(painter.paint(VIEW, PLAIN))
-    assert Painter.to_array(painter.paint(other, PLAIN)).shape != first.shape
-    np.testing.assert_array_equal(Painter.to_array(painter.paint(VIEW, PLAIN)), first)
+    first = to_array(painter.paint(VIEW, PLAIN))
+    assert to_array(painter.paint(other, PLAIN)).shape != first.shape
+    np.testing.assert_array_equal(to_array(painter.paint(VIEW, PLAIN)), first)

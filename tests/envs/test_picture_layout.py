@@ -2,7 +2,7 @@
 
 import pytest
 
-from khepera_forage.envs.rendering.layout import MAX_HEIGHT, MAX_WIDTH, arrange
+from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, arrange
 from khepera_forage.sim.arena import Arena, copies
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 

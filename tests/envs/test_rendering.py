@@ -5,12 +5,13 @@ import pickle
 from collections.abc import Iterator
 
 import numpy as np
+import pygame
 import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
-from khepera_forage.envs.rendering.layout import Layout, arrange
 from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
+from khepera_forage.envs.rendering.picture import Layout, arrange
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
@@ -229,6 +230,13 @@ def test_renderer_draws_again_after_close(renderer: Renderer) -> None:
     renderer.close()
     renderer.close()
     np.testing.assert_array_equal(draw(renderer, VIEW), before)
+
+
+def test_pictures_are_drawn_after_another_program_quit_pygame(renderer: Renderer) -> None:
+    before, other = draw(renderer, VIEW), VIEW._replace(title="Another title")
+    pygame.quit()  # as Gymnasium's own environments do when they are closed
+    np.testing.assert_array_equal(draw(renderer, VIEW), before)
+    assert not np.array_equal(draw(renderer, other), before)
 
 
 def test_copied_renderer_draws_the_same(renderer: Renderer) -> None:

@@ -4,10 +4,9 @@ import pygame
 
 from khepera_forage.envs.rendering import palette
 from khepera_forage.envs.rendering.caption import Caption
-from khepera_forage.envs.rendering.layout import GAP
-from khepera_forage.envs.rendering.painter import Painter
+from khepera_forage.envs.rendering.drawing import box, fitted, text_width, write
 from khepera_forage.envs.rendering.panel import sentence_case
-from khepera_forage.envs.rendering.text import TextRenderer
+from khepera_forage.envs.rendering.picture import GAP, Painter
 from khepera_forage.envs.rendering.view import View
 from khepera_forage.task.states import Behaviour
 
@@ -25,7 +24,6 @@ class KeyboardPainter:
 
     def __init__(self) -> None:
         self._painter = Painter()
-        self._text = TextRenderer()
         self._view: View | None = None
         self._view_picture: pygame.Surface
 
@@ -59,13 +57,13 @@ class KeyboardPainter:
             (palette.WARNING, palette.WARNING_FILL) if caption.warning else (palette.INK, palette.TRACK)
         )
         width, middle = surface.get_width() - 2 * GAP, top + (MESSAGE_HEIGHT - 8) / 2
-        self._text.box(surface, (GAP, top, width, MESSAGE_HEIGHT - 8), fill, 6)
-        message = self._text.fitted(caption.message, MESSAGE_SIZE, width - 24)
-        self._text.write(surface, message, GAP + 12, middle, MESSAGE_SIZE, ink)
-        used = self._text.width(message, MESSAGE_SIZE) + self._text.width(caption.hint, HINT_SIZE)
+        box(surface, (GAP, top, width, MESSAGE_HEIGHT - 8), fill, 6)
+        message = fitted(caption.message, MESSAGE_SIZE, width - 24)
+        write(surface, message, GAP + 12, middle, MESSAGE_SIZE, ink)
+        used = text_width(message, MESSAGE_SIZE) + text_width(caption.hint, HINT_SIZE)
         if used + 60 <= width:
             right = GAP + width - 12
-            self._text.write(surface, caption.hint, right, middle, HINT_SIZE, palette.MUTED, "right")
+            write(surface, caption.hint, right, middle, HINT_SIZE, palette.MUTED, "right")
 
     def _draw_key(
         self,
@@ -80,14 +78,14 @@ class KeyboardPainter:
         middle, ink, muted = top + ROW_HEIGHT / 2, palette.INK, palette.MUTED
         cell = (left, top + 2, width - 8, ROW_HEIGHT - 4)
         if behaviour == caption.held:
-            self._text.box(surface, cell, palette.TEACHER, 6)
+            box(surface, cell, palette.TEACHER, 6)
             ink = muted = palette.CARD
         elif behaviour == caption.last:
-            self._text.box(surface, cell, palette.CARD, 6, palette.TEACHER)
+            box(surface, cell, palette.CARD, 6, palette.TEACHER)
         cap = (left + 6, middle - KEY_CAP / 2, KEY_CAP, KEY_CAP)
-        self._text.box(surface, cap, palette.CARD, 5, palette.MUTED)
+        box(surface, cap, palette.CARD, 5, palette.MUTED)
         letter = caption.letters[behaviour].upper()
-        self._text.write(surface, letter, left + 6 + KEY_CAP / 2, middle, LETTER_SIZE, palette.INK, "centre")
-        self._text.write(surface, str(int(behaviour)), left + 12 + KEY_CAP, middle, HINT_SIZE, muted)
-        name = self._text.fitted(sentence_case(behaviour.name), NAME_SIZE, width - KEY_CAP - 42)
-        self._text.write(surface, name, left + 27 + KEY_CAP, middle, NAME_SIZE, ink)
+        write(surface, letter, left + 6 + KEY_CAP / 2, middle, LETTER_SIZE, palette.INK, "centre")
+        write(surface, str(int(behaviour)), left + 12 + KEY_CAP, middle, HINT_SIZE, muted)
+        name = fitted(sentence_case(behaviour.name), NAME_SIZE, width - KEY_CAP - 42)
+        write(surface, name, left + 27 + KEY_CAP, middle, NAME_SIZE, ink)

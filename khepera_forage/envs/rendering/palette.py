@@ -54,7 +54,6 @@ FOOD: dict[FoodType, Colour] = {
 
 def blended(a: Colour, b: Colour, share: float) -> Colour:
     """A mixture of two colours; `share` 0..1 is that of `b`."""
-    share = max(0.0, min(1.0, share))
     return (
         round(a[0] + (b[0] - a[0]) * share),
         round(a[1] + (b[1] - a[1]) * share),

@@ -10,7 +10,7 @@ from khepera_forage.envs.rendering.view import View
 from khepera_forage.extras import require
 
 if TYPE_CHECKING:
-    from khepera_forage.envs.rendering.painter import Painter
+    from khepera_forage.envs.rendering.picture import Painter
     from khepera_forage.envs.rendering.window import Window
 
 RENDER_MODES = ("human", "rgb_array")
@@ -63,13 +63,13 @@ class Renderer:
         """
         if self.closed_by_user:
             return None
-        if self._painter is None:
-            from khepera_forage.envs.rendering.painter import Painter
+        from khepera_forage.envs.rendering.picture import Painter, to_array
 
+        if self._painter is None:
             self._painter = Painter()
         picture = self._painter.paint(view)
         if self.mode == "rgb_array":
-            return self._painter.to_array(picture)
+            return to_array(picture)
         if self._window is None:
             from khepera_forage.envs.rendering.window import Window
 
