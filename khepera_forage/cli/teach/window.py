@@ -10,8 +10,8 @@ from khepera_forage.envs.rendering.caption import Caption
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import pygame
 
-from khepera_forage.envs.rendering.display import open_display
 from khepera_forage.envs.rendering.keyboard import KeyboardPainter
+from khepera_forage.envs.rendering.output import open_display
 
 MAX_SCREEN_SHARE = 0.92
 """Largest share of the screen's width or height that the window takes when it opens."""
@@ -23,7 +23,7 @@ class TeachingWindow:
     """A resizable window that shows pictures and waits for keys; the picture is scaled to the window.
 
     Raises:
-        OSError: There is no display (see `envs.rendering.display`).
+        OSError: There is no display (see `envs.rendering.output`).
     """
 
     def __init__(self) -> None:

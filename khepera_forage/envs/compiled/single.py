@@ -21,9 +21,7 @@ from khepera_forage.envs.compiled.one_world_info import POSE, REWARD, STEPS, TER
 from khepera_forage.envs.compiled.records import SHOWN
 from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
-from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.screen import Screen
-from khepera_forage.envs.rendering.view import recall_view
+from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled.world import CompiledWorld

@@ -84,7 +84,7 @@ class Panel:
         return heard is not None and executed is not None and heard != executed
 
     def _title(self, left: float, right: float, y: float) -> None:
-        """Name, warnings, and the note, shortened if necessary."""
+        """Name, shortened if necessary, and warnings."""
         robot, u = self.robot, self.u
         warnings = []
         if robot.separated:
@@ -100,7 +100,6 @@ class Panel:
             box(self.picture, (x, y - 9 * u, width, 18 * u), fill, 9 * u)
             self._write(text, x + 7 * u, y, LABEL, ink)
             x += width + 6 * u
-        self._write(fitted(robot.note, LABEL * u, right - x), right, y, LABEL, palette.MUTED, "right")
 
     def _decision(self, left: float, y: float) -> None:
         """State, heard and executed behaviour, with a mark where the executed behaviour differs from the other two."""

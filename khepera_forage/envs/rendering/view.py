@@ -31,7 +31,6 @@ class RobotView(NamedTuple):
         confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if the robot is no imitator.
         separated: Whether the learner is separated from the teacher.
         tracked: Whether the camera tracks its marker now.
-        note: Short text beside its name.
     """
 
     pose: Pose
@@ -47,7 +46,6 @@ class RobotView(NamedTuple):
     confidence: tuple[float, ...] | None = None
     separated: bool = False
     tracked: bool = True
-    note: str = ""
 
 
 class FoodView(NamedTuple):
