@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS
+from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS, Caption
+from khepera_forage.cli.teach.window import COLUMNS, with_caption
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.caption import Caption
-from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
 from khepera_forage.envs.rendering.picture import Painter, to_array
 from khepera_forage.task.states import Behaviour
-from tests.version_0_1 import CORRIDOR, RECTANGLE
+from tests.version_0_1 import CORRIDOR
 
 VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
 PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
 
 
 def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
-    return to_array(KeyboardPainter().paint(view, caption))
+    return to_array(with_caption(Painter().paint(view), caption))
 
 
 def test_every_behaviour_has_a_letter_and_a_number() -> None:
@@ -64,10 +63,3 @@ def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
 def test_hint_is_left_out_beside_a_long_message() -> None:
     long = PLAIN._replace(message="word " * 60)
     np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(hint="")))
-
-
-def test_keyboard_painter_draws_changed_views() -> None:
-    painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
-    first = to_array(painter.paint(VIEW, PLAIN))
-    assert to_array(painter.paint(other, PLAIN)).shape != first.shape
-    np.testing.assert_array_equal(to_array(painter.paint(VIEW, PLAIN)), first)
