@@ -4,14 +4,7 @@ import math
 from collections.abc import Sequence
 
 from khepera_forage.envs.rendering import palette
-from khepera_forage.envs.rendering.drawing import (
-    XY,
-    Canvas,
-    clamped,
-    rectangle,
-    regular_polygon,
-    transformed,
-)
+from khepera_forage.envs.rendering.drawing import XY, Canvas, clamped, rectangle, regular_polygon, transformed
 from khepera_forage.envs.rendering.palette import Colour
 from khepera_forage.envs.rendering.view import FoodView, RobotView
 from khepera_forage.robots.khepera import (
@@ -67,8 +60,8 @@ def draw_floor(canvas: Canvas, arenas: Sequence[Arena]) -> None:
     for arena in arenas:
         canvas.polygon(arena.walls, palette.FLOOR)
         x, y = arena.home.x, arena.home.y
-        canvas.disc((x, y), arena.home_radius, palette.HOME)
-        canvas.ring((x, y), arena.home_radius, palette.HOME_EDGE, 1.5)
+        canvas.circle((x, y), arena.home_radius, palette.HOME)
+        canvas.circle((x, y), arena.home_radius, palette.HOME_EDGE, 1.5)
         for obstacle in arena.obstacles:
             canvas.polygon(obstacle, palette.WALL)
         # The word is low in the circle, because food is put down near the middle.
@@ -103,14 +96,14 @@ def draw_food(canvas: Canvas, food: FoodView) -> None:
         canvas.polygon(shadow, palette.WHEEL, alpha=70)
     fill = palette.FOOD[food.food_type]
     edge = palette.WALL if food.food_type == FoodType.UNKNOWN else palette.blended(fill, palette.WHEEL, 0.45)
-    canvas.disc((x, y), FOOD_RADIUS, edge)
-    canvas.disc((x, y), FOOD_RADIUS - 1.8, fill)
+    canvas.circle((x, y), FOOD_RADIUS, edge)
+    canvas.circle((x, y), FOOD_RADIUS - 1.8, fill)
     for polygon in FOOD_SYMBOLS.get(food.food_type, ()):
         canvas.polygon([(x + dx, y + dy) for dx, dy in polygon], palette.CARD)
     if food.delivered:
         x, y = x + 14.0, y + 14.0
-        canvas.disc((x, y), 9.5, palette.CARD)
-        canvas.disc((x, y), 8.3, palette.INK)
+        canvas.circle((x, y), 9.5, palette.CARD)
+        canvas.circle((x, y), 8.3, palette.INK)
         canvas.polygon([(x + dx, y + dy) for dx, dy in TICK], palette.CARD)
 
 
@@ -172,8 +165,8 @@ def _draw_body(canvas: Canvas, robot: RobotView, colour: Colour) -> None:
         wheel = transformed(robot.pose, rectangle(-7.5, side * 29.0, 7.5, side * 23.0))
         canvas.polygon(wheel, palette.WHEEL)
     centre = (robot.pose.x, robot.pose.y)
-    canvas.disc(centre, RADIUS, colour)
-    canvas.disc(centre, RADIUS - 4.0, palette.BODY)
+    canvas.circle(centre, RADIUS, colour)
+    canvas.circle(centre, RADIUS - 4.0, palette.BODY)
     half = HOLE_SIDE / 2
     for forward, left in MARKER_HOLES.get(robot.holes, ()):
         square = rectangle(forward - half, left - half, forward + half, left + half)
@@ -192,8 +185,9 @@ def _draw_gripper(canvas: Canvas, robot: RobotView) -> None:
         parts.append(rectangle(JAW_ROOT, side * gap, FINGER_TIP, side * (gap + FINGER_THICKNESS)))
     if height > 0:
         shift = LIFTED_SHADOW * height
+        shadow = robot.pose._replace(x=robot.pose.x + shift, y=robot.pose.y - shift)
         for part in parts:
-            canvas.polygon(transformed(robot.pose, part, dx=shift, dy=-shift), palette.WHEEL, alpha=46)
+            canvas.polygon(transformed(shadow, part), palette.WHEEL, alpha=46)
     fill = palette.blended(palette.LOWERED, palette.RAISED, height)
     for part in parts:
         corners = transformed(robot.pose, part)

@@ -62,13 +62,10 @@ class Canvas:
         else:
             pygame.gfxdraw.filled_polygon(self.surface, points, (*colour, alpha))
 
-    def disc(self, centre: XY, radius: float, colour: Colour) -> None:
-        """Fill a circle with a radius in mm."""
-        self._circle(centre, radius, colour, 0)
-
-    def ring(self, centre: XY, radius: float, colour: Colour, width: float) -> None:
-        """Draw a circle whose line lies just inside the radius."""
-        self._circle(centre, radius, colour, round(width * SUPERSAMPLING))
+    def circle(self, centre: XY, radius: float, colour: Colour, width: float = 0.0) -> None:
+        """Fill a circle with a radius in mm, or draw a line of this width just inside the radius."""
+        point, large = self._surface_point(centre), radius * (self.scale * SUPERSAMPLING)
+        pygame.draw.circle(self.surface, colour, point, large, round(width * SUPERSAMPLING))
 
     def line(self, a: XY, b: XY, colour: Colour, width: float = 1.0) -> None:
         """Draw a straight line with square ends, of the same width at every slope."""
@@ -108,10 +105,6 @@ class Canvas:
         y = math.floor((self._top - centre[1]) * self.scale) * SUPERSAMPLING
         write(self.surface, text, x, y, size * SUPERSAMPLING, colour, "centre")
 
-    def _circle(self, centre: XY, radius: float, colour: Colour, line: int) -> None:
-        radius *= self.scale * SUPERSAMPLING
-        pygame.draw.circle(self.surface, colour, self._surface_point(centre), radius, line)
-
     def _surface_point(self, position: XY) -> XY:
         """Pixels of the enlarged surface; limited, because pygame's drawing functions overflow."""
         scale = self.scale * SUPERSAMPLING
@@ -120,10 +113,10 @@ class Canvas:
         return x, y
 
 
-def transformed(pose: Pose, corners: Iterable[XY], dx: float = 0.0, dy: float = 0.0) -> list[XY]:
-    """Points in a robot's frame (mm forward, mm left) as points in the arena, shifted by (dx, dy) mm."""
+def transformed(pose: Pose, corners: Iterable[XY]) -> list[XY]:
+    """Points in a robot's frame (mm forward, mm left) as points in the arena."""
     cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-    return [(pose.x + dx + x * cosine - y * sine, pose.y + dy + x * sine + y * cosine) for x, y in corners]
+    return [(pose.x + x * cosine - y * sine, pose.y + x * sine + y * cosine) for x, y in corners]
 
 
 def rectangle(x1: float, y1: float, x2: float, y2: float) -> tuple[XY, XY, XY, XY]:

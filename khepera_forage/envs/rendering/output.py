@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 RENDER_MODES = ("human", "rgb_array")
 
-INVISIBLE_DRIVERS = ("offscreen", "dummy")
-"""Video drivers of SDL whose windows are invisible."""
-
 CODECS = {".mp4": "mp4v", ".avi": "MJPG"}
 """Of films that OpenCV writes, by the ending of their names."""
 FILM_EXTRAS = {".gif": "render", **dict.fromkeys(CODECS, "camera")}
@@ -139,7 +136,7 @@ def open_display() -> None:
         pygame.display.init()
     except pygame.error as error:
         raise OSError(f"no display to open a window on: {error}") from None
-    if pygame.display.get_driver() in INVISIBLE_DRIVERS and not os.environ.get("SDL_VIDEODRIVER"):
+    if pygame.display.get_driver() in ("offscreen", "dummy") and not os.environ.get("SDL_VIDEODRIVER"):
         pygame.display.quit()
         raise OSError(
             "no display to open a window on (SDL would draw off screen); run it on a desktop, or set DISPLAY or "

@@ -72,16 +72,14 @@ class Panel:
         self._turret(left, right, bottom + 10 * u)
 
     @property
-    def _differs_from_state(self) -> bool:
-        """Whether the executed behaviour is not the one that belongs to the state."""
-        state, executed = self.robot.state, self.robot.executed
-        return state is not None and executed is not None and behaviour_for(state) != executed
+    def _own(self) -> Behaviour | None:
+        """The behaviour that belongs to the state."""
+        return None if self.robot.state is None else behaviour_for(self.robot.state)
 
-    @property
-    def _differs_from_heard(self) -> bool:
-        """Whether the executed behaviour is not the one that was heard."""
-        heard, executed = self.robot.heard, self.robot.executed
-        return heard is not None and executed is not None and heard != executed
+    def _deviates(self, *expected: Behaviour | None) -> bool:
+        """Whether the executed behaviour is another than one of those expected, as far as they are known."""
+        executed = self.robot.executed
+        return executed is not None and any(each not in (None, executed) for each in expected)
 
     def _title(self, left: float, right: float, y: float) -> None:
         """Name, shortened if necessary, and warnings."""
@@ -109,8 +107,8 @@ class Panel:
         heard = "–" if robot.heard is None else "Silence" if silent else sentence_case(robot.heard.name)
         column = left + 80 * u
         for label, text, differs in (
-            ("State", state, self._differs_from_state),
-            ("Heard", heard, self._differs_from_heard),
+            ("State", state, self._deviates(self._own)),
+            ("Heard", heard, self._deviates(robot.heard)),
         ):
             self._write(label, left, y, LABEL, palette.MUTED)
             self._write(text, column, y, VALUE)
@@ -124,7 +122,7 @@ class Panel:
             return
         text = sentence_case(robot.executed.name)
         pill = (column - 8 * u, y - 10 * u, text_width(text, VALUE * u) + 16 * u, 20 * u)
-        if self._differs_from_state or self._differs_from_heard:
+        if self._deviates(self._own, robot.heard):
             box(self.picture, pill, palette.WARNING_FILL, 6 * u, palette.WARNING)
             self._write(text, column, y, VALUE, palette.WARNING)
         else:
@@ -159,8 +157,7 @@ class Panel:
         self._write("BEHAVIOUR", left, y, HEADING, palette.MUTED)
         if robot.confidence is not None:
             self._write("confidence", right, y, HEADING, palette.MUTED, "right")
-        differs = self._differs_from_state or self._differs_from_heard
-        own = None if robot.state is None else behaviour_for(robot.state)
+        fill = palette.WARNING if self._deviates(self._own, robot.heard) else self.colour
         pitch = (bottom - y - 8 * u) / NUM_BEHAVIOURS
         for behaviour in tuple(Behaviour)[:NUM_BEHAVIOURS]:
             middle = y + 8 * u + (behaviour + 0.5) * pitch
@@ -168,10 +165,10 @@ class Panel:
             pill = (left + 9 * u, middle - 7.5 * u, text_width(text, 16 * u) + 10 * u, 15 * u)
             if behaviour == robot.executed:
                 ink = palette.CARD
-                box(self.picture, pill, palette.WARNING if differs else self.colour, 5 * u)
+                box(self.picture, pill, fill, 5 * u)
             elif behaviour == robot.heard:
                 box(self.picture, pill, palette.CARD, 5 * u, palette.INK)
-            if behaviour == own:
+            if behaviour == self._own:
                 dot(self.picture, left + 3 * u, middle, 3 * u, palette.INK)
             self._write(text, left + 14 * u, middle, 16, ink)
             if robot.confidence is not None and behaviour < len(robot.confidence):
