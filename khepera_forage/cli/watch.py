@@ -19,7 +19,7 @@ from khepera_forage.cli.arguments import (
 )
 from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
-from khepera_forage.envs.rendering.film import FILM_EXTRAS, save_film
+from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.rollouts import recall as recall_rollouts
@@ -96,8 +96,6 @@ def _check(arguments: argparse.Namespace) -> None:
         extras += ["robots", "camera"]
     require("khepera-forage watch", *dict.fromkeys(extras))
     if arguments.out is None:
-        from khepera_forage.envs.rendering.display import open_display
-
         open_display()
     arguments.every = arguments.every or EVERY
 

@@ -13,10 +13,7 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.paired_arenas import PairedArenas
-from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.forager_view import training_view
-from khepera_forage.envs.rendering.renderer import RENDER_MODES
-from khepera_forage.envs.rendering.screen import Screen
+from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena

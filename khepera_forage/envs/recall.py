@@ -22,10 +22,7 @@ from khepera_forage.envs.arguments import (
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_layout, tracker_of
-from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.forager_view import recall_view
-from khepera_forage.envs.rendering.renderer import RENDER_MODES
-from khepera_forage.envs.rendering.screen import Screen
+from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena

@@ -19,8 +19,10 @@ def in_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]
 
 DRAW = """
 import sys
-from khepera_forage.envs.rendering import Renderer, View
+from khepera_forage.envs.rendering import Screen, View
 from tests.version_0_1 import CORRIDOR, RECTANGLE
+def draw(screen, *view, **values):
+    return screen.show(lambda: View(*view, **values))
 """
 
 
@@ -29,7 +31,7 @@ def test_arrays_need_no_display(environment: dict[str, str]) -> None:
     done = in_python(
         DRAW
         + """
-assert Renderer("rgb_array").draw(View((CORRIDOR,))).any()
+assert draw(Screen("rgb_array", 0.1), (CORRIDOR,)).any()
 import pygame
 assert pygame.display.get_init() is False
 """,
@@ -43,29 +45,28 @@ def test_window_opens_draws_and_closes() -> None:
         DRAW
         + """
 import pygame
-renderer = Renderer("human", fps=1000)
+screen = Screen("human", 0.001)
 assert not pygame.display.get_init()
 for _ in range(2):
-    assert renderer.draw(View((CORRIDOR,), title="one")) is None
+    assert draw(screen, (CORRIDOR,), title="one") is None
     small = pygame.display.get_surface().get_size()
-    assert renderer.draw(View((RECTANGLE,), title="two")) is None
+    assert draw(screen, (RECTANGLE,), title="two") is None
     assert pygame.display.get_surface().get_size() != small
     assert pygame.display.get_caption()[0] == "two"
     assert pygame.surfarray.array3d(pygame.display.get_surface()).std() > 5
-    renderer.close()
-    renderer.close()
+    screen.close()
+    screen.close()
     assert not pygame.display.get_init()
-renderer.draw(View((CORRIDOR,)))
+draw(screen, (CORRIDOR,))
 pygame.event.post(pygame.event.Event(pygame.QUIT))
-assert not renderer.closed_by_user
-renderer.draw(View((CORRIDOR,)))
-assert renderer.closed_by_user and not pygame.display.get_init()
-renderer.draw(View((CORRIDOR,)))
+draw(screen, (CORRIDOR,))
 assert not pygame.display.get_init()
-renderer.close()
-renderer.draw(View((CORRIDOR,)))
-assert not renderer.closed_by_user and pygame.display.get_init()
-renderer.close()
+draw(screen, (CORRIDOR,))
+assert not pygame.display.get_init()
+screen.close()
+draw(screen, (CORRIDOR,))
+assert pygame.display.get_init()
+screen.close()
 """,
         SDL_VIDEODRIVER="dummy",
     )
@@ -77,13 +78,13 @@ def test_window_keeps_the_frame_rate() -> None:
         DRAW
         + """
 import time
-renderer = Renderer("human", fps=20)
-renderer.draw(View((CORRIDOR,)))
+screen = Screen("human", 0.05)
+draw(screen, (CORRIDOR,))
 start = time.perf_counter()
 for step in range(6):
-    renderer.draw(View((CORRIDOR,), step=step))
+    draw(screen, (CORRIDOR,), step=step)
 assert time.perf_counter() - start > 0.25
-renderer.close()
+screen.close()
 """,
         SDL_VIDEODRIVER="dummy",
     )
@@ -97,9 +98,11 @@ import sys
 sys.modules["pygame"] = sys.modules["PIL"] = None
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
-from khepera_forage.envs.rendering import Renderer, save_gif
+from khepera_forage.envs.rendering import Screen, View, save_film
+from tests.version_0_1 import CORRIDOR
 frame = np.zeros((2, 2, 3), np.uint8)
-for missing in (lambda: Renderer("rgb_array"), lambda: save_gif([frame], "never.gif")):
+screen = Screen("rgb_array", 0.1)
+for missing in (lambda: screen.show(lambda: View((CORRIDOR,))), lambda: save_film([frame], "never.gif", 10.0)):
     try:
         missing()
     except DependencyNotInstalled as error:

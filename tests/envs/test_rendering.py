@@ -1,17 +1,18 @@
-"""Pictures of the environments: arrays, colours, and that every value of a view is visible."""
+"""Pictures of the environments: arrays, colours, layout, and that every value of a view is visible."""
 
 import copy
 import pickle
 from collections.abc import Iterator
 
 import numpy as np
+import pygame
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.envs.rendering import FoodView, Renderer, RobotView, View
-from khepera_forage.envs.rendering.layout import Layout, arrange
+from khepera_forage.envs.rendering import FoodView, RobotView, Screen, View
 from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, Layout, arrange
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from tests.version_0_1 import CORRIDOR, RECTANGLE
@@ -38,14 +39,14 @@ def region(x: float, y: float, holes: int, found: bool = True) -> Region:
 
 
 @pytest.fixture
-def renderer() -> Iterator[Renderer]:
-    renderer = Renderer("rgb_array")
-    yield renderer
-    renderer.close()
+def screen() -> Iterator[Screen]:
+    screen = Screen("rgb_array", 0.1)
+    yield screen
+    screen.close()
 
 
-def draw(renderer: Renderer, view: View) -> NDArray[np.uint8]:
-    frame = renderer.draw(view)
+def draw(screen: Screen, view: View) -> NDArray[np.uint8]:
+    frame = screen.show(lambda: view)
     assert frame is not None
     return frame
 
@@ -61,38 +62,38 @@ def is_colour(pixel: NDArray[np.uint8], colour: Colour) -> bool:
     return bool(np.all(np.abs(pixel.astype(int) - colour) <= 3))
 
 
-def test_draw_returns_a_new_array(renderer: Renderer) -> None:
-    first = draw(renderer, VIEW)
+def test_draw_returns_a_new_array(screen: Screen) -> None:
+    first = draw(screen, VIEW)
     assert first.dtype == np.uint8
     assert first.ndim == 3
     assert first.shape[2] == 3
     assert first.flags.writeable
     kept = first.copy()
-    second = draw(renderer, VIEW)
+    second = draw(screen, VIEW)
     assert not np.shares_memory(first, second)
     second[:] = 0
     np.testing.assert_array_equal(first, kept)
-    np.testing.assert_array_equal(draw(renderer, VIEW), kept)
+    np.testing.assert_array_equal(draw(screen, VIEW), kept)
 
 
-def test_equal_views_give_equal_pictures_in_any_order(renderer: Renderer) -> None:
+def test_equal_views_give_equal_pictures_in_any_order(screen: Screen) -> None:
     busy = VIEW._replace(
         arenas=(RECTANGLE,),
-        robots=(LEARNER._replace(separated=True, tracked=False, note="lost", arm=255, jaw=0),),
+        robots=(LEARNER._replace(separated=True, tracked=False, arm=255, jaw=0),),
         regions=(region(100, 100, 2), region(300, 300, 1, found=False), region(370, 200, 0, found=False)),
         foods=tuple(FoodView(100.0 * kind + 100, 400.0, kind, kind > 1, kind > 2) for kind in FoodType),
     )
-    other = Renderer("rgb_array")
-    draw(renderer, VIEW)
-    np.testing.assert_array_equal(draw(renderer, busy), draw(other, busy))
-    np.testing.assert_array_equal(draw(renderer, VIEW), draw(other, VIEW))
+    other = Screen("rgb_array", 0.1)
+    draw(screen, VIEW)
+    np.testing.assert_array_equal(draw(screen, busy), draw(other, busy))
+    np.testing.assert_array_equal(draw(screen, VIEW), draw(other, VIEW))
     other.close()
 
 
-def test_moving_a_robot_changes_only_its_surroundings(renderer: Renderer) -> None:
+def test_moving_a_robot_changes_only_its_surroundings(screen: Screen) -> None:
     layout = arrange(VIEW.arenas, 1)
-    before = draw(renderer, VIEW)
-    after = draw(renderer, VIEW._replace(robots=(LEARNER._replace(pose=Pose(150.0, 60.0, 0.3)),)))
+    before = draw(screen, VIEW)
+    after = draw(screen, VIEW._replace(robots=(LEARNER._replace(pose=Pose(150.0, 60.0, 0.3)),)))
     rows, columns = np.nonzero((before != after).any(axis=2))
     assert len(rows) > 500
     left, top = layout.pixel(150.0 - 110.0, 115.0 + 110.0)
@@ -119,13 +120,12 @@ def test_moving_a_robot_changes_only_its_surroundings(renderer: Renderer) -> Non
         {"confidence": None},
         {"separated": True},
         {"tracked": False},
-        {"note": "five episodes"},
     ],
     ids=lambda change: "-".join(change),
 )
-def test_every_attribute_of_a_robot_is_visible(renderer: Renderer, change: dict[str, object]) -> None:
-    plain = draw(renderer, VIEW)
-    changed = draw(renderer, VIEW._replace(robots=(LEARNER._replace(**change),)))  # type: ignore[arg-type]
+def test_every_attribute_of_a_robot_is_visible(screen: Screen, change: dict[str, object]) -> None:
+    plain = draw(screen, VIEW)
+    changed = draw(screen, VIEW._replace(robots=(LEARNER._replace(**change),)))  # type: ignore[arg-type]
     assert changed.shape == plain.shape
     assert not np.array_equal(changed, plain)
 
@@ -133,57 +133,57 @@ def test_every_attribute_of_a_robot_is_visible(renderer: Renderer, change: dict[
 @pytest.mark.parametrize(
     "change", [{"step": 4}, {"limit": None}, {"score": 90.0}, {"delivered": 1}, {"title": "Hall"}]
 )
-def test_every_figure_of_a_view_is_visible(renderer: Renderer, change: dict[str, object]) -> None:
-    plain = draw(renderer, VIEW)
-    changed = draw(renderer, VIEW._replace(**change))  # type: ignore[arg-type]
+def test_every_figure_of_a_view_is_visible(screen: Screen, change: dict[str, object]) -> None:
+    plain = draw(screen, VIEW)
+    changed = draw(screen, VIEW._replace(**change))  # type: ignore[arg-type]
     assert changed.shape == plain.shape
     assert not np.array_equal(changed, plain)
 
 
 @pytest.mark.parametrize("kind", list(FoodType))
-def test_food_is_drawn_in_the_colour_of_its_type(renderer: Renderer, kind: FoodType) -> None:
+def test_food_is_drawn_in_the_colour_of_its_type(screen: Screen, kind: FoodType) -> None:
     layout = arrange((CORRIDOR,), 1)
-    frame = draw(renderer, VIEW._replace(foods=(FoodView(250.0, 180.0, kind),)))
+    frame = draw(screen, VIEW._replace(foods=(FoodView(250.0, 180.0, kind),)))
     column, row = layout.pixel(250.0 - 12.0, 180.0)  # beside the symbol in its middle
     assert is_colour(frame[row, column], FOOD[kind])
     column, row = layout.pixel(250.0 - 40.0, 180.0)
     assert is_colour(frame[row, column], FLOOR)
 
 
-def test_food_types_differ_by_more_than_colour(renderer: Renderer) -> None:
+def test_food_types_differ_by_more_than_colour(screen: Screen) -> None:
     layout = arrange((CORRIDOR,), 1)
     symbols = []
     for kind in FoodType:
-        frame = draw(renderer, VIEW._replace(foods=(FoodView(250.0, 180.0, kind),)))
+        frame = draw(screen, VIEW._replace(foods=(FoodView(250.0, 180.0, kind),)))
         around = patch(layout, frame, 250.0, 180.0, 9.0).astype(int)
         symbols.append(np.abs(around - 255).max(axis=2) < 60)
     assert all(not np.array_equal(a, b) for i, a in enumerate(symbols) for b in symbols[:i])
 
 
 @pytest.mark.parametrize("change", [{"lifted": True}, {"delivered": True}])
-def test_lifted_or_delivered_food_looks_different(renderer: Renderer, change: dict[str, bool]) -> None:
+def test_lifted_or_delivered_food_looks_different(screen: Screen, change: dict[str, bool]) -> None:
     food = FoodView(250.0, 180.0, FoodType.PICKABLE)
     layout = arrange((CORRIDOR,), 1)
     plain, changed = (
-        patch(layout, draw(renderer, VIEW._replace(foods=(f,))), 250.0, 180.0, 30.0)
+        patch(layout, draw(screen, VIEW._replace(foods=(f,))), 250.0, 180.0, 30.0)
         for f in (food, food._replace(**change))  # type: ignore[arg-type]
     )
     assert not np.array_equal(plain, changed)
 
 
 @pytest.mark.parametrize("holes", [0, 1, 2])
-def test_lost_regions_are_drawn_in_red(renderer: Renderer, holes: int) -> None:
+def test_lost_regions_are_drawn_in_red(screen: Screen, holes: int) -> None:
     layout = arrange((CORRIDOR,), 1)
 
     def max_redness(regions: tuple[Region, ...]) -> int:
-        around = patch(layout, draw(renderer, VIEW._replace(regions=regions)), 280.0, 115.0, 70.0).astype(int)
+        around = patch(layout, draw(screen, VIEW._replace(regions=regions)), 280.0, 115.0, 70.0).astype(int)
         return int((around[..., 0] - np.maximum(around[..., 1], around[..., 2])).max())
 
     assert max_redness((region(280.0, 115.0, holes, found=False),)) > 60
     assert max_redness((region(280.0, 115.0, holes),)) < 20
 
 
-def test_extreme_values_are_drawn(renderer: Renderer) -> None:
+def test_extreme_values_are_drawn(screen: Screen) -> None:
     hall = Arena(
         name="hall",
         walls=(Point(-900, -500), Point(700, -500), Point(700, 500), Point(0, 800), Point(-900, 500)),
@@ -199,8 +199,7 @@ def test_extreme_values_are_drawn(renderer: Renderer) -> None:
         arm=0,
         jaw=999,
         confidence=(2.0,),
-        name="x" * 200,
-        note="\0\n" * 9,
+        name="x\0\n" * 200,
     )
     views = (
         View((hall,)),
@@ -210,30 +209,63 @@ def test_extreme_values_are_drawn(renderer: Renderer) -> None:
         View((CORRIDOR,), (LEARNER._replace(vector=StateVector(1, -1, 9, 0, 10**6), state=State.UNKNOWN),)),
     )
     for view in views:
-        assert draw(renderer, view).size
+        assert draw(screen, view).size
 
 
-def test_invalid_arguments_are_refused(renderer: Renderer) -> None:
-    with pytest.raises(ValueError, match=r"'ansi'.*rgb_array"):
-        Renderer("ansi")
-    for fps in (0, -1, float("nan"), float("inf")):
-        with pytest.raises(ValueError, match="fps"):
-            Renderer("rgb_array", fps)
+def test_other_modes_and_no_arena_are_refused(screen: Screen) -> None:
+    with pytest.raises(ValueError, match=r"'ansi'; allowed: None, 'human', 'rgb_array'"):
+        Screen("ansi", 0.1)
     with pytest.raises(ValueError, match="at least one"):
-        renderer.draw(View(()))
-    assert draw(renderer, VIEW).size
+        draw(screen, View(()))
+    assert draw(screen, VIEW).size
 
 
-def test_renderer_draws_again_after_close(renderer: Renderer) -> None:
-    before = draw(renderer, VIEW)
-    renderer.close()
-    renderer.close()
-    np.testing.assert_array_equal(draw(renderer, VIEW), before)
+def test_environment_without_pictures_warns_and_makes_no_view() -> None:
+    with pytest.warns(UserWarning, match="without a render_mode"):
+        assert Screen(None, 0.1).show(lambda: pytest.fail("made a view")) is None
 
 
-def test_copied_renderer_draws_the_same(renderer: Renderer) -> None:
-    before = draw(renderer, VIEW)
-    for copied in (copy.deepcopy(renderer), pickle.loads(pickle.dumps(renderer))):
-        assert (copied.mode, copied.fps) == (renderer.mode, renderer.fps)
+def test_screen_draws_again_after_close(screen: Screen) -> None:
+    before = draw(screen, VIEW)
+    screen.close()
+    screen.close()
+    np.testing.assert_array_equal(draw(screen, VIEW), before)
+
+
+def test_pictures_are_drawn_after_another_program_quit_pygame(screen: Screen) -> None:
+    before, other = draw(screen, VIEW), VIEW._replace(title="Another title")
+    pygame.quit()  # as Gymnasium's own environments do when they are closed
+    np.testing.assert_array_equal(draw(screen, VIEW), before)
+    assert not np.array_equal(draw(screen, other), before)
+
+
+def test_copied_screen_draws_the_same(screen: Screen) -> None:
+    before = draw(screen, VIEW)
+    for copied in (copy.deepcopy(screen), pickle.loads(pickle.dumps(screen))):
         np.testing.assert_array_equal(draw(copied, VIEW), before)
         copied.close()
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 4, 5, 8])
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE], ids=lambda arena: arena.name)
+def test_arena_and_panels_do_not_overlap(arena: Arena, robots: int) -> None:
+    layout = arrange(copies(arena, robots), robots)
+    assert layout.size[0] % 2 == layout.size[1] % 2 == 0
+    if robots <= 5:
+        assert layout.size[0] <= MAX_WIDTH + 2
+        assert layout.size[1] <= MAX_HEIGHT + 210  # five rectangles are in two rows
+    boxes = [layout.arena, *layout.panels]
+    assert len(boxes) == robots + 1
+    for i, a in enumerate(boxes):
+        assert a.left >= 0
+        assert a.top >= 0
+        assert a.left + a.width <= layout.size[0]
+        assert a.top + a.height <= layout.size[1]
+        for b in boxes[:i]:
+            beside = a.left >= b.left + b.width or b.left >= a.left + a.width
+            assert beside or a.top >= b.top + b.height or b.top >= a.top + a.height
+    for shown in copies(arena, robots):
+        for x, y in shown.walls:
+            column, row = layout.pixel(x, y)
+            assert 0 <= column - layout.arena.left < layout.arena.width
+            assert 0 <= row - layout.arena.top < layout.arena.height

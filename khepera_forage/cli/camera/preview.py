@@ -166,7 +166,7 @@ def save_pictures(pictures: list[Picture], out: Path, fps: float) -> None:
         OSError: The file cannot be written.
     """
     if out.suffix.lower() != ".png":
-        from khepera_forage.envs.rendering.film import save_film
+        from khepera_forage.envs.rendering import save_film
 
         save_film(pictures, out, fps)
         return

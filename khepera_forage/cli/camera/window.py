@@ -27,7 +27,7 @@ class PictureWindow:
             import pygame
         except ImportError:
             return None
-        from khepera_forage.envs.rendering.display import open_display
+        from khepera_forage.envs.rendering.output import open_display
 
         try:
             open_display()

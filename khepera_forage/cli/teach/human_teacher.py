@@ -5,9 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from khepera_forage.cli.teach.keys import LETTERS, BehaviourKeys, Keys, QuitRequest
+from khepera_forage.cli.teach.keys import LETTERS, BehaviourKeys, Caption, Keys, QuitRequest
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.caption import Caption
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.policies.policy import SEPARATED, is_training

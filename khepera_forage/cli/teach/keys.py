@@ -1,7 +1,7 @@
 """Keys and the behaviours that they choose, round by round."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
 from khepera_forage.task.states import Behaviour
@@ -25,6 +25,26 @@ BEHAVIOUR_OF = {
 }
 REPEAT, RESTART, QUIT = "space", "backspace", "escape"
 CONFIRM = ("return", "enter")
+
+
+class Caption(NamedTuple):
+    """What is written under the picture: a message, and the keys of the behaviours.
+
+    Attributes:
+        letters: The key of each behaviour; its number in table 4.1 is shown beside it.
+        message: What happens now, and which keys to press.
+        hint: Other keys; left out if the message leaves no room.
+        warning: Whether the message is a warning.
+        held: The behaviour whose key is held, if any.
+        last: The behaviour chosen last, if any.
+    """
+
+    letters: Mapping[Behaviour, str]
+    message: str = ""
+    hint: str = ""
+    warning: bool = False
+    held: Behaviour | None = None
+    last: Behaviour | None = None
 
 
 class KeyEvent(NamedTuple):

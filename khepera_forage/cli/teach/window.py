@@ -3,41 +3,50 @@
 import os
 import time
 
-from khepera_forage.cli.teach.keys import KeyEvent
-from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.caption import Caption
+from khepera_forage.cli.teach.keys import Caption, KeyEvent
+from khepera_forage.envs.rendering import View, palette
+from khepera_forage.task.states import Behaviour
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 import pygame
 
-from khepera_forage.envs.rendering.display import open_display
-from khepera_forage.envs.rendering.keyboard import KeyboardPainter
+from khepera_forage.envs.rendering.drawing import box, fitted, text_width, write
+from khepera_forage.envs.rendering.output import open_display
+from khepera_forage.envs.rendering.panel import sentence_case
+from khepera_forage.envs.rendering.picture import GAP, Painter
 
 MAX_SCREEN_SHARE = 0.92
 """Largest share of the screen's width or height that the window takes when it opens."""
 POLL_MILLISECONDS = 200
 """Longest wait for an event; between waits Python handles a Ctrl-C in the shell."""
+COLUMNS = 5
+MESSAGE_HEIGHT, ROW_HEIGHT = 36, 38
+"""Heights in pixels of the message bar and of a row of keys."""
+KEY_CAP = 28
+"""Side of a key cap in pixels."""
+LETTER_SIZE, NAME_SIZE, MESSAGE_SIZE, HINT_SIZE = 20, 18, 20, 16
+"""Sizes of text."""
 
 
 class TeachingWindow:
     """A resizable window that shows pictures and waits for keys; the picture is scaled to the window.
 
     Raises:
-        OSError: There is no display (see `envs.rendering.display`).
+        OSError: There is no display (see `envs.rendering.output`).
     """
 
     def __init__(self) -> None:
         open_display()
-        self._painter = KeyboardPainter()
+        self._painter = Painter()
         self._picture = pygame.Surface((1, 1))
 
     def show(self, view: View, caption: Caption) -> None:
         """Show a picture with a caption under it; the first call opens the window."""
-        self._picture = self._painter.paint(view, caption)
+        self._picture = with_caption(self._painter.paint(view), caption)
         if pygame.display.get_surface() is None:
             width, height = pygame.display.get_desktop_sizes()[0]
             room = round(MAX_SCREEN_SHARE * width), round(MAX_SCREEN_SHARE * height)
-            pygame.display.set_mode(_fitted(self._picture.get_size(), room), pygame.RESIZABLE)
+            pygame.display.set_mode(_shrunk(self._picture.get_size(), room), pygame.RESIZABLE)
             pygame.display.set_caption("khepera-forage teach")
         self._refresh()
 
@@ -68,7 +77,7 @@ class TeachingWindow:
         screen, picture = pygame.display.get_surface(), self._picture
         if screen is None:
             return
-        size = _fitted(picture.get_size(), screen.get_size())
+        size = _shrunk(picture.get_size(), screen.get_size())
         if size != picture.get_size():
             picture = pygame.transform.smoothscale(picture, size)
         screen.fill(picture.get_at((0, 0)))
@@ -76,7 +85,53 @@ class TeachingWindow:
         pygame.display.flip()
 
 
-def _fitted(picture: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
+def _shrunk(picture: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
     """The size of a picture, scaled down to fit the room; the proportions stay the same."""
     scale = min(1.0, room[0] / picture[0], room[1] / picture[1])
     return max(1, round(scale * picture[0])), max(1, round(scale * picture[1]))
+
+
+def with_caption(above: pygame.Surface, caption: Caption) -> pygame.Surface:
+    """A picture with its caption under it."""
+    width, height = above.get_size()
+    rows = -(-len(caption.letters) // COLUMNS)
+    picture = pygame.Surface((width, height + MESSAGE_HEIGHT + rows * ROW_HEIGHT + GAP), 0, 32)
+    picture.fill(above.get_at((0, height - 1)))
+    picture.blit(above, (0, 0))
+    _draw_message(picture, caption, height)
+    pitch = (width - 2 * GAP) / COLUMNS
+    for number, behaviour in enumerate(caption.letters):
+        row, column = divmod(number, COLUMNS)
+        top = height + MESSAGE_HEIGHT + row * ROW_HEIGHT
+        _draw_key(picture, caption, behaviour, GAP + column * pitch, top, pitch)
+    return picture
+
+
+def _draw_message(picture: pygame.Surface, caption: Caption, top: float) -> None:
+    """The message, and the hint at the right if both fit."""
+    ink, fill = (palette.WARNING, palette.WARNING_FILL) if caption.warning else (palette.INK, palette.TRACK)
+    width, middle = picture.get_width() - 2 * GAP, top + (MESSAGE_HEIGHT - 8) / 2
+    box(picture, (GAP, top, width, MESSAGE_HEIGHT - 8), fill, 6)
+    message = fitted(caption.message, MESSAGE_SIZE, width - 24)
+    write(picture, message, GAP + 12, middle, MESSAGE_SIZE, ink)
+    if text_width(message, MESSAGE_SIZE) + text_width(caption.hint, HINT_SIZE) + 60 <= width:
+        write(picture, caption.hint, GAP + width - 12, middle, HINT_SIZE, palette.MUTED, "right")
+
+
+def _draw_key(
+    picture: pygame.Surface, caption: Caption, behaviour: Behaviour, left: float, top: float, width: float
+) -> None:
+    """One key with the name of its behaviour: filled while it is held, outlined if it was chosen last."""
+    middle, ink, muted = top + ROW_HEIGHT / 2, palette.INK, palette.MUTED
+    cell = (left, top + 2, width - 8, ROW_HEIGHT - 4)
+    if behaviour == caption.held:
+        box(picture, cell, palette.TEACHER, 6)
+        ink = muted = palette.CARD
+    elif behaviour == caption.last:
+        box(picture, cell, palette.CARD, 6, palette.TEACHER)
+    box(picture, (left + 6, middle - KEY_CAP / 2, KEY_CAP, KEY_CAP), palette.CARD, 5, palette.MUTED)
+    letter = caption.letters[behaviour].upper()
+    write(picture, letter, left + 6 + KEY_CAP / 2, middle, LETTER_SIZE, palette.INK, "centre")
+    write(picture, str(int(behaviour)), left + 12 + KEY_CAP, middle, HINT_SIZE, muted)
+    name = fitted(sentence_case(behaviour.name), NAME_SIZE, width - KEY_CAP - 42)
+    write(picture, name, left + 27 + KEY_CAP, middle, NAME_SIZE, ink)

@@ -16,9 +16,7 @@ from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.compiled.forager import CompiledForager
 from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
-from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.forager_view import recall_view
-from khepera_forage.envs.rendering.screen import Screen
+from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Point

@@ -5,16 +5,11 @@ from khepera_forage.task.states import FoodType
 Colour = tuple[int, int, int]
 
 BACKGROUND: Colour = (244, 246, 249)
-CARD: Colour = (255, 255, 255)
-"""Background of panels and keys; symbols and text on dark colours."""
-EDGE: Colour = (218, 223, 230)
-"""Outlines of cards, dividers."""
-TRACK: Colour = (233, 237, 242)
-"""Empty part of a bar."""
-INK: Colour = (31, 41, 55)
-"""Main text."""
-MUTED: Colour = (110, 120, 135)
-"""Labels and secondary text."""
+CARD: Colour = (255, 255, 255)  # background of panels and keys; symbols and text on dark colours
+EDGE: Colour = (218, 223, 230)  # outlines of cards, dividers
+TRACK: Colour = (233, 237, 242)  # empty part of a bar
+INK: Colour = (31, 41, 55)  # main text
+MUTED: Colour = (110, 120, 135)  # labels and secondary text
 
 FLOOR: Colour = (228, 233, 239)
 WALL: Colour = (71, 82, 99)
@@ -23,21 +18,16 @@ HOME_EDGE: Colour = (206, 170, 96)
 
 BODY: Colour = (55, 65, 81)
 WHEEL: Colour = (17, 24, 39)
-LOWERED: Colour = (31, 41, 55)
-"""A lowered gripper."""
-RAISED: Colour = (250, 250, 252)
-"""A raised gripper."""
+LOWERED: Colour = (31, 41, 55)  # a lowered gripper
+RAISED: Colour = (250, 250, 252)  # a raised gripper
 SHADOW: Colour = (186, 193, 204)
 MARKER: Colour = (255, 255, 255)
 INFRA_RED: Colour = (213, 94, 0)
 
-FOUND: Colour = (0, 128, 138)
-"""A region that is tracked."""
-LOST: Colour = (204, 32, 48)
-"""A region that is lost."""
+FOUND: Colour = (0, 128, 138)  # a region that is tracked
+LOST: Colour = (204, 32, 48)  # a region that is lost
 LOST_FILL: Colour = (253, 228, 230)
-OBJECT_PRESENT: Colour = (240, 176, 0)
-"""An object is in the optical barrier."""
+OBJECT_PRESENT: Colour = (240, 176, 0)  # an object is in the optical barrier
 WARNING: Colour = (180, 83, 9)
 WARNING_FILL: Colour = (254, 240, 205)
 
@@ -54,7 +44,6 @@ FOOD: dict[FoodType, Colour] = {
 
 def blended(a: Colour, b: Colour, share: float) -> Colour:
     """A mixture of two colours; `share` 0..1 is that of `b`."""
-    share = max(0.0, min(1.0, share))
     return (
         round(a[0] + (b[0] - a[0]) * share),
         round(a[1] + (b[1] - a[1]) * share),

@@ -1,8 +1,15 @@
-"""Content of a picture as plain values, which environments fill in without drawing anything."""
+"""Content of a picture as plain values, and how environments fill them in, without drawing anything."""
 
-from typing import NamedTuple
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
 
+from khepera_forage.envs.training_episode import TrainingEpisode
+from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Arena, Pose
+from khepera_forage.sim.world import World
+from khepera_forage.task.food_tracking import FoodTracker
+from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import Region
 
@@ -24,7 +31,6 @@ class RobotView(NamedTuple):
         confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if the robot is no imitator.
         separated: Whether the learner is separated from the teacher.
         tracked: Whether the camera tracks its marker now.
-        note: Short text beside its name.
     """
 
     pose: Pose
@@ -40,7 +46,6 @@ class RobotView(NamedTuple):
     confidence: tuple[float, ...] | None = None
     separated: bool = False
     tracked: bool = True
-    note: str = ""
 
 
 class FoodView(NamedTuple):
@@ -88,3 +93,105 @@ class View(NamedTuple):
     score: float | None = None
     delivered: int = 0
     title: str = ""
+
+
+class ForagingRobot(Protocol):
+    """What a picture shows of a robot at its task, on either backend."""
+
+    holes: int
+    senses: Senses
+    raw: RawData
+    vector: StateVector
+    state: State
+    tracker: FoodTracker
+
+
+def recall_view(
+    arena: Arena,
+    world: World,
+    forager: ForagingRobot,
+    info: Mapping[str, Any],
+    limit: int,
+    executed: Behaviour | None,
+    confidence: tuple[float, ...] | None,
+) -> View:
+    """What a picture of a recall shows.
+
+    Args:
+        arena: Where the robot forages.
+        world: Its bodies, and the camera.
+        forager: The robot at its task.
+        info: The environment's info.
+        limit: Steps of an episode, at most.
+        executed: The last behaviour executed.
+        confidence: Confidence level of each behaviour, if the robot is an imitator.
+    """
+    robot = _robot_view("robot", forager, world.poses()[0])
+    return View(
+        arenas=(arena,),
+        robots=(robot._replace(executed=executed, confidence=confidence),),
+        foods=_food_views(world, (forager,)),
+        regions=world.camera.look().regions,
+        step=info["steps"],
+        limit=limit,
+        score=info["score"],
+        delivered=info["delivered"],
+        title=f"Recall in the {arena.name.replace('_', ' ')}",
+    )
+
+
+def training_view(
+    arenas: Sequence[Arena], world: World, attempt: TrainingEpisode, agents: Sequence[str], limit: int
+) -> View:
+    """What a picture of a training episode shows.
+
+    Args:
+        arenas: One for each robot.
+        world: Its bodies, and the camera.
+        attempt: The robots at their tasks, and what they do.
+        agents: Their names in the environment, the teacher's first.
+        limit: Rounds of an episode, at most.
+    """
+    foragers, poses = attempt.foragers, world.poses()
+    done = [Behaviour(action) if attempt.steps > 0 else None for action in attempt.actions]
+    robots = []
+    for i, agent in enumerate(agents):
+        name = agent.replace("_", " ") if i > 0 and len(agents) > 2 else agent.replace("_0", "")
+        robot = _robot_view(name, foragers[i], poses[i])
+        heard, separated = done[0] if i > 0 else None, attempt.pairings[i].separated
+        robots.append(robot._replace(heard=heard, executed=done[i], separated=separated))
+    return View(
+        arenas=tuple(arenas),
+        robots=tuple(robots),
+        foods=_food_views(world, foragers),
+        regions=world.camera.look().regions,
+        step=attempt.steps,
+        limit=limit,
+        delivered=sum(forager.tracker.delivered for forager in foragers),
+        title=f"Training in the {arenas[0].name.replace('_', ' ')}",
+    )
+
+
+def _robot_view(name: str, forager: ForagingRobot, pose: Pose) -> RobotView:
+    senses = forager.senses
+    return RobotView(
+        pose=pose,
+        holes=forager.holes,
+        arm=senses.arm,
+        jaw=senses.jaw,
+        proximity=senses.proximity,
+        name=name,
+        vector=forager.vector,
+        state=forager.state,
+        tracked=forager.raw.tracked,
+    )
+
+
+def _food_views(world: World, foragers: Sequence[ForagingRobot]) -> tuple[FoodView, ...]:
+    """The views of all food, with the type and delivery status in the food tracker of its arena's robot."""
+    known = [food for forager in foragers for food in forager.tracker.foods]
+    return tuple(
+        FoodView(place.x, place.y, FoodType(food.known), place.lifted, food.delivered)
+        for place, food in zip(world.food_places(), known, strict=True)
+        if math.isfinite(place.x)
+    )

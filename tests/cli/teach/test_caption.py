@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS
+from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS, Caption
+from khepera_forage.cli.teach.window import COLUMNS, with_caption
 from khepera_forage.envs.rendering import View
-from khepera_forage.envs.rendering.caption import Caption
-from khepera_forage.envs.rendering.keyboard import COLUMNS, KeyboardPainter
-from khepera_forage.envs.rendering.painter import Painter
+from khepera_forage.envs.rendering.picture import Painter, to_array
 from khepera_forage.task.states import Behaviour
-from tests.version_0_1 import CORRIDOR, RECTANGLE
+from tests.version_0_1 import CORRIDOR
 
 VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
 PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
 
 
 def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
-    return Painter.to_array(KeyboardPainter().paint(view, caption))
+    return to_array(with_caption(Painter().paint(view), caption))
 
 
 def test_every_behaviour_has_a_letter_and_a_number() -> None:
@@ -29,7 +28,7 @@ def test_every_behaviour_has_a_letter_and_a_number() -> None:
 
 
 def test_picture_of_the_environment_is_above_the_keys() -> None:
-    picture, above = pixels(VIEW, PLAIN), Painter.to_array(Painter().paint(VIEW))
+    picture, above = pixels(VIEW, PLAIN), to_array(Painter().paint(VIEW))
     assert picture.shape[1] == above.shape[1]
     np.testing.assert_array_equal(picture[: len(above)], above)
 
@@ -41,7 +40,7 @@ def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> No
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, marked)
     rows, columns = np.nonzero((before != after).any(axis=2))
     assert len(rows) > 300
-    height, width = len(Painter.to_array(Painter().paint(VIEW))), before.shape[1]
+    height, width = len(to_array(Painter().paint(VIEW))), before.shape[1]
     row, column = divmod(int(behaviour), COLUMNS)
     middle = (columns.min() + columns.max()) / 2
     assert abs(middle / width - (column + 0.5) / COLUMNS) < 0.03
@@ -56,7 +55,7 @@ def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> No
 def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
     rows = np.nonzero((before != after).any(axis=2))[0]
-    height = len(Painter.to_array(Painter().paint(VIEW)))
+    height = len(to_array(Painter().paint(VIEW)))
     assert len(rows) > 0
     assert height <= rows.min() <= rows.max() < height + 36
 
@@ -64,10 +63,3 @@ def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
 def test_hint_is_left_out_beside_a_long_message() -> None:
     long = PLAIN._replace(message="word " * 60)
     np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(hint="")))
-
-
-def test_keyboard_painter_draws_changed_views() -> None:
-    painter, other = KeyboardPainter(), VIEW._replace(arenas=(RECTANGLE,))
-    first = Painter.to_array(painter.paint(VIEW, PLAIN))
-    assert Painter.to_array(painter.paint(other, PLAIN)).shape != first.shape
-    np.testing.assert_array_equal(Painter.to_array(painter.paint(VIEW, PLAIN)), first)
