@@ -14,7 +14,7 @@ import khepera_forage
 from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.task.decision_text import decision_table, markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"

@@ -11,8 +11,7 @@ from khepera_forage.envs.rendering import palette
 from khepera_forage.experience import Experience
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
-from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 
 MAZE = family_arena("t_maze")

@@ -19,7 +19,7 @@ from khepera_forage.envs import paired_arenas_v1, paired_procedural_v1
 from khepera_forage.envs.arena_settings import environment_name, procedural_settings, settings_of
 from khepera_forage.envs.procedural import ProceduralEntryPoint
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena, step_limit
+from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.path_lengths import longest_path
 from tests.arenas import BLOCKS, HALL

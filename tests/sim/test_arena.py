@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
-from khepera_forage.sim.arenas.named import named_arena
-from khepera_forage.sim.arenas.shapes import box
+from khepera_forage.sim.arenas.named import box, named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP

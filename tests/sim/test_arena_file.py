@@ -18,9 +18,8 @@ from khepera_forage.sim.arena_file import (
     read_plan,
     write_arena,
 )
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
+from khepera_forage.sim.arenas.named import FAMILY, box, family_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.sim.arenas.shapes import box
 from khepera_forage.toml_table import table_of
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arenas.family import step_limit
+from khepera_forage.sim.arenas.named import step_limit
 
 Range = tuple[int, int]
 """The least and the greatest whole number."""
