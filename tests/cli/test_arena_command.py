@@ -116,7 +116,7 @@ def test_file_with_a_mistake_is_not_drawn(tmp_path: Path, capsys: pytest.Capture
     path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
     path.write_text(DOORS.replace("home_radius", "radius"))
     assert main(["arena", "show", str(path), "--out", str(picture)]) == 2
-    assert f"{path}: home_radius is missing" in capsys.readouterr().err
+    assert f"{path}: radius is unknown (did you mean home_radius?)" in capsys.readouterr().err
     assert not picture.exists()
 
 
