@@ -28,7 +28,7 @@ from khepera_forage.envs.rendering.renderer import RENDER_MODES
 from khepera_forage.envs.rendering.screen import Screen
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
@@ -72,7 +72,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._pool, self.world = None, world
             (self.arena,) = arenas_of(self.world, 1)
             self._map = arena_map_of(self.arena)
-        self.foods = whole_number("foods", foods, 1)
+        self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)

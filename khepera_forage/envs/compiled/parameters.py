@@ -17,15 +17,12 @@ from khepera_forage.envs.compiled.records import (
 from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import Ways
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.compiled.listed_walls import at
 from khepera_forage.sim.compiled.parameters import Parameters, parameters_of
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
-
-MOST_FOODS = 16
-"""Food objects that a compiled world can have."""
 
 
 class TaskParameters(NamedTuple):

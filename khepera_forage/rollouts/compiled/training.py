@@ -22,7 +22,7 @@ from khepera_forage.envs.arguments import (
     whole_number,
 )
 from khepera_forage.envs.compiled.batch import as_records
-from khepera_forage.envs.compiled.parameters import MOST_FOODS, task_parameters
+from khepera_forage.envs.compiled.parameters import task_parameters
 from khepera_forage.envs.compiled.worlds import empty_worlds
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise, checked_noise
@@ -31,7 +31,7 @@ from khepera_forage.rollouts.compiled.training_kernel import Records, train_all
 from khepera_forage.rollouts.compiled.training_results import Trained, trained
 from khepera_forage.rollouts.compiled.training_rounds import Side, Terms
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.sim.arena import Arena, copies
+from khepera_forage.sim.arena import MOST_FOODS, Arena, copies
 from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
 from khepera_forage.sim.compiled.stepping import advance_address
