@@ -20,7 +20,6 @@ from khepera_forage.envs.arguments import (
     whole_number,
 )
 from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.forager_view import recall_view
@@ -39,6 +38,41 @@ from khepera_forage.task.states import Behaviour
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
+
+
+def episode_info(
+    state: Any,
+    pose: Any,
+    score: Any,
+    penalty: Any,
+    correct: Any,
+    steps: Any,
+    delivered: Any,
+    poison_home: Any,
+) -> dict[str, Any]:
+    """The info of recall environments; every argument is one value, or an array with one element or row a world.
+
+    Args:
+        state: The state.
+        pose: x and y in pixels and orientation in degrees, as the camera reports them.
+        score: Equation 5.1, in percent.
+        penalty: Taken off the score for food left in the arena, in percent.
+        correct: Steps on which the teacher would have done the same.
+        steps: Steps so far.
+        delivered: Food brought home that is not poisonous.
+        poison_home: Poisonous food brought home.
+    """
+    return {
+        "state": state,
+        "correct_behaviour": state,
+        "pose": pose,
+        "score": score,
+        "penalty": penalty,
+        "correct": correct,
+        "steps": steps,
+        "delivered": delivered,
+        "poison_home": poison_home,
+    }
 
 
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):

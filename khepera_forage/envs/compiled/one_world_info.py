@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from khepera_forage.envs.compiled.records import SHOWN, episode_dtype, tracker_dtype
-from khepera_forage.envs.info import episode_info
+from khepera_forage.envs.recall import episode_info
 from khepera_forage.sim.compiled.records import robot_dtype
 from khepera_forage.task.scoring import penalty, score
 
@@ -28,7 +28,7 @@ POSE = slice(_FIRST_OF_POSE, _FIRST_OF_POSE + 3)
 def info_of(
     task: Sequence[float], episode: Sequence[Any], tracker: Sequence[Any], pose: NDArray[Any]
 ) -> dict[str, Any]:
-    """The info of one round, as `envs.info.episode_info`.
+    """The info of one round, as `envs.recall.episode_info`.
 
     Args:
         task: The numbers of the fields `SHOWN`.
