@@ -2,8 +2,9 @@
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,7 +17,7 @@ class TableError(ValueError):
 
 
 class Table:
-    """One table of a TOML file; every key is taken once.
+    """One table of a TOML file.
 
     Args:
         content: The table as returned by `tomllib`.
@@ -29,13 +30,23 @@ class Table:
     def __init__(self, content: Any, name: str = "") -> None:
         if not isinstance(content, Mapping):
             raise TableError(f"{name} is {quoted(content)}; allowed: a table of keys and values")
-        self._content = dict(content)
+        self._content = content
         self.name = name
-        self._known_keys: list[str] = []
+
+    def check_keys(self, allowed: Iterable[str]) -> None:
+        """Reject other keys. Comes before any `take`: a key with a typing error is not reported as missing.
+
+        Raises:
+            TableError: An unknown key.
+        """
+        known = sorted(allowed)
+        for key in self._content:
+            if key not in known:
+                similar = "".join(f" (did you mean {name}?)" for name in get_close_matches(key, known, n=1))
+                raise TableError(f"{self.key(key)} is unknown{similar}; allowed: {', '.join(known)}")
 
     def has(self, key: str) -> bool:
-        """Whether a key that is allowed has not been taken yet."""
-        self._known_keys.append(key)
+        """Whether the table has a key."""
         return key in self._content
 
     def key(self, key: str) -> str:
@@ -53,12 +64,11 @@ class Table:
         Raises:
             TableError: The key is missing and has no default, or `read` rejects the value.
         """
-        self._known_keys.append(key)
         if key not in self._content:
             if default is _MISSING:
                 raise TableError(f"{self.key(key)} is missing")
             return default
-        return read(self.key(key), self._content.pop(key))
+        return read(self.key(key), self._content[key])
 
     def table(self, key: str) -> "Table":
         """The table under a key; an empty one if the key is missing.
@@ -81,15 +91,6 @@ class Table:
             return [Table(item, f"{name}[{i}]") for i, item in enumerate(value)]
 
         return self.take(key, read, [])
-
-    def finish(self) -> None:
-        """Reject the keys that have not been taken.
-
-        Raises:
-            TableError: An unknown key.
-        """
-        for key in self._content:
-            raise TableError(f"{self.key(key)} is unknown; allowed: {', '.join(sorted(self._known_keys))}")
 
 
 def table_of(toml: str, parse_float: Callable[[str], Any] = float) -> Table:

@@ -10,7 +10,7 @@ from khepera_forage.experiments.measures import Measure, mean, pick
 from khepera_forage.experiments.page import Page
 from khepera_forage.experiments.statistics import holm
 from khepera_forage.experiments.tables import Column, Table, Value
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.named import FAMILY
 
 GOALS = {"PICKABLE": 98.0, "PUSHABLE": 95.0}
 """Percent of the food that is to be delivered."""

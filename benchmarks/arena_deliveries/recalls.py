@@ -13,8 +13,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.rollouts.recall import recall
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY
-from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.sim.arenas.named import FAMILY, named_arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import FoodType

@@ -88,7 +88,7 @@ def add_lab_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def add_decision_argument(parser: argparse.ArgumentParser) -> None:
-    """Add `--decision`: a reading of the thesis other than the default."""
+    """Add `--decision`: a decision other than the default."""
     parser.add_argument(
         "--decision",
         action="append",

@@ -1,10 +1,8 @@
 """`khepera-forage decisions`: the table of everything that the thesis leaves open."""
 
 import argparse
-from dataclasses import fields
 
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decision_text import decision_table
 
 _COLUMNS = ("decision", "default", "allowed", "thesis")
 
@@ -18,22 +16,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print a line for each decision, and its reason below it."""
-    known = [Field.of(field) for field in fields(Decisions)]
-    lines = [_COLUMNS, *map(_line, known)]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(_COLUMNS))]
-    reasons = ["", *(field.reason for field in known)]
-    for line, reason in zip(lines, reasons, strict=True):
-        cells = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
-        print("  ".join(cells).rstrip())
-        if reason:
-            print(f"    {reason}")
+    """Print a line for each decision, and its meaning below it."""
+    rows = decision_table()
+    widths = [max(map(len, column)) for column in zip(_COLUMNS, *(row[:4] for row in rows), strict=True)]
+    print(_line(_COLUMNS, widths))
+    for row in rows:
+        print(f"{_line(row[:4], widths)}\n    {row.meaning}")
     return 0
 
 
-def _line(field: Field) -> tuple[str, str, str, str]:
-    """Name, default with its unit, allowed values and section."""
-    default = getattr(DEFAULT_DECISIONS, field.name)
-    shown = default if field.choices else f"{default:g} {field.unit}"
-    allowed = " | ".join(field.choices) if field.choices else f"{field.least:g} to {field.most:g}"
-    return field.name, shown, allowed, field.section
+def _line(cells: tuple[str, ...], widths: list[int]) -> str:
+    return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()

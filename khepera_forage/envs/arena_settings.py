@@ -4,8 +4,7 @@ from typing import Any
 
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.difficulty import Difficulty, checked_difficulty
-from khepera_forage.sim.arenas.family import FAMILY, step_limit
-from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.named import ARENAS, FAMILY, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
 from khepera_forage.sim.path_lengths import longest_path

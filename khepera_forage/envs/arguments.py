@@ -146,15 +146,18 @@ def check_round_duration(world: World, decisions: Decisions) -> None:
         )
 
 
-def whole_number(name: str, value: Any, least: int) -> int:
+def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """A count that a user gave.
 
     Raises:
-        ValueError: Not a whole number of at least `least`.
+        ValueError: Not a whole number from `least` to `most`; of at least `least` without `most`.
     """
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) >= least:
-        return int(value)
-    raise ValueError(f"{name} is {value!r}; allowed: a whole number of at least {least}")
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        number = int(value)
+        if number >= least and (most is None or number <= most):
+            return number
+    allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
+    raise ValueError(f"{name} is {value!r}; allowed: a whole number {allowed}")
 
 
 def _food_type(name: Any) -> FoodType:

@@ -1,6 +1,7 @@
 """The backends: what simulates the bodies. Entry points of `gym.make` and `gym.make_vec`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from importlib import import_module
 from typing import Any
 
@@ -9,10 +10,10 @@ from gymnasium.vector import VectorEnv
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
-from khepera_forage.envs.stored_specs import spec_arena, spec_decisions
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.extras import require
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, FIELDS, Decisions
 
 PYMUNK, COMPILED = "pymunk", "compiled"
 BACKENDS = (PYMUNK, COMPILED)
@@ -50,13 +51,11 @@ class EntryPoint:
             ValueError: Another backend.
             ImportError: The backend "compiled" without numba.
         """
-        kwargs["decisions"] = spec_decisions(decisions, self._decisions)
-        if "arena" in kwargs:
-            kwargs["arena"] = spec_arena(kwargs["arena"])
+        arguments = _arguments(kwargs, decisions, self._decisions)
         if check_backend(backend) == PYMUNK:
-            return self._on_pymunk(**kwargs)
+            return self._on_pymunk(**arguments)
         made = getattr(import_module("khepera_forage.envs.compiled.single"), self._compiled)
-        env: gym.Env[Any, Any] = made(**kwargs)
+        env: gym.Env[Any, Any] = made(**arguments)
         return env
 
 
@@ -95,11 +94,9 @@ class VectorEntryPoint:
             ImportError: numba is not installed.
         """
         check_compiled(backend)
-        kwargs["decisions"] = spec_decisions(decisions, self._decisions)
-        if "arena" in kwargs:
-            kwargs["arena"] = spec_arena(kwargs["arena"])
+        arguments = _arguments(kwargs, decisions, self._decisions)
         made = getattr(import_module("khepera_forage.envs.compiled.vector_env"), self._compiled)
-        env: VectorEnv[Any, Any, Any] = made(num_envs, **kwargs)
+        env: VectorEnv[Any, Any, Any] = made(num_envs, **arguments)
         for wrapper in vector_wrappers:
             env = wrapper(env)
             if not isinstance(env, VectorEnv):
@@ -137,6 +134,46 @@ def check_compiled(backend: Any) -> None:
             f"backend is {backend!r}; allowed here: {COMPILED!r} (make_vec with vectorization_mode='sync' or 'async' "
             "makes worlds of pymunk)"
         )
+
+
+def _arguments(kwargs: Mapping[str, Any], decisions: Any, default: Decisions) -> dict[str, Any]:
+    """The arguments of an environment's class.
+
+    Args:
+        kwargs: From the user or the spec. A spec that was stored as JSON has a mapping for every dataclass.
+        decisions: Likewise; None for those of the environment's version.
+        default: Decisions of the environment's version.
+
+    Raises:
+        ValueError: A value in a mapping is not allowed. Whatever is no such mapping is checked by the class.
+    """
+    if decisions is None:
+        decisions = default
+    elif isinstance(decisions, Mapping) and decisions.keys() == FIELDS.keys():
+        decisions = Decisions(**decisions)
+    arena = {"arena": _spec_arena(kwargs["arena"])} if "arena" in kwargs else {}
+    return {**kwargs, **arena, "decisions": decisions}
+
+
+def _spec_arena(arena: Any) -> Any:
+    """An `Arena` for a mapping of all its fields, and anything else as it is; in a list, one by one."""
+    if isinstance(arena, list):
+        return [_spec_arena(one) for one in arena]
+    if not (isinstance(arena, Mapping) and arena.keys() == {field.name for field in fields(Arena)}):
+        return arena
+    return Arena(
+        name=arena["name"],
+        walls=_points(arena["walls"]),
+        home=Point(*arena["home"]),
+        home_radius=arena["home_radius"],
+        start=Pose(*arena["start"]),
+        foods=_points(arena["foods"]),
+        obstacles=tuple(map(_points, arena["obstacles"])),
+    )
+
+
+def _points(places: Any) -> tuple[Point, ...]:
+    return tuple(Point(*place) for place in places)
 
 
 behaviours = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", Decisions.v0_1())

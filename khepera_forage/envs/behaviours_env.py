@@ -58,9 +58,9 @@ class BehavioursEnv(RecallEnv[int]):
     ## Arguments
     `arena` (an `Arena`, the name of one, or a sequence of both, such as `["corridor", "doors"]`: every episode takes
     place in one of them, drawn at random; distances are then bounded by the largest diagonal), `foods` (number of
-    objects), `limit` (steps), `noise` (a `Noise`, by default the laboratory's), `food_types` (one type, or odds by
-    type; by default all PICKABLE), `render_mode`, `world` (another `World` than the simulated one, in whose one arena
-    everything then takes place), `decisions` (a `Decisions`: how what the thesis leaves open is read).
+    objects, 1 to 16), `limit` (steps), `noise` (a `Noise`, by default the laboratory's), `food_types` (one type, or
+    odds by type; by default all PICKABLE), `render_mode`, `world` (another `World` than the simulated one, in whose one
+    arena everything then takes place), `decisions` (a `Decisions`: how what the thesis leaves open is read).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables

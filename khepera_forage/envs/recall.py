@@ -20,12 +20,11 @@ from khepera_forage.envs.arguments import (
     whole_number,
 )
 from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.info import episode_info
 from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
@@ -36,6 +35,41 @@ from khepera_forage.task.states import Behaviour
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
+
+
+def episode_info(
+    state: Any,
+    pose: Any,
+    score: Any,
+    penalty: Any,
+    correct: Any,
+    steps: Any,
+    delivered: Any,
+    poison_home: Any,
+) -> dict[str, Any]:
+    """The info of recall environments; every argument is one value, or an array with one element or row a world.
+
+    Args:
+        state: The state.
+        pose: x and y in pixels and orientation in degrees, as the camera reports them.
+        score: Equation 5.1, in percent.
+        penalty: Taken off the score for food left in the arena, in percent.
+        correct: Steps on which the teacher would have done the same.
+        steps: Steps so far.
+        delivered: Food brought home that is not poisonous.
+        poison_home: Poisonous food brought home.
+    """
+    return {
+        "state": state,
+        "correct_behaviour": state,
+        "pose": pose,
+        "score": score,
+        "penalty": penalty,
+        "correct": correct,
+        "steps": steps,
+        "delivered": delivered,
+        "poison_home": poison_home,
+    }
 
 
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
@@ -69,7 +103,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             self._pool, self.world = None, world
             (self.arena,) = arenas_of(self.world, 1)
             self._map = arena_map_of(self.arena)
-        self.foods = whole_number("foods", foods, 1)
+        self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)

@@ -10,7 +10,7 @@ import gymnasium as gym
 import pettingzoo
 
 from khepera_forage.envs.arena_settings import environment_name, settings_of
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 
 VERSIONS = {"v0": "", "v1": "_v1"}

@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.port import BAUD_RATES
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.arena_file import arena_of
+from khepera_forage.sim.arena_file import ArenaPlan, arena_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR, SetUp
 from khepera_forage.sim.layout_checks import check_seen
@@ -79,6 +79,7 @@ def sample() -> str:
 
 
 def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: float) -> LabSettings:
+    table.check_keys(_names(LabSettings))
     arena = _arena(table.table("arena"), set_up)
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
@@ -86,15 +87,14 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     camera = _camera(table.table("camera"), folder)
     tracker = _tracker(table.table("tracker"))
     tolerance_table = table.table("tolerance")
+    tolerance_table.check_keys(_names(Tolerance))
     defaults = Tolerance()
     tolerance = Tolerance(
         tolerance_table.take("position", number(1.0, 100.0, "mm"), defaults.position),
         tolerance_table.take("heading", number(1.0, 90.0, "degrees"), defaults.heading),
     )
-    tolerance_table.finish()
     safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
     period = table.take("period", number(0.05, 0.5, "seconds"), default_period)
-    table.finish()
     settings = LabSettings(arena, robots, camera, period, tracker, tolerance, safe_speed)
     _check_robots(settings)
     return settings
@@ -102,7 +102,8 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
 
 def _robot(table: Table, index: int) -> RobotSettings:
     name = "teacher" if index == 0 else f"learner_{index - 1}"
-    entry = RobotSettings(
+    table.check_keys(_names(RobotSettings))
+    return RobotSettings(
         port=table.take("port", text),
         name=table.take("name", text, name),
         baud=table.take("baud", one_of(BAUD_RATES), 38400),
@@ -111,8 +112,6 @@ def _robot(table: Table, index: int) -> RobotSettings:
         watchdog=table.take("watchdog", true_or_false, True),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )
-    table.finish()
-    return entry
 
 
 def _camera(table: Table, folder: Path) -> CameraSettings:
@@ -125,14 +124,13 @@ def _camera(table: Table, folder: Path) -> CameraSettings:
             f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
         )
 
+    table.check_keys(_names(CameraSettings))
     calibration = table.take("calibration", text, "")
-    entry = CameraSettings(
+    return CameraSettings(
         source=table.take("source", source),
         calibration=folder / calibration if calibration else None,
         oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
     )
-    table.finish()
-    return entry
 
 
 def _tracker(table: Table) -> TrackerSettings:
@@ -145,9 +143,9 @@ def _tracker(table: Table) -> TrackerSettings:
             raise TableError(f"{key} is {quoted(found)}; allowed: a number")
         return found
 
-    defaults = TrackerSettings()
-    settings = {f.name: table.take(f.name, value, getattr(defaults, f.name)) for f in fields(defaults)}
-    table.finish()
+    names, defaults = _names(TrackerSettings), TrackerSettings()
+    table.check_keys(names)
+    settings = {name: table.take(name, value, getattr(defaults, name)) for name in names}
     try:
         return replace(defaults, **settings)
     except ValueError as error:
@@ -155,6 +153,7 @@ def _tracker(table: Table) -> TrackerSettings:
 
 
 def _arena(table: Table, set_up: SetUp) -> Arena:
+    table.check_keys(ArenaPlan._fields)
     if table.has("walls"):
         return arena_of(table)
     name = table.take("name", text, CORRIDOR)
@@ -163,8 +162,13 @@ def _arena(table: Table, set_up: SetUp) -> Arena:
             f"{table.key('name')} is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
             "or another name with walls, home, home_radius, start and foods"
         )
-    table.finish()
+    table.check_keys(("name", "walls"))  # without walls, the others have no effect
     return named_arena(name, set_up)
+
+
+def _names(settings: type[Any]) -> list[str]:
+    """The keys of a table, which are the fields of a dataclass."""
+    return [field.name for field in fields(settings)]
 
 
 def _check_robots(settings: LabSettings) -> None:

@@ -16,9 +16,7 @@ from khepera_forage.policies.nearest_neighbour.distance import checked_diagonal
 from khepera_forage.policies.nearest_neighbour.index import NearestNeighbourIndex
 from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
 from khepera_forage.policies.policy import Observation, state_vector_of
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decision_readings import EXACT
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour, StateVector
 
 CACHE_SIZE = 32768
@@ -200,7 +198,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         diagonal, threshold = checked_diagonal(self.diagonal), self.threshold
         if not isinstance(threshold, Real) or not 0 <= threshold < math.inf:
             raise ValueError(f"threshold is {threshold!r}; allowed: a finite number, at least 0")
-        decision = Field.of(Decisions.__dataclass_fields__["distance_arithmetic"])
+        decision = FIELDS["distance_arithmetic"]
         if self.arithmetic not in decision.choices:
             raise ValueError(f"arithmetic is {self.arithmetic!r}; allowed: {decision.allowed}")
         arithmetic = decision.as_number(self.arithmetic)

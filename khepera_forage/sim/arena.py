@@ -8,6 +8,8 @@ from khepera_forage.geometry import enclosure, polygon
 from khepera_forage.geometry.walls import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
+MOST_FOODS = 16
+"""Food objects in an arena at most, on every backend."""
 _ROUNDING = 1e-6
 """mm by which something that just touches a wall may seem to stand in it, in a copy of an arena at an offset."""
 
@@ -39,12 +41,12 @@ class Arena:
         home: Centre of the home.
         home_radius: Of the home; at most the distance from its centre to the walls.
         start: Where a robot starts in training (figure 5.1).
-        foods: Where food lies in training, one place an object.
+        foods: Where food lies in training, one place an object; 1 to 16.
         obstacles: Further simple polygons on the floor; they may touch the outer wall and one another.
 
     Raises:
         ValueError: No name, walls that cross, obstacles that overlap or are not on the floor, a size that is not
-            positive, or a home, start or food that is not on the free floor.
+            positive, too few or too many foods, or a home, start or food that is not on the free floor.
     """
 
     name: str
@@ -63,8 +65,10 @@ class Arena:
             raise ValueError(
                 f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"
             )
-        if not self.foods:
-            raise ValueError(f"{self.name}: foods is empty; allowed: at least one place")
+        if not 1 <= len(self.foods) <= MOST_FOODS:
+            raise ValueError(
+                f"{self.name}: foods has {len(self.foods)} places; allowed: 1 to {MOST_FOODS}, one an object"
+            )
         self.check_free("home", self.home, 0.0)
         room = self.clearance(self.home)
         if room < self.home_radius - _ROUNDING:

@@ -119,7 +119,8 @@ def plan_of(table: Table) -> ArenaPlan:
     Raises:
         TableError: A key is missing, unknown, or has a value that is not allowed.
     """
-    plan = ArenaPlan(
+    table.check_keys(ArenaPlan._fields)
+    return ArenaPlan(
         name=table.take("name", text),
         walls=table.take("walls", list_of(_point)),
         home=table.take("home", _point),
@@ -128,8 +129,6 @@ def plan_of(table: Table) -> ArenaPlan:
         foods=table.take("foods", list_of(_point)),
         obstacles=table.take("obstacles", list_of(list_of(_point), least=0), ()),
     )
-    table.finish()
-    return plan
 
 
 def arena_of(table: Table) -> Arena:

@@ -37,8 +37,14 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     Motors,
 )
-from khepera_forage.task.decision_readings import AS_IT_IS, BACK_OFF, DRIVE_ON, LOWERED_OVER_FOOD, WANDER
-from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.decisions import (
+    AS_IT_IS,
+    BACK_OFF,
+    DRIVE_ON,
+    LOWERED_OVER_FOOD,
+    WANDER,
+    DecisionValues,
+)
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 from khepera_forage.task.steering import clip, detour, is_home_across, steer, wander

@@ -1,14 +1,15 @@
-"""Decisions as text, in the headers of files and in the columns of rows: `v0.1;next_to_food=22;round_duration=0.2`.
+"""Decisions as text for files and rows, and as a table for readers.
 
-The text names a version and what differs from it, so it keeps its meaning when the defaults change. Text without a
-version, which files had before there were versions, is relative to version 0.1.
+Headers of files and columns of rows have texts such as `v0.1;next_to_food=22;round_duration=0.2`. The text names a
+version and what differs from it, so it keeps its meaning when the defaults change. Text without a version, which files
+had before there were versions, is relative to version 0.1.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from khepera_forage.task.decision_versions import PRESENT
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, FIELDS, Decisions
 
 _SEPARATOR = ";"
 _FIRST = "v0.1"
@@ -78,3 +79,43 @@ def _assignment(name: str, value: Any) -> str:
 
 def _value_text(value: Any) -> str:
     return str(value).removesuffix(".0")
+
+
+class DecisionRow(NamedTuple):
+    """One decision, as text.
+
+    Attributes:
+        name: Of the field of `Decisions`.
+        default: With its unit.
+        allowed: The values that the field accepts.
+        section: Of the thesis, where it leaves this open.
+        meaning: What the field means, and why it has its default.
+    """
+
+    name: str
+    default: str
+    allowed: str
+    section: str
+    meaning: str
+
+
+def decision_table() -> list[DecisionRow]:
+    """One row for each field of `Decisions`, in their order."""
+    rows = []
+    for name, field in FIELDS.items():
+        default = getattr(DEFAULT_DECISIONS, name)
+        shown = default if field.choices else f"{default:g} {field.unit}"
+        allowed = "; ".join(field.choices) if field.choices else f"{field.least:g} to {field.most:g}"
+        rows.append(DecisionRow(name, shown, allowed, field.section, field.reason))
+    return rows
+
+
+def markdown_table() -> str:
+    """The default decisions as a table in Markdown, for the page docs/decisions.md."""
+    lines = ["| decision | default | allowed | thesis | meaning |", "|---|---|---|---|---|"]
+    lines += [f"| `{row.name}` | {' | '.join(row[1:])} |" for row in decision_table()]
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(markdown_table(), end="")

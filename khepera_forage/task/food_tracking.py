@@ -14,8 +14,7 @@ from typing import Any
 from khepera_forage.geometry.angles import heading_of, length
 from khepera_forage.robots.khepera import BARRIER
 from khepera_forage.task.arena_map import ArenaMap, is_within
-from khepera_forage.task.decision_readings import LAST_DISTANCE, SEEN_AT_LAST_PLACE
-from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.decisions import LAST_DISTANCE, SEEN_AT_LAST_PLACE, DecisionValues
 from khepera_forage.task.food_links import Link, count_lost_rounds, is_shown, link_of, link_track
 from khepera_forage.task.identification import at_home
 from khepera_forage.task.nearest_food import find_nearest

@@ -8,14 +8,14 @@ from typing import Any
 
 from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.task.arena_map import ArenaMap, is_within
-from khepera_forage.task.decision_readings import (
+from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
     IN_GRIPPER,
     NO_CANDIDATE,
     SEEN_AT_LAST_PLACE,
     UNSEEN_UNTIL_ARM_DOWN,
+    DecisionValues,
 )
-from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_links import link_of
 from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import WayMemory, drivable, way_to_food

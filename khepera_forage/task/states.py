@@ -5,8 +5,7 @@ from numbers import Integral
 from typing import Any, NamedTuple
 
 from khepera_forage.robots.khepera import ARM_RAISED
-from khepera_forage.task.decision_readings import FARTHER_STATE
-from khepera_forage.task.decisions import DecisionValues
+from khepera_forage.task.decisions import FARTHER_STATE, DecisionValues
 
 
 class FoodType(IntEnum):

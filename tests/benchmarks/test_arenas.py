@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY
+from khepera_forage.sim.arenas.named import FAMILY
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 

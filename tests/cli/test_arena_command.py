@@ -11,8 +11,7 @@ from khepera_forage.envs.rendering import palette
 from khepera_forage.experience import Experience
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
-from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 
 MAZE = family_arena("t_maze")
@@ -117,7 +116,7 @@ def test_file_with_a_mistake_is_not_drawn(tmp_path: Path, capsys: pytest.Capture
     path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
     path.write_text(DOORS.replace("home_radius", "radius"))
     assert main(["arena", "show", str(path), "--out", str(picture)]) == 2
-    assert f"{path}: home_radius is missing" in capsys.readouterr().err
+    assert f"{path}: radius is unknown (did you mean home_radius?)" in capsys.readouterr().err
     assert not picture.exists()
 
 

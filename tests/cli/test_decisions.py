@@ -1,6 +1,6 @@
 """`--decision`, `--allow-other-decisions` and `khepera-forage decisions`."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,9 +9,8 @@ from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.task.decision_fields import Field
 from khepera_forage.task.decision_text import decisions_from_text, decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import FIELDS, Decisions
 
 COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
 
@@ -35,8 +34,7 @@ def test_table_has_every_decision_with_default_range_section_and_reason(
     assert main(["decisions"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["decision", "default", "allowed", "thesis"]
-    known = [Field.of(field) for field in fields(Decisions)]
-    for field, line, reason in zip(known, lines[1::2], lines[2::2], strict=True):
+    for field, line, reason in zip(FIELDS.values(), lines[1::2], lines[2::2], strict=True):
         assert line.startswith(f"{field.name} ")
         assert line.endswith(f" {field.section}")
         assert field.unit in line

@@ -51,6 +51,28 @@ def test_unknown_backend_is_refused(make: Any, backend: Any) -> None:
     assert str(error.value).startswith(f"backend is {backend!r};")
 
 
+@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+@pytest.mark.parametrize(
+    ("foods", "message"),
+    [
+        (17, "foods is 17; allowed: .*1 to 16"),
+        (0, "foods is 0; allowed: a whole number"),
+        (1.5, "foods is 1.5; allowed: a whole number"),
+    ],
+)
+def test_number_of_foods_that_no_backend_has_is_refused(backend: str, foods: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        gym.make(_id("Rectangle"), backend=backend, foods=foods)
+
+
+@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+def test_sixteen_foods_are_possible_on_every_backend(backend: str) -> None:
+    decisions = Decisions(food_spacing=40)
+    env: Any = gym.make(_id("Rectangle"), backend=backend, foods=16, decisions=decisions)
+    env.reset(seed=0)
+    assert len(env.unwrapped.layout.foods) == len(env.unwrapped.forager.tracker.foods) == 16
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_make_vec_refuses_pymunk_and_says_how_to_use_it(name: str) -> None:
     message = "backend is 'pymunk'; allowed here: 'compiled' .*vectorization_mode='sync' or 'async'"

@@ -24,7 +24,8 @@ from tests.version_0_1 import CORRIDOR
         ({"food_types": {"PICKABLE": -1}}, "-1.0", "a number >= 0"),
         ({"food_types": {"PICKABLE": math.nan}}, "nan", "a number >= 0"),
         ({"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}", "at least one above 0"),
-        ({"foods": 0}, "0", "at least 1"),
+        ({"foods": 0}, "0", "a whole number from 1 to 16"),
+        ({"foods": 17}, "17", "a whole number from 1 to 16"),
         ({"foods": 1.5}, "1.5", "a whole number"),
         ({"limit": -3}, "-3", "at least 1"),
         ({"arena": "circle"}, "'circle'", "'corridor', 'rectangle'"),
@@ -134,7 +135,7 @@ def test_wrong_reset_options_are_refused(options: dict[str, Any], message: str) 
             {"foods": (Point(640.0, 100.0),)},
             "food at .640, 100. mm is 10 mm from a wall; .* at least 17.5 mm",
         ),
-        ({"foods": ()}, "at least one place"),
+        ({"foods": ()}, "foods has 0 places; allowed: 1 to 16"),
         ({"walls": (Point(0, 0), Point(1, 1))}, "2 corners; allowed: at least 3"),
     ],
 )
@@ -144,5 +145,5 @@ def test_impossible_arenas_are_refused(change: dict[str, Any], message: str) -> 
 
 
 def test_arena_without_room_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"no room for a robot and 20 food objects"):
-        BehavioursEnv(foods=20).reset(seed=0)
+    with pytest.raises(ValueError, match=r"no room for a robot and 16 food objects"):
+        BehavioursEnv(foods=16).reset(seed=0)

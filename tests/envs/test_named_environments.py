@@ -19,7 +19,7 @@ from khepera_forage.envs import paired_arenas_v1, paired_procedural_v1
 from khepera_forage.envs.arena_settings import environment_name, procedural_settings, settings_of
 from khepera_forage.envs.procedural import ProceduralEntryPoint
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
-from khepera_forage.sim.arenas.family import FAMILY, family_arena, step_limit
+from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.path_lengths import longest_path
 from tests.arenas import BLOCKS, HALL
@@ -201,7 +201,7 @@ def test_spec_with_arenas_of_ones_own_survives_json(backend: str) -> None:
 
 def test_stored_arena_that_is_not_allowed_is_an_error() -> None:
     fields = asdict(BLOCKS)
-    with pytest.raises(ValueError, match="foods is empty"):
+    with pytest.raises(ValueError, match="foods has 0 places"):
         gym.make("khepera_forage/Corridor-v1", arena={**fields, "foods": []})
     with pytest.raises(ValueError, match=r"arena is \{'name': 'blocks'\}; allowed: an Arena"):
         gym.make("khepera_forage/Corridor-v1", arena={"name": "blocks"})

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
-from khepera_forage.sim.arenas.named import named_arena
-from khepera_forage.sim.arenas.shapes import box
+from khepera_forage.sim.arenas.named import box, named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
@@ -136,7 +135,8 @@ BLOCK = (Point(340, 80), Point(400, 80), Point(400, 150), Point(340, 150))
         ({"home": Point(700, 115)}, r"home at \(700, 115\).*outside the walls"),
         ({"home": Point(math.nan, 115)}, "home at .*nan"),
         ({"home": Point(580, 115)}, "radius 100 mm.*at most 70"),
-        ({"foods": ()}, "foods is empty"),
+        ({"foods": ()}, "foods has 0 places; allowed: 1 to 16"),
+        ({"foods": (Point(200, 115),) * 17}, "foods has 17 places; allowed: 1 to 16"),
         ({"foods": (Point(370, 115), Point(10, 115))}, r"food at \(10, 115\) mm is 10 mm from a wall"),
         ({"foods": (Point(370, 240),)}, r"food at \(370, 240\).*outside"),
         ({"foods": (Point(math.inf, 115),)}, "food at .*inf"),

@@ -18,9 +18,8 @@ from khepera_forage.sim.arena_file import (
     read_plan,
     write_arena,
 )
-from khepera_forage.sim.arenas.family import FAMILY, family_arena
+from khepera_forage.sim.arenas.named import FAMILY, box, family_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.sim.arenas.shapes import box
 from khepera_forage.toml_table import table_of
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
@@ -126,6 +125,7 @@ def test_obstacles_may_be_left_out_or_empty() -> None:
         ("home_radius = 80", "home_radius = -8.5", "home_radius is -8.5; allowed: 1 to 10000 mm"),
         ("home_radius = 80", "home_radius = nan", "home_radius is NaN; allowed: 1 to 10000 mm"),
         ("home_radius = 80", "home_radius = 80\ncolour = 1", "colour is unknown; allowed: foods, home, home_radius"),
+        ("walls =", "wals =", "wals is unknown (did you mean walls?); allowed: foods, home, home_radius, name, "),
         ("[700, 0]", "[700.5]", "walls[1] is [700.5]; allowed: [x mm, y mm]"),
         ("[700, 0]", "[700, inf]", "walls[1] is [700, Infinity]; allowed: [x mm, y mm]"),
         ("[700, 0]", "[true, 0]", "walls[1] is [True, 0]; allowed: [x mm, y mm]"),

@@ -6,8 +6,7 @@ from dataclasses import replace
 import pytest
 
 from khepera_forage.sim.arena import Point
-from khepera_forage.sim.arenas.family import family_arena
-from khepera_forage.sim.arenas.shapes import box
+from khepera_forage.sim.arenas.named import box, family_arena
 from khepera_forage.sim.path_lengths import longest_path, path_length
 
 

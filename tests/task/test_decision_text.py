@@ -1,21 +1,18 @@
 """Decisions as text, in files and rows."""
 
-import dataclasses
 from dataclasses import replace
 
 import pytest
 
 from khepera_forage.task import decision_text
-from khepera_forage.task.decision_fields import Field
 from khepera_forage.task.decision_text import (
     decisions_from_text,
     decisions_from_words,
     decisions_text,
     differences,
 )
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import FIELDS, Decisions, Field
 
-FIELDS = [Field.of(field) for field in dataclasses.fields(Decisions)]
 V0_1 = Decisions.v0_1()
 OTHER_DEFAULTS = replace(V0_1, next_to_food=17, patience=7, orienting="lowered over food")
 
@@ -92,7 +89,7 @@ def test_text_of_the_present_version_is_of_the_defaults() -> None:
     assert decisions_from_text("v1;separation=20") == Decisions(separation=20)
 
 
-@pytest.mark.parametrize("field", FIELDS, ids=lambda field: field.name)
+@pytest.mark.parametrize("field", FIELDS.values(), ids=lambda field: field.name)
 def test_every_field_is_read_back(field: Field) -> None:
     values = field.choices or (field.kind(field.least), field.kind(field.most))
     for value in values:

@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decision_readings import FARTHER_STATE
 from khepera_forage.task.decision_versions import V0_1
-from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
+from khepera_forage.task.decisions import DEFAULT_VALUES, FARTHER_STATE, FIELDS, Decisions
 
-FIELDS = {field.name: Field.of(field) for field in dataclasses.fields(Decisions)}
 NUMBERS = [name for name, field in FIELDS.items() if not field.choices]
 COUNTS = [name for name in NUMBERS if FIELDS[name].kind is int]
 CHOICES = [name for name, field in FIELDS.items() if field.choices]

@@ -18,8 +18,7 @@ from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import Corner, Spot, Ways
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import dtype_of
-from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.random import MOST_FOODS
+from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.compiled.records import constants_dtype, constants_of, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor, check_seen
 from khepera_forage.task.arena_map import ArenaMap, Floor
@@ -221,8 +220,7 @@ def settings_of(
     Raises:
         ValueError: An argument out of range.
     """
-    if whole_number("foods", foods, 1) > MOST_FOODS:
-        raise ValueError(f"foods is {foods!r}; allowed: 1 to {MOST_FOODS} in compiled worlds")
+    whole_number("foods", foods, 1, MOST_FOODS)
     record = np.zeros(1, settings_dtype)
     record["constants"] = constants_of(checked_noise(noise), timing_of(decisions), wheel_speed)
     values: Any = decisions.values()

@@ -14,8 +14,7 @@ from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.behaviours_env import BehavioursEnv, observation_of
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.compiled.forager import CompiledForager
-from khepera_forage.envs.info import episode_info
-from khepera_forage.envs.recall import ActionT, Observation, RecallEnv
+from khepera_forage.envs.recall import ActionT, Observation, RecallEnv, episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise

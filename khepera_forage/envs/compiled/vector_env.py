@@ -15,7 +15,7 @@ from khepera_forage.envs.arguments import FoodOdds, whole_number
 from khepera_forage.envs.backends import COMPILED, check_compiled
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.info import episode_info
+from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.task.decisions import Decisions

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.task.decision_readings import FLOATS_32, FLOATS_64
+from khepera_forage.task.decisions import FLOATS_32, FLOATS_64
 from khepera_forage.task.states import StateVector
 
 STATE_WIDTH = len(StateVector._fields)
@@ -44,7 +44,7 @@ def rounded_distance(
         home: Difference of RobotHomeDistance, pixels.
         food: Difference of RobotFoodDistance, pixels.
         diagonal: Of the arena foraged in now, in pixels.
-        arithmetic: `FLOATS_32` or `FLOATS_64` of `task.decision_readings`; the result is 0.0 with `EXACT`.
+        arithmetic: `FLOATS_32` or `FLOATS_64` of `task.decisions`; the result is 0.0 with `EXACT`.
     """
     if arithmetic == FLOATS_32:
         span, whole = np.float32(ARM_SPAN), np.float32(diagonal)

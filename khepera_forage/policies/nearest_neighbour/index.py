@@ -27,7 +27,7 @@ from khepera_forage.policies.nearest_neighbour.memories import (
     unpacked,
 )
 from khepera_forage.policies.nearest_neighbour.votes import nearest_votes
-from khepera_forage.task.decision_readings import EXACT
+from khepera_forage.task.decisions import EXACT
 from khepera_forage.task.states import StateVector
 
 FEW = 200

@@ -17,7 +17,7 @@ from khepera_forage.policies.nearest_neighbour.memories import (
     FlatMemories,
     plane_key,
 )
-from khepera_forage.task.decision_readings import EXACT
+from khepera_forage.task.decisions import EXACT
 
 Votes = MutableSequence[int] | NDArray[Any]
 

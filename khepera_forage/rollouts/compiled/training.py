@@ -26,7 +26,6 @@ from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.training_results import HEARD, Trained, attempt_dtype, trained
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.compiled.random import MOST_FOODS
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
@@ -177,11 +176,6 @@ def train_learners(
 
 def _check(arenas: Any) -> None:
     """Complain about arenas that are out of sight, or marks that nothing can stand on."""
-    foods = len(arenas[0].foods)
-    if foods > MOST_FOODS:
-        raise ValueError(
-            f"{arenas[0].name}: {foods} food objects; allowed: 1 to {MOST_FOODS} in compiled worlds"
-        )
     check_seen(arenas)
     layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
     check_layout(arenas, layout)

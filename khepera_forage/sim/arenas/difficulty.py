@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arenas.family import step_limit
+from khepera_forage.sim.arena import MOST_FOODS
+from khepera_forage.sim.arenas.named import step_limit
 
 Range = tuple[int, int]
 """The least and the greatest whole number."""
 
-MOST_FOODS = 16
-"""As in compiled worlds."""
 _ALLOWED: Mapping[str, Range] = {
     # The camera sees 3200 x 2400 mm; an arena and its copy beside it, 70 mm apart, are in the picture either way up.
     "length": (500, 2400),

@@ -10,21 +10,36 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import SupportsIndex, overload
+from typing import Any, SupportsIndex, overload
 
+from khepera_forage.geometry.walls import clearance, walls_of
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
-from khepera_forage.sim.arenas.draws import Draws
-from khepera_forage.sim.arenas.family import HOME_RADIUS
-from khepera_forage.sim.arenas.procedural_floor import Corners, NoRoomError, draw_floor
-from khepera_forage.sim.arenas.procedural_marks import Mark, Marks, draw_marks
+from khepera_forage.sim.arenas.named import HOME_RADIUS
+from khepera_forage.sim.arenas.procedural_floor import Corners, Draws, NoRoomError, draw_floor
 
 LEVELS = 10**6
 """Number of levels of each split."""
 SPLITS = {"train": 0, "test": LEVELS}
 """First level of each."""
-TRIES = 200
+_TRIES = 200
 """Tries to draw an arena, after which there is no room."""
+_CLEARANCE = 85.0
+"""From the centre of a robot with food in its gripper to the walls, at least."""
+_HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 90.0
+"""From the centre of the home, and from start and food, to the walls."""
+_PAST_HOME = HOME_RADIUS + RADIUS, HOME_RADIUS + 50.0
+"""From the centre of the home to a robot that drives past it: at least, and as way finding leads it."""
+_MITRE: dict[str, Any] = {"join_style": "mitre", "mitre_limit": 1.5}
+"""Way finding keeps this many clearances from corners."""
+_START_TO_HOME, _FOOD_TO_HOME = 400.0, HOME_RADIUS + FOOD_RADIUS + 80.0
+_FOOD_TO_START, _FOOD_SPACING = 280.0, 200.0
+_TRIES_A_PLACE = 60
+"""Tries to find each place."""
+
+Mark = tuple[int, int]
+"""Where something stands at the start of a training episode, in whole millimetres."""
 
 
 @lru_cache(maxsize=1 << 14)
@@ -41,18 +56,14 @@ def procedural_arena(level: int, difficulty: str | Difficulty = "medium") -> Are
     chosen = checked_difficulty(difficulty)
     level = _whole_number("level", level, 0)
     name = f"procedural_{chosen.name}_{level}"
-    for attempt in range(TRIES):
-        draws = Draws(level, chosen.name, attempt)
+    for attempt in range(_TRIES):
         try:
-            walls, obstacles = draw_floor(draws, chosen)
-            marks = draw_marks(draws, walls, obstacles, chosen.foods)
+            return _draw(Draws(level, chosen.name, attempt), name, chosen)
         except NoRoomError as error:
             problem = error
-            continue
-        return _arena(name, walls, obstacles, marks, upright=bool(draws.whole(0, 1)))
     raise ValueError(
         f"difficulty {chosen.name!r}: no room for {chosen.foods} food objects, {chosen.partitions[0]} partitions and "
-        f"{chosen.blocks[0]} blocks in level {level} after {TRIES} tries, in the last one {problem}; "
+        f"{chosen.blocks[0]} blocks in level {level} after {_TRIES} tries, in the last one {problem}; "
         "allowed: fewer of them, or a larger arena"
     )
 
@@ -127,23 +138,62 @@ class ProceduralArenas(Sequence[Arena]):
         return tuple(procedural_arena(self.first_level + i, self.difficulty) for i in chosen)
 
 
-def _arena(name: str, walls: Corners, obstacles: Sequence[Corners], marks: Marks, upright: bool) -> Arena:
-    """The arena, turned by a quarter if `upright`."""
-    width = max(y for _, y in walls)
+def _draw(draws: Draws, name: str, difficulty: Difficulty) -> Arena:
+    """One try to draw an arena.
 
-    def turned(place: Mark) -> Point:
-        x, y = place
+    Raises:
+        NoRoomError: Something does not fit, or a robot could not reach every part of the floor without driving through
+            the home.
+    """
+    walls, obstacles = draw_floor(draws, difficulty)
+    records = walls_of((walls, *obstacles))
+    length, width = max(x for x, _ in walls), max(y for _, y in walls)
+
+    def place(least: float, *others: tuple[Mark, float]) -> Mark:
+        low = math.ceil(least)
+        for _ in range(_TRIES_A_PLACE):
+            found = draws.whole(low, length - low), draws.whole(low, width - low)
+            apart = all(math.dist(found, other) >= distance for other, distance in others)
+            if apart and clearance(*found, records) >= least:
+                return found
+        raise NoRoomError(f"no place {least:g} mm from every wall")
+
+    home = place(_HOME_CLEARANCE)
+    if not _can_be_passed(home, walls, obstacles):
+        raise NoRoomError("the floor has parts that a robot cannot reach, or only through the home")
+    start = place(_MARK_CLEARANCE, (home, _START_TO_HOME))
+    foods: list[Mark] = []
+    for _ in range(difficulty.foods):
+        near = [(other, _FOOD_SPACING) for other in foods]
+        foods.append(place(_MARK_CLEARANCE, (home, _FOOD_TO_HOME), (start, _FOOD_TO_START), *near))
+    degrees = draws.whole(-179, 180)
+    upright = draws.whole(0, 1)  # the arena is then turned by a quarter
+
+    def turned(mark: Mark) -> Point:
+        x, y = mark
         return Point(float(width - y), float(x)) if upright else Point(float(x), float(y))
 
     return Arena(
         name=name,
         walls=tuple(map(turned, walls)),
-        home=turned(marks.home),
+        home=turned(home),
         home_radius=HOME_RADIUS,
-        start=Pose(*turned(marks.start), math.radians(marks.degrees + 90 * upright)),
-        foods=tuple(map(turned, marks.foods)),
+        start=Pose(*turned(start), math.radians(degrees + 90 * upright)),
+        foods=tuple(map(turned, foods)),
         obstacles=tuple(tuple(map(turned, corners)) for corners in obstacles),
     )
+
+
+def _can_be_passed(home: Mark, walls: Corners, obstacles: Sequence[Corners]) -> bool:
+    """Whether a robot can drive from everywhere to everywhere, with the home in its way and without."""
+    import shapely  # takes 0.1 s, which importing this package should not
+
+    floor = shapely.Polygon(walls).buffer(-_CLEARANCE, **_MITRE)
+    if obstacles:
+        shapes = [shapely.Polygon(corners) for corners in obstacles]
+        floor = floor.difference(shapely.union_all(shapely.buffer(shapes, _CLEARANCE, **_MITRE)))
+    past_home = [floor.difference(shapely.Point(home).buffer(distance)) for distance in _PAST_HOME]
+    return all(region.geom_type == "Polygon" for region in (floor, *past_home))
 
 
 def _whole_number(name: str, value: SupportsIndex, least: int) -> int:

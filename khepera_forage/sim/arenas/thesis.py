@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.arenas.shapes import box
 
 
 class SetUp(NamedTuple):
@@ -61,7 +60,7 @@ def thesis_arena(name: str, set_up: SetUp) -> Arena:
     middle, home = width / 2, length - set_up.home_to_wall
     return Arena(
         name=name,
-        walls=box(0, 0, length, width),
+        walls=(Point(0, 0), Point(length, 0), Point(length, width), Point(0, width)),
         home=Point(home, middle + set_up.home_aside),
         home_radius=set_up.home_radius,
         start=Pose(set_up.start_to_wall, middle + set_up.start_aside, 0.0),

@@ -16,11 +16,9 @@ DRAWS = 128
 DRAW_WHEELS, DRAW_PROXIMITY, DRAW_MARKER, DRAW_POLICY = 0, 3, 7, 12
 """The first random number of each purpose within a round."""
 DRAW_FOOD, FOOD_DRAWS = 16, 4
-"""The first number of food object 0, and how many numbers each food object has."""
+"""The first number of food object 0, and how many numbers each of `sim.arena.MOST_FOODS` food objects has."""
 DRAW_BIAS = DRAWS - 3
 """The first of three numbers that the start of an episode uses."""
-MOST_FOODS = 16
-"""Food objects that there are random numbers for."""
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)

@@ -11,10 +11,9 @@ from khepera_forage.compilation import entry
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, Motors, Senses, applicable, check_finite
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
 from khepera_forage.sim.compiled.camera import forget_tracks
 from khepera_forage.sim.compiled.moving import put_down
-from khepera_forage.sim.compiled.random import MOST_FOODS
 from khepera_forage.sim.compiled.records import (
     constants_of,
     corner_dtype,

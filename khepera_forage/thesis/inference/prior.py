@@ -14,8 +14,7 @@ from numpy.random import Generator
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import FIELDS, Decisions, Field
 
 _TRIES = 10_000
 """Draws after which no laboratory satisfies the rules that connect decisions."""
@@ -76,16 +75,15 @@ class Prior:
     noise: Mapping[str, Range]
 
     def __post_init__(self) -> None:
-        known = {field.name: Field.of(field) for field in fields(Decisions)}
         sizes = {field.name for field in fields(Noise)}
         for name in (*self.decisions, *self.noise):
-            if name not in known and name not in sizes:
+            if name not in FIELDS and name not in sizes:
                 raise ValueError(f"prior of {name!r}; allowed: fields of Decisions or Noise")
         for name, part in self.decisions.items():
             if isinstance(part, Shares):
-                _check_shares(known[name], part)
+                _check_shares(FIELDS[name], part)
             else:
-                _check_range(name, part, known[name].least, known[name].most)
+                _check_range(name, part, FIELDS[name].least, FIELDS[name].most)
         for name, part in self.noise.items():
             _check_range(name, part, 0.0, math.inf)
 
@@ -160,7 +158,7 @@ def draw_value(part: Range | Shares, rng: Generator) -> Any:
 
 
 def _whole_counts(values: Mapping[str, Any]) -> dict[str, Any]:
-    counts = {field.name for field in fields(Decisions) if Field.of(field).kind is int}
+    counts = {name for name, field in FIELDS.items() if field.kind is int}
     return {name: round(value) if name in counts else value for name, value in values.items()}
 
 

@@ -8,8 +8,7 @@ import shapely
 
 from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import copies
-from khepera_forage.sim.arenas.family import FAMILY, HOME_RADIUS, family_arena, step_limit
-from khepera_forage.sim.arenas.named import ARENAS, named_arena
+from khepera_forage.sim.arenas.named import ARENAS, FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.sim.path_lengths import longest_path
 from khepera_forage.sim.ways import check_ways, too_narrow

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +11,7 @@ from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, legend,
 from khepera_forage.experiments.page import Page, Picture
 from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.experiments.tables import Column, Table
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference import sensitivity
 from khepera_forage.thesis.inference.draw import Drawn
 from khepera_forage.thesis.inference.parameters import Parameter
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 INTERVAL = (0.5, 0.05, 0.95)
-UNITS = {field.name: Field.of(field).unit for field in fields(Decisions)} | {
+UNITS = {name: field.unit for name, field in FIELDS.items()} | {
     "placement_error": "mm",
     "placement_heading_error": "degrees",
     "position_jitter": "pixels",

@@ -1,6 +1,5 @@
 """The page of the questions to ask the author: which true values would tell us most?"""
 
-from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +8,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.experiments.page import Page
 from khepera_forage.experiments.tables import Column, Table
-from khepera_forage.task.decision_fields import Field
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference.parameters import Parameter
 from khepera_forage.thesis.inference.posterior import Posterior
 from khepera_forage.thesis.inference.summary import NAMES
@@ -101,10 +99,8 @@ def _classes(parameter: Parameter, used: NDArray[np.bool_], weights: Floats) -> 
 
 
 def _question(name: str) -> str:
-    for field in fields(Decisions):
-        if field.name == name:
-            known = Field.of(field)
-            return f"`{name}` (section {known.section}). {known.reason}"
+    if name in FIELDS:
+        return f"`{name}` (section {FIELDS[name].section}). {FIELDS[name].reason}"
     return f"`{name}`: how exactly were robots and food placed by hand, and seen by the camera?"
 
 
