@@ -4,6 +4,7 @@ import math
 
 from khepera_forage.geometry.angles import arcsine, sine, turn_to
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -44,10 +45,11 @@ def detour(raw: RawData) -> float:
     if abs(aside) >= berth:
         return 0.0
     # Past the side nearer to the food, unless the home stands against a wall there.
-    opening = turn_to(raw.home_opening, raw.home_bearing + raw.orientation)
     side = math.copysign(1.0, aside)
-    if berth - abs(aside) > _SQUARE and side * sine(opening) < -0.6:
-        side = -side
+    if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:
+        opening = turn_to(raw.home_opening, raw.home_bearing + raw.orientation)
+        if side * sine(opening) < -0.6:
+            side = -side
     return math.copysign(berth, side) - aside
 
 

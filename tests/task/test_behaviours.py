@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from khepera_forage.geometry.angles import heading_of
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
 from khepera_forage.task.perception import RawData
@@ -106,6 +108,46 @@ def test_search_drives_around_the_home_to_food_behind_it() -> None:
     raw = placed(OPEN_FLOOR, home_x=80.0, food_x=120.0)
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
     assert left != right
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("around", range(0, 360, 30))
+def test_search_passes_a_free_home_on_the_side_of_the_food(around: int, side: int) -> None:
+    """Whatever the direction: a home against a wall is passed on its open side."""
+    home_x, home_y = 200.0 + 17.0 * heading_of(around)[0], 200.0 + 17.0 * heading_of(around)[1]
+    beyond = (around + side * 10) % 360
+    raw = placed(
+        OPEN_FLOOR,
+        x=200.0,
+        y=200.0,
+        orientation=around,
+        home_x=home_x,
+        home_y=home_y,
+        home_radius=16,
+        home_opening=EVERY_SIDE,
+        food_x=200.0 + 100.0 * heading_of(beyond)[0],
+        food_y=200.0 + 100.0 * heading_of(beyond)[1],
+    )
+    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
+    assert (right - left) * side > 0
+
+
+@pytest.mark.parametrize("around", range(0, 360, 30))
+def test_avoid_home_leaves_a_free_home_by_the_shortest_way(around: int) -> None:
+    """A robot at the rim that faces out drives straight on."""
+    raw = placed(
+        OPEN_FLOOR,
+        x=200.0 + 15.0 * heading_of(around)[0],
+        y=200.0 + 15.0 * heading_of(around)[1],
+        orientation=around,
+        home_x=200.0,
+        home_y=200.0,
+        home_radius=16,
+        home_opening=EVERY_SIDE,
+    )
+    left, right, _, _ = motors_for(B.AVOID_HOME, raw)
+    assert left == pytest.approx(right)
+    assert left > 0
 
 
 def test_search_backs_off_food_that_is_too_near() -> None:
