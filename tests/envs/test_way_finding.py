@@ -54,6 +54,20 @@ def test_teacher_delivers_to_a_home_in_the_middle_of_a_hall() -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("start", "food"), [((250, 1075), (60, 1025)), ((250, 925), (58, 990))])
+def test_teacher_delivers_food_between_the_home_and_a_wall(
+    backend: str, start: tuple[float, float], food: tuple[float, float]
+) -> None:
+    env = make(replace(HALL, home=Point(170, 1000)), backend, limit=800)
+    _, info = env.reset(seed=0, options={"start": (*start, 90), "foods": [food]})
+    over = False
+    while not over:
+        _, _, terminated, truncated, info = env.step(info["correct_behaviour"])
+        over = terminated or truncated
+    assert info["delivered"] == 1
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_teacher_delivers_food_on_both_sides_of_a_door(backend: str) -> None:
     env = make(BOTH_SIDES, backend, foods=2)
     assert [delivered(env, seed) for seed in range(4)] == [2] * 4
