@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.ways import pixel_walls, way_out, ways_of
-from khepera_forage.task.arena_map import OUTSIDE, ArenaMap, Floor, whole_pixels
+from khepera_forage.sim.ways import is_home_free, pixel_walls, way_out, ways_of
+from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker, share_identified, update_food
@@ -21,14 +21,13 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 def arena_map_of(arena: Arena) -> ArenaMap:
     """What a robot knows of an arena from the beginning, in pixels."""
     x1, y1, x2, y2 = arena.bounds
-    out_x, out_y = way_out(arena)
     return ArenaMap(
         arena.home.x / MM_PER_PIXEL,
         arena.home.y / MM_PER_PIXEL,
         whole_pixels(arena.home_radius),
         arena.start.x / MM_PER_PIXEL,
         arena.start.y / MM_PER_PIXEL,
-        math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x)),
+        _home_opening(arena),
         whole_pixels(arena.diagonal),
         x1 / MM_PER_PIXEL - OUTSIDE,
         y1 / MM_PER_PIXEL - OUTSIDE,
@@ -37,6 +36,13 @@ def arena_map_of(arena: Arena) -> ArenaMap:
         pixel_walls(arena),
         ways_of(arena),
     )
+
+
+def _home_opening(arena: Arena) -> float:
+    if is_home_free(arena):
+        return EVERY_SIDE
+    out_x, out_y = way_out(arena)
+    return math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x))
 
 
 @lru_cache(maxsize=1 << 14)

@@ -102,6 +102,11 @@ def way_out(arena: Arena) -> tuple[float, float]:
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
+def is_home_free(arena: Arena) -> bool:
+    """Whether a robot can leave the home on every side, and drive all the way round it."""
+    return arena.clearance(arena.home) >= arena.home_radius + _BERTH + CLEARANCE
+
+
 def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
     """The shortest path between two places, as a robot drives it: past the home, unless that is the goal.
 

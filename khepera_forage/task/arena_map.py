@@ -7,6 +7,8 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 
 OUTSIDE = 4.0
 """Pixels by which a region may seem to lie outside its arena and still belong to it."""
+EVERY_SIDE = 360.0
+"""The opening of a home that can be left and passed on every side: no direction has this number of degrees."""
 
 
 class ArenaMap(NamedTuple):
@@ -19,7 +21,7 @@ class ArenaMap(NamedTuple):
         start_x: Where training starts.
         start_y: Where training starts.
         home_opening: Degrees from the home to the side on which it can be left and passed: to the middle of the floor,
-            or, where walls stand between, to the first waypoint towards the start.
+            or, where walls stand between, to the first waypoint towards the start. `EVERY_SIDE` where no wall is near.
         diagonal: Of the arena, whole pixels: the largest distance of 4.6.1.
         left: Smallest x of a region that belongs to it, `OUTSIDE` pixels to the left of its walls.
         bottom: Smallest y of such a region.

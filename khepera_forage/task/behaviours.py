@@ -45,6 +45,7 @@ from khepera_forage.task.decisions import (
     WANDER,
     DecisionValues,
 )
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 from khepera_forage.task.steering import clip, detour, is_home_across, steer, wander
@@ -226,9 +227,10 @@ def _go_home(raw: RawData, decisions: DecisionValues) -> Motors:
 
 def _avoid_home(raw: RawData, decisions: DecisionValues) -> Motors:
     away = raw.orientation + raw.home_bearing + 180.0
-    # Behind the home there is no way out: out means its open side.
-    out = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
-    error = turn_to(out, raw.orientation)
+    if raw.home_opening != EVERY_SIDE:
+        # Behind the home there is no way out: out means its open side.
+        away = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
+    error = turn_to(away, raw.orientation)
     blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
     if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
         # Facing the home, with what was released in front of it, a robot leaves backwards.

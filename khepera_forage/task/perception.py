@@ -33,7 +33,7 @@ class RawData(NamedTuple):
         home_x: Centre of its home.
         home_y: Centre of its home.
         home_radius: Of its home.
-        home_opening: Degrees from the home to the middle of the floor.
+        home_opening: Degrees from the home to its open side, or `EVERY_SIDE`, see `ArenaMap`.
         wall_distance: To the nearest wall, which the robot is kept off by the camera (3.4).
         wall_bearing: Of the nearest point of that wall from the heading, -180..180, left positive.
         home_distance: To the centre of its home.

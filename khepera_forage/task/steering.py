@@ -2,8 +2,9 @@
 
 import math
 
-from khepera_forage.geometry.angles import arcsine, sine, turn_to
+from khepera_forage.geometry.angles import arcsine, bearing_of, turn_to
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_TIP, FOOD_RADIUS, MAX_SPEED
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -43,11 +44,12 @@ def detour(raw: RawData) -> float:
     berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
     if abs(aside) >= berth:
         return 0.0
-    # Past the side nearer to the food, unless the home stands against a wall there.
-    opening = turn_to(raw.home_opening, raw.home_bearing + raw.orientation)
     side = math.copysign(1.0, aside)
-    if berth - abs(aside) > _SQUARE and side * sine(opening) < -0.6:
-        side = -side
+    if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:
+        # Past the open side of the home, which may stand against a wall. Every robot on that way finds the same side.
+        robot = turn_to(bearing_of(raw.x - raw.home_x, raw.y - raw.home_y), raw.home_opening)
+        food = turn_to(bearing_of(raw.food_way_x - raw.home_x, raw.food_way_y - raw.home_y), raw.home_opening)
+        side = math.copysign(1.0, robot - food)
     return math.copysign(berth, side) - aside
 
 

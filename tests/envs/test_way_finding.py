@@ -14,7 +14,7 @@ from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.ways import shortest_path
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.sim.test_ways import BLOCK, CLOSED, DOOR, L_ROOM, WINDING
+from tests.sim.test_ways import BLOCK, CLOSED, DOOR, HALL, L_ROOM, WINDING
 
 BACKENDS = ["pymunk", "compiled"]
 BOTH_SIDES = replace(DOOR, name="both_sides", foods=(Point(600, 150), Point(200, 700)))
@@ -46,6 +46,25 @@ def test_teacher_delivers_around_corners_in_compiled_worlds(arena: Arena, food_t
 def test_teacher_delivers_around_corners_on_pymunk(arena: Arena, food_type: str) -> None:
     env = make(arena, food_types=food_type)
     assert sum(delivered(env, seed) for seed in range(12)) >= 11
+
+
+def test_teacher_delivers_to_a_home_in_the_middle_of_a_hall() -> None:
+    recalls = run_teacher(HALL, 500, seed=1, foods=3, limit=2000)
+    assert recalls.delivered.sum() >= 0.98 * 1500
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("start", "food"), [((250, 1075), (60, 1025)), ((250, 925), (58, 990))])
+def test_teacher_delivers_food_between_the_home_and_a_wall(
+    backend: str, start: tuple[float, float], food: tuple[float, float]
+) -> None:
+    env = make(replace(HALL, home=Point(170, 1000)), backend, limit=800)
+    _, info = env.reset(seed=0, options={"start": (*start, 90), "foods": [food]})
+    over = False
+    while not over:
+        _, _, terminated, truncated, info = env.step(info["correct_behaviour"])
+        over = terminated or truncated
+    assert info["delivered"] == 1
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -3,8 +3,10 @@
 import math
 
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely import affinity
 
 from khepera_forage.geometry.walls import clearance, walls_of
 from khepera_forage.robots.footprint import (
@@ -64,6 +66,40 @@ def test_gripper_is_not_free_with_a_corner_in_an_obstacle(ahead: float, side: in
     x, y = 612.0 - ahead, 500.0 - side * GRIPPER_HALF_WIDTH
     assert not gripper_is_free(x, y, 0.0, 0.0, walls)
     assert gripper_is_free(x - 2 * FINGER_TIP, y, 0.0, 0.0, walls)
+
+
+@pytest.mark.parametrize("margin", [0.0, 5.0])
+@pytest.mark.parametrize("heading", [0.0, 0.4, 2.0, -1.3])
+@pytest.mark.parametrize(
+    "ends",
+    [
+        ((20, 75), (95, 0)),
+        ((95, 0), (20, -75)),
+        ((56, 80), (56, -80)),
+        ((0, 52), (80, -48)),
+        ((36, 50), (36, -50)),
+    ],
+    ids=["left finger", "right finger", "both", "palm and right finger", "palm"],
+)
+def test_gripper_is_not_free_with_a_thin_wall_across_it(
+    ends: tuple[tuple[float, float], ...], heading: float, margin: float
+) -> None:
+    """All corners of the gripper, and both ends of the wall, are free."""
+    cosine, sine = math.cos(heading), math.sin(heading)
+    near, far = ((500 + u * cosine - v * sine, 500 + u * sine + v * cosine) for u, v in ends)
+    thin = near, far, (far[0] + 0.5, far[1] + 0.5)
+    walls = walls_of((((0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)), thin))
+    assert not gripper_is_free(500.0, 500.0, heading, margin, walls)
+
+
+@given(enclosures, places, HEADINGS)
+@PROPERTY
+def test_free_gripper_touches_no_wall(enclosure: Enclosure, place: Place, heading: float) -> None:
+    if gripper_is_free(*place, heading, 0.0, walls_of(enclosure.polygons)):
+        shrunken = shapely.box(JAW_ROOT, -GRIPPER_HALF_WIDTH, FINGER_TIP, GRIPPER_HALF_WIDTH).buffer(-1e-6)
+        turned = affinity.rotate(shrunken, heading, origin=(0, 0), use_radians=True)
+        gripper = affinity.translate(turned, *place)
+        assert not any(gripper.intersects(shapely.LinearRing(polygon)) for polygon in enclosure.polygons)
 
 
 @given(enclosures, places, HEADINGS, MARGINS)

@@ -16,6 +16,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.ways import (
     CLEARANCE,
     check_ways,
+    is_home_free,
     pixel_walls,
     shortest_path,
     too_narrow,
@@ -42,6 +43,9 @@ L_ROOM = Arena(
     Pose(575, 600, -math.pi / 2),
     (Point(575, 200),),
 )
+HALL = Arena(
+    "hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),)
+)
 WINDING = [BLOCK, DOOR, L_ROOM]
 
 
@@ -57,6 +61,15 @@ def test_ways_of_an_arena_without_inward_corners_are_straight(arena: Arena) -> N
     assert too_narrow(arena) == []
     x1, y1, x2, y2 = arena.bounds
     assert way_out(arena) == ((x1 + x2) / 2, (y1 + y2) / 2)
+
+
+def test_home_is_free_where_a_robot_can_drive_all_the_way_round_it() -> None:
+    assert is_home_free(HALL)
+    assert not any(map(is_home_free, [CORRIDOR, RECTANGLE, ROOM, L_ROOM]))
+    room = HALL.home_radius + 20.0 + CLEARANCE
+    assert is_home_free(replace(HALL, home=Point(room, 1000)))
+    assert not is_home_free(replace(HALL, home=Point(room - 1.0, 1000)))
+    assert not is_home_free(replace(HALL, obstacles=(box(1000 + room - 1.0, 990, 20, 20),)))
 
 
 def test_shortest_path_goes_round_a_corner() -> None:

@@ -6,11 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from khepera_forage.geometry.angles import heading_of, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
+from khepera_forage.task.steering import detour, is_home_across
 from tests.task.raw_data import OPEN_FLOOR, placed, raw_data
 from tests.version_0_1 import VALUES
 
@@ -106,6 +109,75 @@ def test_search_drives_around_the_home_to_food_behind_it() -> None:
     raw = placed(OPEN_FLOOR, home_x=80.0, food_x=120.0)
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
     assert left != right
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("around", range(0, 360, 30))
+def test_search_passes_a_free_home_on_the_side_of_the_food(around: int, side: int) -> None:
+    """Whatever the direction: a home against a wall is passed on its open side."""
+    home_x, home_y = 200.0 + 17.0 * heading_of(around)[0], 200.0 + 17.0 * heading_of(around)[1]
+    beyond = (around + side * 10) % 360
+    raw = placed(
+        OPEN_FLOOR,
+        x=200.0,
+        y=200.0,
+        orientation=around,
+        home_x=home_x,
+        home_y=home_y,
+        home_radius=16,
+        home_opening=EVERY_SIDE,
+        food_x=200.0 + 100.0 * heading_of(beyond)[0],
+        food_y=200.0 + 100.0 * heading_of(beyond)[1],
+    )
+    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
+    assert (right - left) * side > 0
+
+
+@pytest.mark.parametrize("behind", [-30, -10, -1, 1, 10, 30])
+@pytest.mark.parametrize("start", range(-140, 141, 20))
+def test_search_keeps_its_side_of_the_home_on_the_way_to_food_behind_it(start: int, behind: int) -> None:
+    """Past the open side, which is to the right here. Robots turned to and fro where two rules met."""
+    food = (180 + behind) % 360
+    food_x, food_y = 200.0 + 26.0 * heading_of(food)[0], 200.0 + 26.0 * heading_of(food)[1]
+    around, steps = start, 0
+    while True:
+        x, y = 200.0 + 17.0 * heading_of(around % 360)[0], 200.0 + 17.0 * heading_of(around % 360)[1]
+        raw = placed(
+            OPEN_FLOOR,
+            x=x,
+            y=y,
+            home_x=200.0,
+            home_y=200.0,
+            home_radius=16,
+            home_opening=0.0,
+            food_x=food_x,
+            food_y=food_y,
+        )
+        if not is_home_across(raw) or detour(raw) == 0.0:
+            break
+        # Which way round the home the robot drives: counter-clockwise if it has the home on its left.
+        around += 2 if turn_to(raw.food_bearing + detour(raw), raw.home_bearing) < 0.0 else -2
+        steps += 2
+        assert steps < 360
+    assert abs(around) < 180, "not behind the home"
+
+
+@pytest.mark.parametrize("around", range(0, 360, 30))
+def test_avoid_home_leaves_a_free_home_by_the_shortest_way(around: int) -> None:
+    """A robot at the rim that faces out drives straight on."""
+    raw = placed(
+        OPEN_FLOOR,
+        x=200.0 + 15.0 * heading_of(around)[0],
+        y=200.0 + 15.0 * heading_of(around)[1],
+        orientation=around,
+        home_x=200.0,
+        home_y=200.0,
+        home_radius=16,
+        home_opening=EVERY_SIDE,
+    )
+    left, right, _, _ = motors_for(B.AVOID_HOME, raw)
+    assert left == pytest.approx(right)
+    assert left > 0
 
 
 def test_search_backs_off_food_that_is_too_near() -> None:
