@@ -1,11 +1,11 @@
 """Records: a class of plain fields, and the numpy dtype of the same fields for compiled worlds.
 
-A rule that remembers something takes records. In Python these are instances of slotted dataclasses; in compiled code they
-are elements of numpy structured arrays, whose fields numba reads and writes by name. Each kind of record is declared
-once, as a class, and `dtype_of` derives the dtype.
+A rule that remembers something takes records. In Python these are instances of slotted dataclasses; in compiled code
+they are elements of numpy structured arrays, whose fields numba reads and writes by name. Each kind of record is
+declared once, as a class, and `dtype_of` derives the dtype.
 """
 
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any, get_args, get_origin
 
 import numpy as np
@@ -17,15 +17,13 @@ def dtype_of(kind: type) -> np.dtype[Any]:
     """The dtype of a record class.
 
     Args:
-        kind: A dataclass or a named tuple. Fields that are numbers, flags, records of their own, tuples of numbers of one
+        kind: A dataclass or a named tuple. Fields that are numbers, flags, records of their own, tuples of numbers of
+        one
             kind, or lists of as many numbers as their default has, become fields of the dtype. Others, such as lists of
             records, are left out: compiled worlds keep them in arrays of their own.
     """
     if is_dataclass(kind):
-        known = [
-            (field.name, field.type, len(field.default_factory()) if _is_list_of_numbers(field) else 0)
-            for field in fields(kind)
-        ]
+        known = [(field.name, field.type, _length(field)) for field in fields(kind)]
     else:
         known = [(name, annotation, 0) for name, annotation in kind.__annotations__.items()]
     parts: list[Any] = []
@@ -43,6 +41,7 @@ def dtype_of(kind: type) -> np.dtype[Any]:
     return np.dtype(parts, align=True)
 
 
-def _is_list_of_numbers(field: Any) -> bool:
+def _length(field: Any) -> int:
+    """How many numbers the list has that a field holds by default; 0 for other fields."""
     numbers = get_origin(field.type) is list and get_args(field.type)[0] in _KINDS
-    return numbers and field.default_factory is not MISSING
+    return len(field.default_factory()) if numbers else 0

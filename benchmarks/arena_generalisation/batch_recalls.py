@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from khepera_forage.envs.compiled.results import Results
 from numpy.typing import NDArray
 
 from arena_generalisation.decision_table import DecisionTable
 from arena_generalisation.recall_arenas import RecallArena
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.results import Results
 from khepera_forage.task.states import FoodType, StateVector
 
 _DISTANCES = [name in ("robot_home_distance", "robot_food_distance") for name in StateVector._fields]

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 from gymnasium.vector.utils import batch_space
-from numpy.typing import NDArray
-
 from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
+from numpy.typing import NDArray
 
 Arrays = dict[str, Any]
 """Observations or infos of a vector environment: arrays with one element a world, infos also dicts of them."""

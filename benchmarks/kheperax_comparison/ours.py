@@ -3,18 +3,18 @@
 from time import perf_counter
 
 import numpy as np
+from khepera_forage.compilation.threads import BLOCKS_A_THREAD, threads_for
+from khepera_forage.sim.compiled.bodies import empty_bodies
+from khepera_forage.sim.compiled.parameters import parameters_of
+from khepera_forage.sim.compiled.start import stand_in_blocks
+from khepera_forage.sim.compiled.stepping import advance_all
 from numpy.typing import NDArray
 
-from khepera_forage.compilation.threads import BLOCKS_A_THREAD, threads_for
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, MAX_SPEED
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.compiled.bodies import empty_bodies
-from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.start import stand_in_blocks
-from khepera_forage.sim.compiled.stepping import advance_all
 from kheperax_comparison.theirs import Timed
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TIMING, Work
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.arena_settings import procedural_settings
-from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
 from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena

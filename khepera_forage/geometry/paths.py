@@ -5,8 +5,8 @@ floor, with room for a robot that turns with food in its gripper, and the length
 known. The functions here look up, in every round, which waypoint comes next. An arena without such corners, like those
 of the thesis, has no waypoints, and every way is straight.
 
-Robots count in pixels. Walls are `geometry.walls.Wall` records. Lengths from all waypoints to one place are an array with
-one number a waypoint.
+Robots count in pixels. Walls are `geometry.walls.Wall` records. Lengths from all waypoints to one place are an array
+with one number a waypoint.
 """
 
 import math
@@ -147,7 +147,7 @@ def is_blocked(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: W
     for k in range(len(walls)):
         if _is_crossed(x, y, to_x, to_y, walls[k]):
             return True
-    for k in range(len(ways.corners)):
+    for k in range(len(ways.corners)):  # noqa: SIM110 (numba compiles no generator expressions)
         if _is_passed_closely(x, y, to_x, to_y, ways.corners[k], walls, ways):
             return True
     return False

@@ -37,6 +37,7 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     Motors,
 )
+from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.decisions import (
     AS_IT_IS,
     BACK_OFF,
@@ -45,7 +46,6 @@ from khepera_forage.task.decisions import (
     WANDER,
     DecisionValues,
 )
-from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 from khepera_forage.task.steering import clip, detour, is_home_across, steer, wander

@@ -3,17 +3,17 @@
 from typing import Any
 
 import numpy as np
-
 from khepera_forage.compilation.threads import threads_for
+from khepera_forage.sim.compiled.bodies import empty_bodies
+from khepera_forage.sim.compiled.parameters import parameters_of
+from khepera_forage.sim.compiled.start import stand_in_blocks
+from khepera_forage.sim.compiled.stepping import advance_all
+
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, Motors
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.bodies import empty_bodies
-from khepera_forage.sim.compiled.parameters import parameters_of
 from khepera_forage.sim.compiled.records import LANES
-from khepera_forage.sim.compiled.start import stand_in_blocks
-from khepera_forage.sim.compiled.stepping import advance_all
 from tests.version_0_1 import TIMING
 
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import numba
 import numpy as np
+from khepera_forage.compilation.trigonometry import cosine_sine, direction
+from khepera_forage.sim.compiled.numbers import lower, normal, upper
 from scipy import stats
 
-from khepera_forage.compilation.trigonometry import cosine_sine, direction
 from khepera_forage.counter_rng import key_of, keys_of, random_bits
 from khepera_forage.geometry import angles
-from khepera_forage.sim.compiled.numbers import lower, normal, upper
 
 
 @numba.njit

@@ -8,6 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from khepera_forage.sim.compiled.near_walls import empty_lists
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of, keys_of
@@ -16,7 +17,6 @@ from khepera_forage.envs.compiled import prepared_arenas
 from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls, run_teacher
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
-from khepera_forage.sim.compiled.near_walls import empty_lists
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
 from tests.arenas import BLOCKS, HALL, L_ROOM, POOL

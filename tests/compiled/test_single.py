@@ -11,9 +11,9 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
+from khepera_forage.envs.compiled.single_envs import CompiledBehavioursEnv, CompiledWheelsEnv
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.compiled.single_envs import CompiledBehavioursEnv, CompiledWheelsEnv
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable

@@ -6,6 +6,7 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from khepera_forage.sim.compiled.numbers import MOST_FOODS
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import (
@@ -20,7 +21,6 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.proximity import clean_readings
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.compiled.numbers import MOST_FOODS
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from khepera_forage.geometry.known_ways import StraightWay, is_known_clear, room_beside
+from khepera_forage.geometry.straight_ways import is_clear
 
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.known_ways import StraightWay, is_known_clear, room_beside
 from khepera_forage.geometry.paths import KEPT, has_path, next_waypoint
-from khepera_forage.geometry.straight_ways import is_clear
 from khepera_forage.geometry.walls import clearance
 from khepera_forage.sim.arena import Arena
 from tests.arenas import BLOCKS, L_ROOM

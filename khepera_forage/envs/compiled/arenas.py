@@ -1,8 +1,8 @@
 """Arenas and settings as compiled worlds read them.
 
-An arena is a block of bytes, prepared once: its numbers, walls, corners, waypoints and the lengths of paths. The blocks of
-all arenas of a batch follow one another, and each world has the place of its own. What all worlds of a batch share is one
-record, which is read at run time: other decisions or another noise compile nothing.
+An arena is a block of bytes, prepared once: its numbers, walls, corners, waypoints and the lengths of paths. The
+blocks of all arenas of a batch follow one another, and each world has the place of its own. What all worlds of a
+batch share is one record, which is read at run time: other decisions or another noise compile nothing.
 """
 
 from collections.abc import Callable
@@ -55,8 +55,7 @@ arena_dtype = np.dtype(
         *((f"ways_{name}", "f8") for name in _WAYS),
     ]
 )
-"""The numbers of one arena: how many walls, corners and waypoints there are, where the robots' cables hang from, and the
-fields of `ArenaMap` (pixels), `Floor` (mm) and `Ways` that are numbers."""
+"""The numbers of one arena: counts of walls, corners and waypoints, where cables hang from, and the fields of `ArenaMap` (pixels), `Floor` (mm) and `Ways` that are numbers."""
 _way_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
 _ARENA, _WALL, _POINT, _CORNER, _SPOT = (
     kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _way_corner_dtype, _spot_dtype)
@@ -225,7 +224,11 @@ def settings_of(
     record["constants"] = constants_of(checked_noise(noise), timing_of(decisions), wheel_speed)
     values: Any = decisions.values()
     record["decisions"] = np.array([tuple(values)], decisions_dtype)
-    record["odds"], record["limit"], record["holes"] = food_odds(food_types), whole_number("limit", limit, 1), holes
+    record["odds"], record["limit"], record["holes"] = (
+        food_odds(food_types),
+        whole_number("limit", limit, 1),
+        holes,
+    )
     return record
 
 
@@ -244,9 +247,7 @@ class PreparedArenas:
     _MOST_BYTES = 1 << 27
     """Bytes of blocks above which arenas that no world is in are forgotten."""
 
-    def __init__(
-        self, pool: ArenaPool, prepare: Callable[[Arena], NDArray[np.uint8]] = arena_block
-    ) -> None:
+    def __init__(self, pool: ArenaPool, prepare: Callable[[Arena], NDArray[np.uint8]] = arena_block) -> None:
         self._pool, self._prepare = pool, prepare
         self._place_of: dict[int, int] = {}
         self._numbers: dict[int, int] = {}
@@ -262,11 +263,6 @@ class PreparedArenas:
     def arena(self, place: int) -> Arena:
         """The arena whose block is at this place."""
         return self._pool[self._numbers[place]]
-
-    def numbers_at(self, places: NDArray[np.int64]) -> NDArray[Any]:
-        """The numbers (`arena_dtype`) of the arenas at these places."""
-        rows = self._memory[places[:, None] + np.arange(_ARENA)]
-        return rows.view(arena_dtype)[:, 0]
 
     def places(self, numbers: NDArray[Any]) -> NDArray[np.int64]:
         """Places of the arenas with these numbers in the pool. New arenas are prepared.

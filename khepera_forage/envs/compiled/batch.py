@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import key_of, keys_of
@@ -35,8 +35,8 @@ _LEAST = 512
 class Shown:
     """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
 
-    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`; `type_in_gripper`
-    is the food type of the raw data.
+    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`;
+    `type_in_gripper` is the food type of the raw data.
     """
 
     reward: float = 0.0
@@ -121,7 +121,8 @@ class CompiledBatch:
     @property
     def bytes_per_world(self) -> int:
         """Memory of a world."""
-        return sum(part.nbytes for part in self.worlds) // self.num_worlds
+        return int(sum(part.nbytes for part in self.worlds)) // self.num_worlds
+
     @property
     def arenas(self) -> list[Arena]:
         """The arena in which each world is."""

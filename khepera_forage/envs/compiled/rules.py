@@ -1,4 +1,4 @@
-"""Makes the rules of the task known to numba, as they stand: compiled worlds execute the functions that Python calls."""
+"""Makes the rules of the task known to numba: compiled worlds execute the functions that Python calls."""
 
 import inspect
 

@@ -1,8 +1,8 @@
 """One round of one compiled world at its task.
 
-A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.step.advance` moves the bodies, senses and
-takes a frame; `_perceive` calls the rules of `task`; `end_step` accounts for the round. `begin` starts an episode, whose
-first frame is taken by the first round.
+A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.step.advance` moves the bodies, senses
+and takes a frame; `_perceive` calls the rules of `task`; `end_step` accounts for the round. `begin` starts an
+episode, whose first frame is taken by the first round.
 """
 
 import math

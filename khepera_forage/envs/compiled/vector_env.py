@@ -207,7 +207,7 @@ def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_
 
 
 def pose_of(shown: NDArray[Any]) -> NDArray[np.float64]:
-    """x and y in pixels and orientation in degrees, one row a world."""
+    """X and y in pixels and orientation in degrees, one row a world."""
     return np.stack([shown[name] for name in ("x", "y", "orientation")], axis=1)
 
 

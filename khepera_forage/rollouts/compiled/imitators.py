@@ -12,6 +12,8 @@ from khepera_forage.policies.nearest_neighbour.distance import rounded_distance,
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
 from khepera_forage.policies.nearest_neighbour.votes import clear, draw_label, nearest_votes, search_plane
 
+__all__ = ["clear", "confidence_levels", "draw_label", "nearest_votes"]
+
 _FEW = 16
 """Values among which looking at one after the other is faster than halving."""
 

@@ -306,18 +306,16 @@ def _decide(world: World, diagonal: float, decisions: Any, memories: Memories, p
         policy: The `_Policy` record; changed in place.
     """
     forager, robot = world.foragers[0], world.robots[0]
-    behaviour = forager.state  # states and behaviours correspond one to one (4.4.1)
+    behaviour = int(forager.state)  # states and behaviours correspond one to one (4.4.1)
     if policy.number != TEACHER:
         chance = upper(draw(robot, DRAW_POLICY))
         if policy.number == UNIFORM:
             behaviour = int(chance * BEHAVIOURS)
         elif policy.number == WITHOUT_ORIENTING:
-            behaviour = _SEARCH_FOR_FOOD if forager.state == _NEXT_TO_FOOD else forager.state
+            behaviour = _SEARCH_FOR_FOOD if forager.state == _NEXT_TO_FOOD else int(forager.state)
         else:
             behaviour = _imitate(forager.vector, int(diagonal), decisions, memories, policy, chance)
-    count_decision(
-        policy.counts, forager.state, behaviour, forager.vector.robot_food_distance, decisions
-    )
+    count_decision(policy.counts, forager.state, behaviour, forager.vector.robot_food_distance, decisions)
     return behaviour
 
 

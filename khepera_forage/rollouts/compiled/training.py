@@ -235,10 +235,24 @@ def _train(
             key = random_bits(keys[number], k)
             _begin(attempt)
             room = _put_on_marks(
-                teacher, teacher_arena, teacher_settings[0], 0, key, teacher_mark[0], teacher_food_marks, attempt
+                teacher,
+                teacher_arena,
+                teacher_settings[0],
+                0,
+                key,
+                teacher_mark[0],
+                teacher_food_marks,
+                attempt,
             )
             room = room and _put_on_marks(
-                learner, learner_arena, learner_settings[0], 1, key, learner_mark[0], learner_food_marks, attempt
+                learner,
+                learner_arena,
+                learner_settings[0],
+                1,
+                key,
+                learner_mark[0],
+                learner_food_marks,
+                attempt,
             )
             free[number] = free[number] and room
             ended = False
@@ -367,6 +381,4 @@ def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, beha
 @rule
 def _is_done(world: World, home_radius: float, decisions: Any) -> bool:
     forager = world.foragers[0]
-    return bool(
-        has_done_its_part(forager.tracker, world.objects, forager.vector, home_radius, decisions)
-    )
+    return bool(has_done_its_part(forager.tracker, world.objects, forager.vector, home_radius, decisions))

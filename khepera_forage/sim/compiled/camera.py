@@ -1,4 +1,4 @@
-"""The overhead camera: what each frame shows of robots and food (see `vision.simulated_camera`), and the tracks of food.
+"""The overhead camera: what each frame shows (see `vision.simulated_camera`), and the tracks of food.
 
 Each robot has the only marker of its kind, so its track never ends. Food becomes tracks by the rule of
 `vision.association`.
@@ -154,7 +154,7 @@ def _look_at_food(
     detection.x = detection.first_x = x
     detection.y, detection.first_y = y, y + FOOD_RADIUS_PX
     detection.holes = 0
-    return 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
+    return bool(0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT)
 
 
 @rule
@@ -164,7 +164,7 @@ def _is_under_cable(food: Any, robot: Any, anchor_x: float, anchor_y: float) -> 
     dx, dy = food.x - anchor_x, food.y - anchor_y
     t = min(1.0, max(0.0, (dx * to_x + dy * to_y) / max(to_x * to_x + to_y * to_y, 1e-9)))
     dx, dy = dx - t * to_x, dy - t * to_y
-    return dx * dx + dy * dy <= FOOD_RADIUS * FOOD_RADIUS
+    return bool(dx * dx + dy * dy <= FOOD_RADIUS * FOOD_RADIUS)
 
 
 @rule

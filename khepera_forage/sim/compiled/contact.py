@@ -1,11 +1,12 @@
 """Rounds in which a robot touches something, step by step: walls turn it or hold it back, and it pushes food.
 
-Positions are corrected; no forces are integrated. Overlapping bodies are moved apart at once: food yields to robots, and
-all yield to walls. The wheels resist a shift with 0.6 of the robot's weight, and a turn with the same force at the wheels.
-So a wall that touches a point further than half a wheel base aside of the robot's middle turns the robot, and a wall that
-touches a nearer point shifts it. Another robot is an obstacle like a wall. A robot stays where it is if the food before it
-cannot move. A finger drags food along by friction, which keeps food before a closed jaw while the robot turns a little.
-Pushed food stops with the robot: at friction 0.3 it would slide on by 1 mm from the fastest push.
+Positions are corrected; no forces are integrated. Overlapping bodies are moved apart at once: food yields to robots,
+and all yield to walls. The wheels resist a shift with 0.6 of the robot's weight, and a turn with the same force at
+the wheels. So a wall that touches a point further than half a wheel base aside of the robot's middle turns the robot,
+and a wall that touches a nearer point shifts it. Another robot is an obstacle like a wall. A robot stays where it is
+if the food before it cannot move. A finger drags food along by friction, which keeps food before a closed jaw while
+the robot turns a little. Pushed food stops with the robot: at friction 0.3 it would slide on by 1 mm from the fastest
+push.
 """
 
 import math
@@ -282,7 +283,7 @@ def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn
 @rule
 def _is_held(robots: Any, k: int) -> bool:
     """Whether any robot has a food object between its fingers."""
-    for j in range(len(robots)):
+    for j in range(len(robots)):  # noqa: SIM110 (numba compiles no generator expressions)
         if robots[j].held == k:
             return True
     return False

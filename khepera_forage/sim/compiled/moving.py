@@ -92,12 +92,16 @@ def move(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: A
 
     # A jaw that holds food closes no further. One that opens and releases food is moved step by step.
     opens = robot.held >= 0 and robot.jaw_target > robot.jaw
-    jaw = robot.jaw if robot.held >= 0 else _towards(robot.jaw_target, robot.jaw, constants.jaw_speed * duration)
+    jaw = (
+        robot.jaw
+        if robot.held >= 0
+        else _towards(robot.jaw_target, robot.jaw, constants.jaw_speed * duration)
+    )
     moves = travel != 0.0 or jaw != robot.jaw
     near_food = _is_near_food(robots, i, foods, travel)
     near_wall = _is_near_wall(robot, walls, travel, near_food)
-    # Chipmunk moves bodies by the speed of the step before. So where `PymunkWorld` needs physics, near walls and food, a
-    # robot changes its speed one physics step late: 20 ms, or less near a wall, where steps are finer.
+    # Chipmunk moves bodies by the speed of the step before. So where `PymunkWorld` needs physics, near walls and
+    # food, a robot changes its speed one physics step late: 20 ms, or less near a wall, where steps are finer.
     lag = 0.0
     if moves and (near_wall or near_food):
         lag = 1.0 / (max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if near_wall else float(SUBSTEPS))

@@ -55,7 +55,7 @@ register_jitable(counter_rng.standard_normal)
 
 
 @rule
-def draw(robot: Any, number: int) -> np.uint64:
+def draw(robot: Any, number: int) -> Any:
     """64 random bits of this round."""
     return counter_rng.random_bits(robot.key, robot.round * _DRAWS + np.uint64(number))
 

@@ -16,6 +16,8 @@ from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.sim.world import Timing
 from khepera_forage.vision.association import Track
 
+_0 = np.uint64(0)
+
 
 @dataclass(slots=True)
 class RobotState:
@@ -89,8 +91,8 @@ class RobotState:
     first_frame: bool = False
     next_label: int = 0
     holes: int = 1
-    key: np.uint64 = np.uint64(0)
-    round: np.uint64 = np.uint64(0)
+    key: np.uint64 = _0
+    round: np.uint64 = _0
     proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
 
 

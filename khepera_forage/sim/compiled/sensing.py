@@ -114,14 +114,12 @@ def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float) 
 
 
 @rule
-def _measured(clean: float, hidden: bool, constants: Any, uniform: float) -> float:
+def _measured(clean: float, hidden: bool, constants: Any, uniform: float) -> int:
     """A reading as a robot reports it, see `robots.proximity.reported_readings`."""
     if hidden:
-        return math.floor(
-            _HIDDEN_LOW + _HIDDEN_VALUES * (uniform if constants.proximity_gain > 0.0 else 0.5)
-        )
+        return math.floor(_HIDDEN_LOW + _HIDDEN_VALUES * (uniform if constants.proximity_gain > 0.0 else 0.5))
     reading = min(clean * (1.0 + constants.proximity_gain * (2.0 * uniform - 1.0)), float(MAX_READING))
     floor = constants.proximity_floor
     if reading <= floor and floor > 0.0:
         reading = (floor + 1.0) * uniform
-    return math.floor(reading)
+    return math.floor(float(reading))

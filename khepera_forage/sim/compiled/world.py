@@ -105,9 +105,7 @@ class CompiledCamera:
             if label >= 0:
                 edge = not in_picture(x, y, FOOD_RADIUS_PX, FOOD_RADIUS_PX)
                 label += len(self._robots)
-                regions.append(
-                    Region(label, x, y, 0, 0, found, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES)
-                )
+                regions.append(Region(label, x, y, 0, 0, found, edge, x, y + FOOD_RADIUS_PX, *FOOD_FEATURES))
         return Scene(tuple(regions))
 
 
