@@ -55,7 +55,8 @@ arena_dtype = np.dtype(
         *((f"ways_{name}", "f8") for name in _WAYS),
     ]
 )
-"""The numbers of one arena: counts of walls, corners and waypoints, where cables hang from, and the fields of `ArenaMap` (pixels), `Floor` (mm) and `Ways` that are numbers."""
+"""The numbers of one arena: counts of walls, corners and waypoints, where cables hang from, and the numbers of `ArenaMap`
+(pixels), `Floor` (mm) and `Ways`."""
 _way_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
 _ARENA, _WALL, _POINT, _CORNER, _SPOT = (
     kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _way_corner_dtype, _spot_dtype)
