@@ -1,20 +1,51 @@
-"""Many compiled worlds of bodies, for tests: blocks of records and the kernels of `sim.compiled.stepping`."""
+"""Many compiled worlds of bodies, for tests."""
 
 from typing import Any
 
 import numpy as np
-from khepera_forage.compilation.threads import threads_for
-from khepera_forage.sim.compiled.bodies import empty_bodies
-from khepera_forage.sim.compiled.parameters import parameters_of
-from khepera_forage.sim.compiled.start import stand_in_blocks
-from khepera_forage.sim.compiled.stepping import advance_all
 
+from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, Motors
+from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.sim.compiled.camera import forget_tracks
+from khepera_forage.sim.compiled.moving import put_down
+from khepera_forage.sim.compiled.records import (
+    constants_of,
+    corner_dtype,
+    detection_dtype,
+    food_dtype,
+    robot_dtype,
+    track_dtype,
+    wall_dtype,
+)
+from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.layout_checks import cable_anchor
 from tests.version_0_1 import TIMING
+
+
+@entry
+def _advance(
+    first: int,
+    last: int,
+    robots: Any,
+    foods: Any,
+    tracks: Any,
+    detections: Any,
+    walls: Any,
+    corners: Any,
+    anchor: Any,
+    constants: Any,
+    starts: Any,
+) -> None:
+    for i in range(first, last):
+        if len(starts) > 0:
+            put_down(robots[i, 0], starts[i, 0], starts[i, 1], starts[i, 2], constants[0])
+            forget_tracks(foods[i], tracks[i])
+        anchor_x, anchor_y = anchor[0], anchor[1]
+        world = robots[i], foods[i], tracks[i], detections[i]
+        advance(world[0], world[1], world[2], world[3], walls, corners, anchor_x, anchor_y, constants[0])
 
 
 class ManyWorlds:
@@ -25,52 +56,55 @@ class ManyWorlds:
         worlds: How many.
         foods: Food objects in each.
         noise: By default `Noise.laboratory()`.
-        lanes: Worlds in a block.
     """
 
-    def __init__(
-        self, arena: Arena, worlds: int, foods: int = 1, noise: Noise | None = None, lanes: int = LANES
-    ) -> None:
-        self.worlds, self.foods = worlds, foods
-        self._shape = -(-worlds // lanes), lanes
-        self._parameters = parameters_of(arena, foods, noise, holes=2, timing=TIMING)
-        self.bodies = empty_bodies(self._shape[0], foods, lanes)
+    def __init__(self, arena: Arena, worlds: int, foods: int = 1, noise: Noise | None = None) -> None:
+        self.worlds = worlds
+        self._walls = np.array(list(map(tuple, arena.wall_records)), wall_dtype)
+        self._corners = np.array([corner[:2] for corner in arena.corners], corner_dtype)
+        self._anchor = np.array(cable_anchor([arena]))
+        self._constants = constants_of(noise or Noise.laboratory(), TIMING)
+        self.robots = np.zeros((worlds, 1), robot_dtype)
+        self.robots["holes"] = 2
+        self.foods = np.zeros((worlds, foods), food_dtype)
+        self._tracks = np.zeros((worlds, 2 * foods), track_dtype)
+        self.detections = np.zeros((worlds, foods), detection_dtype)
 
     def reset(self, seed: int, starts: Any, foods: Any) -> None:
         """Put everything in its place: poses (worlds, 3) or (3,), food places (worlds, foods, 2) or (foods, 2)."""
-        robots, count = self.bodies.robots, self._shape[0] * self._shape[1]
-        robots["key"] = keys_of(np.uint64(seed) + np.arange(count, dtype=np.uint64)).reshape(self._shape)
-        robots["round"] = 0
-        poses = np.empty((count, 3))
-        poses[: self.worlds], poses[self.worlds :] = starts, np.reshape(starts, (-1, 3))[-1]
-        stand_in_blocks(self.bodies, self._parameters, poses)
-        places = np.empty((count, self.foods, 2))
-        places[: self.worlds], places[self.worlds :] = foods, np.reshape(foods, (-1, self.foods, 2))[-1]
-        for n, name in enumerate(("x", "y")):
-            self.bodies.foods[name] = places[..., n].reshape(*self._shape, self.foods).transpose(0, 2, 1)
-        self.advance(Motors(0, 0, 215, 200))  # Nothing moves: this takes the first frame.
+        self.robots["key"][:, 0] = keys_of(np.uint64(seed) + np.arange(self.worlds, dtype=np.uint64))
+        self.robots["round"] = 0
+        self.foods["x"], self.foods["y"] = np.moveaxis(np.asarray(foods, float), -1, 0)
+        self._run(
+            np.broadcast_to(np.asarray(starts, float), (self.worlds, 3)).copy()
+        )  # takes the first frame
 
     def advance(self, motors: Any) -> None:
         """One round by whole motor commands, shape (worlds, 4) or (4,)."""
-        given = np.zeros((self._shape[0] * self._shape[1], 4))
-        given[: self.worlds] = motors
+        given = np.broadcast_to(np.asarray(motors, float), (self.worlds, 4))
         for n, name in enumerate(("left", "right", "arm_target", "jaw_target")):
-            self.bodies.robots[name] = given[:, n].reshape(self._shape)
-        threads = threads_for(self._shape[0])
-        advance_all(self.bodies, self._parameters, threads)
+            self.robots[name][:, 0] = given[:, n]
+        self._run(np.zeros((0, 3)))
+
+    def _run(self, starts: Any) -> None:
+        share_out(
+            _advance,
+            self.worlds,
+            *(self.robots, self.foods, self._tracks, self.detections, self._walls, self._corners),
+            *(self._anchor, self._constants, starts),
+        )
 
     def robot(self, name: str) -> Any:
         """A field of the robots, one row a world."""
-        field = self.bodies.robots[name]
-        return np.moveaxis(field, -1, 1).reshape(-1, *field.shape[1:-1])[: self.worlds]
+        return self.robots[name][:, 0]
 
     def food(self, name: str) -> Any:
         """A field of the food, shape (worlds, foods)."""
-        return self.bodies.foods[name].transpose(0, 2, 1).reshape(-1, self.foods)[: self.worlds]
+        return self.foods[name]
 
     def tracks(self) -> Any:
         """The food's tracks, shape (worlds, 2 * foods)."""
-        return self.bodies.tracks.reshape(-1, 2 * self.foods)[: self.worlds]
+        return self._tracks
 
     def poses(self) -> Any:
         """x mm, y mm and heading of the robots, shape (worlds, 3)."""
@@ -79,4 +113,4 @@ class ManyWorlds:
     def lifted(self) -> Any:
         """Whether a raised gripper holds each food object, shape (worlds, foods)."""
         held, raised = self.robot("held"), self.robot("arm") < ARM_ON_FLOOR
-        return (held[:, None] == np.arange(self.foods)) & raised[:, None]
+        return (held[:, None] == np.arange(self.foods.shape[1])) & raised[:, None]

@@ -8,12 +8,11 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from khepera_forage.sim.compiled.near_walls import empty_lists
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.envs.compiled import prepared_arenas
+from khepera_forage.envs.compiled.arenas import PreparedArenas
 from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls, run_teacher
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
@@ -111,15 +110,15 @@ def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> Non
     (_, infos), (_, known) = every.reset(seed=2), forgetful.reset(seed=2)
     most = 0
     for _ in range(200):
-        monkeypatch.setattr(prepared_arenas, "MOST_ARENAS", 1)
+        monkeypatch.setattr(PreparedArenas, "_MOST_BYTES", 1)
         known = forgetful.step(known["correct_behaviour"])[4]
         monkeypatch.undo()
         infos = every.step(infos["correct_behaviour"])[4]
         assert _same(known, infos)
         assert forgetful.unwrapped.batch.arenas == every.unwrapped.batch.arenas
-        most = max(most, len(forgetful.unwrapped.batch._arenas.task.arena))
-    assert most <= 9  # of one round, and of the round before; lanes without a world count as one
-    assert len(every.unwrapped.batch._arenas.task.arena) == 12
+        most = max(most, len(forgetful.unwrapped.batch._arenas._place_of))
+    assert most <= 9, "of one round, and of the round before"
+    assert len(every.unwrapped.batch._arenas._place_of) == 12
 
 
 def test_recalls_keep_their_arenas_and_do_not_depend_on_earlier_runs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,12 +127,12 @@ def test_recalls_keep_their_arenas_and_do_not_depend_on_earlier_runs(monkeypatch
     recalls, prepared, runs = Recalls(levels, limit=40), [], []
     for seed in (0, 0, 3):
         runs.append(recalls.run(None, teacher, seed))
-        prepared.append(len(recalls._arenas.task.arena))
+        prepared.append(len(recalls._arenas._place_of))
     assert prepared[0] == prepared[1] <= 10, "those of one run, and the first one"
     assert prepared[1] < prepared[2] <= 19
-    monkeypatch.setattr(prepared_arenas, "MOST_ARENAS", 1)
+    monkeypatch.setattr(PreparedArenas, "_MOST_BYTES", 1)
     runs.append(recalls.run(None, teacher, seed=3))
-    assert len(recalls._arenas.task.arena) <= 10, "those of earlier runs are forgotten"
+    assert len(recalls._arenas._place_of) <= 10, "those of earlier runs are forgotten"
     for again, expected in zip(runs, (runs[0], runs[0], alone, alone), strict=True):
         assert all(np.array_equal(ours, theirs) for ours, theirs in zip(again, expected, strict=True))
 
@@ -258,8 +257,7 @@ def test_records_grow_with_the_arenas() -> None:
     env.reset(seed=[seeds[2], None], options={"reset_mask": np.array([True, False])})
     batch = env.unwrapped.batch
     assert [arena.name for arena in batch.arenas] == ["blocks", "hall"]
-    near = batch.worlds.bodies.near
-    assert (near.walls.shape[1], near.corners.shape[1]) == (11, 7)
+    assert batch.worlds.lengths.shape[2] == batch._arenas.waypoints > 0
 
 
 @pytest.mark.parametrize("name", ["Corridor", "CorridorWheels"])
@@ -279,13 +277,6 @@ def test_copies_go_on_alike() -> None:
             assert _same(twin.reset()[0], expected)
             assert twin.arena == env.arena
             assert all(_same(twin.step(0)[0], step) for step in steps)
-
-
-def test_lists_begin_empty() -> None:
-    near = empty_lists(2, 4, 3, 2)
-    assert near.walls.shape == (2, 3)
-    assert (near.walls["x1"] > 1e6).all()
-    assert (near.lists["listed_arena"] == -1).all()
 
 
 @pytest.mark.parametrize(

@@ -6,18 +6,18 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
-from khepera_forage.sim.compiled.numbers import DRAW_POLICY, DRAWS, upper
 from scipy import stats
 
 from khepera_forage.counter_rng import random_bits
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.sim.compiled.random import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
-from tests.compiled.rule_records import DECISIONS
+from tests.compiled.decisions import DECISIONS
 from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
@@ -72,19 +72,20 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     which = np.arange(worlds) % 3
     kernel = run_recalls("rectangle", memories_of(experience), which, seed, decisions=decisions, **RECTANGLE)
     env: Any = BehavioursVectorEnv(worlds, "rectangle", decisions=decisions, **RECTANGLE)
+    observation, infos = env.reset(seed=seed)
     batch = env.batch
     arithmetic = decisions.distance_arithmetic
     imitators = [
-        NearestNeighbourImitator(int(batch.diagonals[0]), arithmetic=arithmetic).fit(*part)
+        NearestNeighbourImitator(int(batch.shown["diagonal"][0]), arithmetic=arithmetic).fit(*part)
         for part in experience
     ]
-    observation, infos = env.reset(seed=seed)
     over = np.zeros(worlds, np.bool_)
     rounds, wrong = np.zeros((2, worlds, 10), np.int64)
     without_food, ties, conflicts = np.zeros((3, worlds), np.int64)
     while not over.all():
-        numbers = batch.robot("round", np.uint64) * np.uint64(DRAWS) + np.uint64(DRAW_POLICY)
-        chances = np.array(upper(random_bits(batch.robot("key", np.uint64), numbers)))
+        robots = batch.worlds.robots[:, 0]
+        numbers = robots["round"] * np.uint64(DRAWS) + np.uint64(DRAW_POLICY)
+        chances = np.array(upper(random_bits(robots["key"], numbers)))
         actions = np.zeros(worlds, np.int64)
         rows = _state_vectors(observation)
         for i in np.flatnonzero(~over).tolist():
@@ -97,7 +98,7 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
             conflicts[i] += neighbours.conflict
             if actions[i] != right:
                 wrong[i, right] += 1
-                far = batch.task("robot_food_distance")[i] > decisions.close_to_food
+                far = batch.shown["robot_food_distance"][i] > decisions.close_to_food
                 without_food[i] += actions[i] == Behaviour.ORIENT_WITH_FOOD and far
         observation, _, terminated, truncated, infos = env.step(actions)
         for i in np.flatnonzero((terminated | truncated) & ~over).tolist():
@@ -116,11 +117,11 @@ def test_starts_and_food_places_are_those_of_the_vector_environment() -> None:
     env = BehavioursVectorEnv(12, "rectangle", 2)
     env.reset(seed=9)
     kernel = run_recalls("rectangle", None, np.full(12, TEACHER), 9, foods=2, limit=1)
-    foods = env.batch.worlds.bodies.foods[0]
-    places = np.stack([foods[name].T[:12] for name in ("x", "y")], axis=2)
+    robots, foods = env.batch.worlds.robots[:, 0], env.batch.worlds.foods
+    places = np.stack([foods[name] for name in ("x", "y")], axis=2)
     assert (places == kernel.foods).all()
     # One round at rest has passed, in which nothing moves.
-    poses = np.stack([env.batch.robot(name) for name in ("x", "y", "heading")], axis=1)
+    poses = np.stack([robots[name] for name in ("x", "y", "heading")], axis=1)
     assert poses == pytest.approx(kernel.start, abs=1e-9)
 
 

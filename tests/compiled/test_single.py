@@ -11,9 +11,9 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
-from khepera_forage.envs.compiled.single_envs import CompiledBehavioursEnv, CompiledWheelsEnv
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
@@ -64,7 +64,7 @@ def test_spaces_types_and_infos_are_those_on_pymunk(name: Any) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_one_world_is_world_0_of_make_vec_bit_for_bit(name: Any) -> None:
-    """Kernels of one lane and of 128 compute the same, through episodes that end and begin."""
+    """Through episodes that end and begin."""
     kwargs: Any = {"limit": 90, "food_types": MIXED}
     one = _make(name, **kwargs)
     many = gym.make_vec(f"khepera_forage/{name}-v1", num_envs=3, **kwargs)
@@ -215,8 +215,8 @@ def test_robots_that_do_not_go_straight_home_are_commanded_by_the_rules(
             around += abs(turn_to(straight, known.raw.orientation) - known.raw.home_bearing) > 1.0
             motors = applicable(known.motors_for(behaviour))
             _, _, terminated, _, info = env.step(behaviour)
-            robot = env._one_world.worlds.bodies.robots[0]
-            given = [float(robot[name][0]) for name in ("left", "right", "arm_target", "jaw_target")]
+            robot = env._batch.worlds.robots[0, 0]
+            given = [float(robot[name]) for name in ("left", "right", "arm_target", "jaw_target")]
             assert given == pytest.approx(list(motors))
             if terminated:
                 break

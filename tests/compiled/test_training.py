@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from khepera_forage.rollouts.compiled.records import HEARD
 
 from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.training import TrainingEnv
@@ -14,7 +13,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.compiled.training_results import Trained
+from khepera_forage.rollouts.compiled.training_results import HEARD, Trained
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena, Pose, copies

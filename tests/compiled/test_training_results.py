@@ -5,7 +5,6 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from khepera_forage.rollouts.compiled.records import HEARD
 from scipy import stats
 
 from khepera_forage.envs.training import TrainingEnv
@@ -13,6 +12,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.compiled.training_results import HEARD
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.task.states import Behaviour, FoodType

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
-from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv, WheelsVectorEnv
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, WheelsVectorEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
 

@@ -9,9 +9,8 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
-from khepera_forage.geometry.straight_ways import is_clear
 
-from khepera_forage.geometry.paths import NO_WAYS
+from khepera_forage.geometry.paths import NO_WAYS, is_clear
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.ways import (
     CLEARANCE,

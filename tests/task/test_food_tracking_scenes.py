@@ -61,7 +61,7 @@ class Story:
         update_food(
             self.tracker,
             self.tracker.foods,
-            self.tracker.known_ways,
+            self.tracker.memory,
             self.tracker.links,
             (own, *foods),
             ARENA,

@@ -55,8 +55,8 @@ arena_dtype = np.dtype(
         *((f"ways_{name}", "f8") for name in _WAYS),
     ]
 )
-"""The numbers of one arena: counts of walls, corners and waypoints, where cables hang from, and the numbers of `ArenaMap`
-(pixels), `Floor` (mm) and `Ways`."""
+"""One arena: counts of walls, corners and waypoints, where cables hang from, and the numbers of `ArenaMap` (pixels),
+`Floor` (mm) and `Ways`."""
 _way_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
 _ARENA, _WALL, _POINT, _CORNER, _SPOT = (
     kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _way_corner_dtype, _spot_dtype)
@@ -298,7 +298,7 @@ class PreparedArenas:
 
     def forget(self, places: NDArray[np.int64]) -> NDArray[np.int64]:
         """Forget all arenas but those at these places, if there are many; returns their new places."""
-        if self._used < self._MOST_BYTES:
+        if self._used < self._MOST_BYTES or len(self._pool) == 1:
             return places
         numbers = np.array([self._numbers[place] for place in places.tolist()], np.int64)
         self._place_of, self._numbers, self._used = {}, {}, 0

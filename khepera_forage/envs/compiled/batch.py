@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import key_of, keys_of
@@ -169,11 +169,11 @@ class CompiledBatch:
             part[worlds] = begun
         self._places[worlds], self.shown[worlds] = places, shown
 
-    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> NDArray[Any]:
+    def step(self, actions: ArrayLike, waiting: ArrayLike) -> NDArray[Any]:
         """One round in every world, and what it has brought.
 
         Args:
-            actions: One behaviour a world, shape (worlds, 1), or four numbers in -1..1, shape (worlds, 4).
+            actions: One behaviour a world, or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
 
         Returns:
@@ -182,10 +182,12 @@ class CompiledBatch:
         Raises:
             ValueError: An arena has no room for a new episode.
         """
-        new = waiting.nonzero()[0]
+        given = np.ascontiguousarray(actions, np.float64).reshape(self.num_worlds, -1)
+        waits = np.ascontiguousarray(waiting, np.bool_)
+        new = waits.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        self._run(self.worlds, self._places, actions, waiting, self._random, self.shown)
+        self._run(self.worlds, self._places, given, waits, self._random, self.shown)
         return self.shown
 
     def _run(
