@@ -1,5 +1,6 @@
 """`gym.make_vec` on compiled worlds: spaces, seeds, resets and errors."""
 
+from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import RecordVideo
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, WheelsVectorEnv
@@ -144,7 +146,7 @@ def test_bad_input_is_quoted() -> None:
     with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
         env.reset(seed=[1, 2, 3, 4])
     with pytest.raises(ValueError, match="render_mode is 'human'"):
-        BehavioursVectorEnv(2, render_mode="human")  # type: ignore[arg-type]
+        BehavioursVectorEnv(2, render_mode="human")
     wheels = _make("CorridorWheels", 2)
     wheels.reset(seed=0)
     with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
@@ -162,3 +164,34 @@ def test_arena_without_room_is_refused() -> None:
     )
     with pytest.raises(ValueError, match="no room for a robot and 1 food"):
         BehavioursVectorEnv(2, arena=box).reset(seed=0)
+
+
+def test_pictures_of_worlds_are_those_of_single_environments() -> None:
+    kwargs: Any = {"noise": Noise.none(), "render_mode": "rgb_array"}
+    worlds = _make("Rectangle", 3, **kwargs)
+    with pytest.raises(ResetNeeded):
+        worlds.render()
+    _, infos = worlds.reset(seed=4)
+    alone: Any = gym.make("khepera_forage/Rectangle-v1", backend="compiled", **kwargs)
+    alone.reset(seed=5)
+    assert np.array_equal(worlds.render()[1], alone.render())
+    for _ in range(20):
+        infos = worlds.step(infos["correct_behaviour"])[4]
+    frames = worlds.render()
+    assert len(frames) == 3
+    assert len({frame.tobytes() for frame in frames}) == 3
+
+
+def test_gymnasium_records_a_film_of_worlds(tmp_path: Path) -> None:
+    pytest.importorskip("moviepy")
+    worlds = RecordVideo(
+        _make("Corridor", 4, render_mode="rgb_array"),
+        str(tmp_path),
+        step_trigger=lambda step: step == 0,
+        video_length=5,
+    )
+    worlds.reset(seed=0)
+    for _ in range(8):
+        worlds.step(np.zeros(4, np.int64))
+    worlds.close()
+    assert [path.suffix for path in tmp_path.iterdir()] == [".mp4"]
