@@ -2,18 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from khepera_forage.envs.compiled.results import Results
 from numpy.typing import NDArray
 
 from arena_generalisation.decision_table import DecisionTable
 from arena_generalisation.recall_arenas import RecallArena
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.task.states import FoodType, StateVector
-
-_DISTANCES = [name in ("robot_home_distance", "robot_food_distance") for name in StateVector._fields]
 
 
 @dataclass(slots=True)
@@ -43,7 +39,6 @@ class ArenaBatch:
     not_poisonous: NDArray[np.int64] = field(init=False)
     behaviours: NDArray[np.int64] = field(init=False)
     rounds: int = field(init=False, default=0)
-    _results: Results = field(init=False)
 
     def __post_init__(self) -> None:
         worlds = self.batch.num_worlds
@@ -51,16 +46,13 @@ class ArenaBatch:
         self.score = np.zeros(worlds)
         numbers = (np.zeros(worlds, np.int64) for _ in range(4))
         self.steps, self.delivered, self.poison_home, self.behaviours = numbers
-        self._results = self.batch.step(np.zeros(worlds), np.ones(worlds, np.bool_))  # begins the episodes
-        types: NDArray[Any] = self.batch.worlds.foods["type"]
-        own = types.reshape(-1, self.batch.foods)[:worlds]
-        self.not_poisonous = (own != FoodType.POISONOUS).sum(axis=1)
+        self.batch.restart(np.arange(worlds))
+        self.not_poisonous = (self.batch.worlds.objects["type"] != FoodType.POISONOUS).sum(axis=1)
 
     @property
     def vectors(self) -> NDArray[np.int64]:
         """The state vectors; no distance is longer than the arena's diagonal, as in `BehavioursEnv`."""
-        vectors = np.stack([getattr(self._results, name) for name in StateVector._fields], axis=1)
-        return np.where(_DISTANCES, np.minimum(vectors, self.batch.diagonals[:, None]), vectors)
+        return np.stack([self.batch.shown[name] for name in StateVector._fields], axis=1)
 
     def deciding(self, holds: NDArray[np.int64]) -> NDArray[np.bool_]:
         """The worlds in which a behaviour is decided now: the last one has held for its rounds, or there is none.
@@ -80,11 +72,10 @@ class ArenaBatch:
         """
         self.behaviours[deciding] = behaviours
         self.rounds += 1
-        results = self.batch.step(self.behaviours, np.zeros(len(self.over), np.bool_))
-        ended = ~self.over & (results.terminated | results.truncated)
+        shown = self.batch.step(self.behaviours, np.zeros(len(self.over), np.bool_))
+        ended = ~self.over & (shown["terminated"] | shown["truncated"])
         for name in ("score", "steps", "delivered", "poison_home"):
-            getattr(self, name)[ended] = getattr(results, name)[ended]
-        self._results = results
+            getattr(self, name)[ended] = shown[name][ended]
         self.over |= ended
 
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 from gymnasium.vector.utils import batch_space
-from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from numpy.typing import NDArray
+
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 
 Arrays = dict[str, Any]
 """Observations or infos of a vector environment: arrays with one element a world, infos also dicts of them."""

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from numpy.typing import NDArray
 
 from arena_generalisation.contestants import Contestant
@@ -14,6 +13,7 @@ from arena_generalisation.recall_arenas import RecallArena
 from arena_generalisation.size import Size
 from arena_generalisation.trainings import CORRIDOR, VARIED, varied_arenas
 from khepera_forage.comparison.units import all_learners
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.policies.features import state_vector_features
 from khepera_forage.policies.learners import FromSteps
 from khepera_forage.policies.model_policy import ModelPolicy, behaviour_probabilities

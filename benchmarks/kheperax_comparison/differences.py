@@ -4,7 +4,7 @@ from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import RADIUS, WHEEL_BASE
 from khepera_forage.robots.proximity import REACH
-from khepera_forage.sim.pymunk.khepera import SUBSTEPS
+from khepera_forage.sim.world import SUBSTEPS
 from kheperax_comparison.theirs import About
 from kheperax_comparison.work import FOODS, HELD, ROUNDS, SENSOR_NOISE, TRAVEL, WHEEL_NOISE
 

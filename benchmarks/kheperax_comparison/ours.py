@@ -1,28 +1,39 @@
 """Our side: compiled bodies with the same commands, and the whole task under the teacher. Needs numba."""
 
 from time import perf_counter
+from typing import Any
 
 import numpy as np
-from khepera_forage.compilation.threads import BLOCKS_A_THREAD, threads_for
-from khepera_forage.sim.compiled.bodies import empty_bodies
-from khepera_forage.sim.compiled.parameters import parameters_of
-from khepera_forage.sim.compiled.start import stand_in_blocks
-from khepera_forage.sim.compiled.stepping import advance_all
 from numpy.typing import NDArray
 
+from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, MAX_SPEED
+from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.compiled.records import LANES
+from khepera_forage.sim.compiled.camera import forget_tracks
+from khepera_forage.sim.compiled.moving import put_down
+from khepera_forage.sim.compiled.records import (
+    constants_of,
+    corner_dtype,
+    detection_dtype,
+    food_dtype,
+    robot_dtype,
+    track_dtype,
+    wall_dtype,
+)
+from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.layout_checks import cable_anchor
 from kheperax_comparison.theirs import Timed
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TIMING, Work
 
 EPISODES_A_WORLD = 4
-"""Episodes of the whole task for each world in memory, so that all blocks of worlds end at about the same time."""
+"""Episodes of the whole task for each world of the other lines, so that all threads end at about the same time."""
 _TASKS = {"corridor": (1, 500), "rectangle": (len(FOODS), 700)}
 """Food objects and limit of the whole task by arena."""
 _HOLES = 2
+_LEAST = 512
+"""Worlds for which another thread pays."""
 
 
 class CompiledBodies:
@@ -34,12 +45,15 @@ class CompiledBodies:
     """
 
     def __init__(self, worlds: int, noise: Noise) -> None:
-        blocks = -(-worlds // LANES)
-        self._lanes = np.arange(blocks * LANES) % worlds  # lanes beyond the last world repeat the first ones
-        self._worlds = worlds
-        self._bodies = empty_bodies(blocks, len(FOODS))
-        self._parameters = parameters_of(ARENA, len(FOODS), noise, holes=_HOLES, timing=TIMING)
-        self._threads = threads_for(blocks // BLOCKS_A_THREAD)
+        self._robots = np.zeros((worlds, 1), robot_dtype)
+        self._robots["holes"] = _HOLES
+        self._foods = np.zeros((worlds, len(FOODS)), food_dtype)
+        self._tracks = np.zeros((worlds, 2 * len(FOODS)), track_dtype)
+        self._detections = np.zeros((worlds, len(FOODS)), detection_dtype)
+        self._walls = np.array(list(map(tuple, ARENA.wall_records)), wall_dtype)
+        self._corners = np.array([(x, y) for x, y, _, _ in ARENA.corners], corner_dtype)
+        self._anchor = cable_anchor([ARENA])
+        self._constants = constants_of(noise, TIMING)
 
     def reset(self, seed: int, starts: NDArray[np.float64]) -> None:
         """Put robots and food in their places, and take the first frame.
@@ -48,30 +62,61 @@ class CompiledBodies:
             seed: Of all worlds.
             starts: x mm, y mm and heading in radians, shape (worlds, 3).
         """
-        robots, foods = self._bodies.robots, self._bodies.foods
-        keys = keys_of(np.arange(seed, seed + len(self._lanes), dtype=np.uint64))
-        robots["key"], robots["round"] = keys.reshape(-1, LANES), 0
-        stand_in_blocks(self._bodies, self._parameters, starts[self._lanes])
-        for number, (x, y) in enumerate(FOODS):
-            foods["x"][:, number], foods["y"][:, number] = x, y
-        self.advance(np.zeros((self._worlds, 2)))
+        worlds = len(self._robots)
+        self._robots["key"] = keys_of(np.arange(seed, seed + worlds, dtype=np.uint64))[:, None]
+        self._robots["round"] = 0
+        self._foods["x"], self._foods["y"] = np.array(FOODS).T
+        _begin(self._robots, self._foods, self._tracks, starts, self._constants)
+        self.advance(np.zeros((worlds, 2)))
 
     def advance(self, wheels: NDArray[np.float64]) -> None:
         """One round of 0.1 s; `wheels` in speed units, shape (worlds, 2). The gripper stays raised and open."""
-        robots = self._bodies.robots
-        robots["left"], robots["right"] = wheels[self._lanes].T.reshape(2, -1, LANES)
-        robots["arm_target"], robots["jaw_target"] = ARM_RAISED, JAW_OPEN
-        advance_all(self._bodies, self._parameters, self._threads)
+        share_out(
+            _advance,
+            len(self._robots),
+            *(self._robots, self._foods, self._tracks, self._detections, self._walls, self._corners),
+            *(*self._anchor, self._constants, wheels),
+            least=_LEAST,
+        )
 
     def proximity(self) -> NDArray[np.int64]:
         """The eight infra-red readings of each robot, as a fresh array."""
-        readings: NDArray[np.float64] = self._bodies.robots["proximity"].swapaxes(1, 2).reshape(-1, 8)
-        return readings[: self._worlds].astype(np.int64)
+        return self._robots["proximity"][:, 0].astype(np.int64)
 
     def poses(self) -> NDArray[np.float64]:
         """X mm, y mm and heading in radians of each robot, shape (worlds, 3)."""
-        fields = [self._bodies.robots[name].reshape(-1) for name in ("x", "y", "heading")]
-        return np.stack(fields, axis=1)[: self._worlds].astype(np.float64)
+        return np.stack([self._robots[name][:, 0] for name in ("x", "y", "heading")], axis=1)
+
+
+@entry
+def _begin(robots: Any, foods: Any, tracks: Any, starts: Any, constants: Any) -> None:
+    for i in range(len(robots)):
+        put_down(robots[i, 0], starts[i, 0], starts[i, 1], starts[i, 2], constants[0])
+        forget_tracks(foods[i], tracks[i])
+
+
+@entry
+def _advance(
+    first: int,
+    last: int,
+    robots: Any,
+    foods: Any,
+    tracks: Any,
+    detections: Any,
+    walls: Any,
+    corners: Any,
+    anchor_x: float,
+    anchor_y: float,
+    constants: Any,
+    wheels: Any,
+) -> None:
+    """One round in the worlds from `first` to `last`."""
+    for i in range(first, last):
+        robots[i, 0].left, robots[i, 0].right = wheels[i, 0], wheels[i, 1]
+        advance(
+            *(robots[i], foods[i], tracks[i], detections[i], walls, corners),
+            *(anchor_x, anchor_y, constants[0]),
+        )
 
 
 class OurBodies:

@@ -9,15 +9,15 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from khepera_forage.envs.compiled.prepared_arenas import recall_arenas
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage.envs.arena_pool import ArenaPool
 from khepera_forage.envs.arena_settings import procedural_settings
+from khepera_forage.envs.compiled.arenas import PreparedArenas
 from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import FoodType
 from timing.compiled import SECTION, WORLDS
 from timing.measures import Job, Measure, Values
 
@@ -135,5 +135,5 @@ def _preparation(arena: Arena) -> float:
                 if isinstance(thing, _lru_cache_wrapper):
                     thing.cache_clear()
     start = perf_counter()
-    recall_arenas([replace(arena)], len(arena.foods), 500, None, FoodType.PICKABLE, Decisions())
+    PreparedArenas(ArenaPool(replace(arena), Decisions()))
     return 1000 * (perf_counter() - start)

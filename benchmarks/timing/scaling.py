@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 SECTION = "Cost against the number of worlds and of food"
 NOTE = (
-    "A step of one world under the teacher, all cores. A block is 128 worlds and one core's work: with fewer worlds, "
-    "lanes are idle. The food lies in a hall of 2 x 2 m, which has room for 16 objects."
+    "A step of one world under the teacher, all cores; one core steps a few hundred worlds alone. The food lies in a "
+    "hall of 2 x 2 m, which has room for 16 objects."
 )
 WORLDS = tuple(4**n for n in range(9))
 FOODS = (1, 2, 4, 8, 12, 16)
@@ -71,13 +71,13 @@ def job(steps: int, seed: int) -> Job:
         worlds = batch.num_worlds
         batch.seed(list(range(seed, seed + worlds)), np.arange(worlds))
         batch.restart(np.arange(worlds))
-        results, over = batch.results(), np.zeros(worlds, np.bool_)
+        shown, over = batch.shown, np.zeros(worlds, np.bool_)
         seconds = []
         for _ in range(_LEAST + rounds(worlds)):
             start = perf_counter()
-            results = batch.step(results.state, over)
+            shown = batch.step(shown["state"], over)
             seconds.append(perf_counter() - start)
-            over = results.terminated | results.truncated
+            over = shown["terminated"] | shown["truncated"]
         return float(np.median(seconds[_LEAST:])) / worlds * 1e9
 
     def repeat() -> Values:

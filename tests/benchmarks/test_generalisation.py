@@ -32,11 +32,11 @@ from arena_generalisation.trainings import (
     varied_trainings,
 )
 from gymnasium.vector import AutoresetMode
-from khepera_forage.envs.compiled.vector_envs import BehavioursVectorEnv
 from numpy.typing import NDArray
 
 from khepera_forage.comparison.units import missing_extra
 from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.experiments.arguments import parse
 from khepera_forage.experiments.row_folder import RowFolder

@@ -120,7 +120,6 @@ SCRIPTS = {
         repeatable=LEARNERS_RUN,
         subcommand="compare",
     ),
-    "operations": Script(("--steps",), ("operations", "times"), needs=("numba",)),
     "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
