@@ -35,7 +35,7 @@ require("the backend 'compiled'", "fast")
 import llvmlite.binding  # type: ignore[import-untyped] # noqa: E402 (after the check)
 import numba  # noqa: E402
 from numba.core.errors import NumbaError  # noqa: E402
-from numba.extending import overload  # noqa: E402
+from numba.extending import overload as overload  # noqa: E402
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _COMPILED = ("geometry", "robots", "vision", "task", "sim", "envs", "policies", "rollouts")

@@ -10,8 +10,7 @@ def bearing_of(x: float, y: float) -> float:
 
 def turn_to(direction: float, orientation: float) -> float:
     """Degrees to turn from an orientation to a direction, -180..180, left positive."""
-    turn = direction - orientation + 180.0
-    return turn - 360.0 * math.floor(turn / 360.0) - 180.0
+    return (direction - orientation + 180.0) % 360.0 - 180.0
 
 
 def length(x: float, y: float) -> float:

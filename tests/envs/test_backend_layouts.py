@@ -56,12 +56,12 @@ def _begun_in(env: Any) -> list[Begun]:
     """One for each world of a vector environment, directly after its reset."""
     if isinstance(env, gym.vector.SyncVectorEnv):
         return [_begun(single.unwrapped) for single in env.envs]
-    bodies, block = env.batch.worlds.bodies, 0
+    worlds = env.batch.worlds
     begun = []
     for i in range(WORLDS):
-        start = Pose(*(float(bodies.robots[name][block, i]) for name in ("x", "y", "heading")))
-        places = tuple(Point(float(food["x"][i]), float(food["y"][i])) for food in bodies.foods[block])
-        begun.append(Begun(Layout((start,), places), env.batch.worlds.foods[block, i]["type"].tolist()))
+        start = Pose(*(float(worlds.robots[name][i, 0]) for name in ("x", "y", "heading")))
+        places = tuple(Point(float(food["x"]), float(food["y"])) for food in worlds.foods[i])
+        begun.append(Begun(Layout((start,), places), worlds.objects[i]["type"].tolist()))
     return begun
 
 

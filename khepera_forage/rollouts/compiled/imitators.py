@@ -4,10 +4,9 @@ from bisect import bisect_left
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 from numpy.typing import NDArray
 
-from khepera_forage.compilation import entry, rule
+from khepera_forage.compilation import entry, overload, rule
 from khepera_forage.policies.nearest_neighbour.distance import rounded_distance, scaled_distance
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
 from khepera_forage.policies.nearest_neighbour.votes import clear, draw_label, nearest_votes, search_plane

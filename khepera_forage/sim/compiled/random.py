@@ -6,10 +6,9 @@ All are those of `counter_rng`: a number depends on the key, the round and the p
 from typing import Any
 
 import numpy as np
-from numba.extending import overload, register_jitable
 
 from khepera_forage import counter_rng
-from khepera_forage.compilation import rule
+from khepera_forage.compilation import overload, rule
 
 DRAWS = 128
 """How many random numbers one round has."""
@@ -50,8 +49,8 @@ def _unit(bits: Any) -> Any:
     return number
 
 
-register_jitable(counter_rng.uniform)
-register_jitable(counter_rng.standard_normal)
+rule(counter_rng.uniform)
+rule(counter_rng.standard_normal)
 
 
 @rule
