@@ -13,6 +13,7 @@ from khepera_forage.envs.arguments import (
     food_odds,
     timing_of,
 )
+from khepera_forage.envs.backends import PYMUNK, check_backend
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.noise import Noise, checked_noise
@@ -33,6 +34,7 @@ class PairedArenas:
         food_types: Odds of the types of food; corresponding food of all arenas is of one type.
         world: Another world than the simulated one, with an arena for each robot; its arenas are then used.
         decisions: Of the task.
+        backend: What simulates the bodies, "pymunk" or "compiled".
 
     Attributes:
         world: As given, or simulated; with several arenas, that of the present attempt.
@@ -52,7 +54,9 @@ class PairedArenas:
         food_types: FoodOdds,
         world: World | None,
         decisions: Decisions,
+        backend: str = PYMUNK,
     ) -> None:
+        self._backend = check_backend(backend)
         self._robots, self._decisions = robots, decisions
         self._noise = checked_noise(noise)
         self._odds = food_odds(food_types)
@@ -68,12 +72,20 @@ class PairedArenas:
             self._enter(world)
             self.diagonal = self._maps[0].diagonal
 
-    def _simulated(self, arena: Arena) -> PymunkWorld:
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
+        return "laboratory" if self._pool is None else self._backend
+
+    def _simulated(self, arena: Arena) -> World:
         """A world with a copy of an arena for each robot, the teacher with the marker of one hole."""
         markers = (1,) + (2,) * (self._robots - 1)
-        return PymunkWorld(
-            copies(arena, self._robots), markers, self._noise, timing=timing_of(self._decisions)
-        )
+        arenas, timing = copies(arena, self._robots), timing_of(self._decisions)
+        if self._backend == PYMUNK:
+            return PymunkWorld(arenas, markers, self._noise, timing=timing)
+        from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
+
+        return CompiledWorld(arenas, markers, self._noise, timing=timing)
 
     def _enter(self, world: World) -> None:
         self.world: World = world

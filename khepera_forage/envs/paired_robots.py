@@ -11,6 +11,7 @@ from pettingzoo.utils.env import AECEnv
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.backends import PYMUNK
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.paired_arenas import PairedArenas
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
@@ -49,6 +50,7 @@ class PairedRobotsEnv(AECEnv[str, NDArray[np.int64], int | None]):
         render_mode: str | None = None,
         world: World | None = None,
         decisions: Decisions | None = None,
+        backend: str = PYMUNK,
     ) -> None:
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
@@ -58,7 +60,7 @@ class PairedRobotsEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions)
+        self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions, backend)
         self._key: int | None = None
         self._episode = -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
@@ -74,6 +76,11 @@ class PairedRobotsEnv(AECEnv[str, NDArray[np.int64], int | None]):
     def action_space(self, agent: str) -> spaces.Discrete[np.int64]:
         """The space of every agent's actions."""
         return self.action_spaces[agent]
+
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
+        return self._paired.backend
 
     @property
     def world(self) -> World:

@@ -58,7 +58,7 @@ class TrainingEnv(PairedRobotsEnv):
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
     food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated one,
     with an arena for each robot; give `noise=Noise.none()` with a real one, so that its operator puts everything on
-    the marks themselves), `decisions` (a `Decisions`).
+    the marks themselves), `decisions` (a `Decisions`), `backend` ("pymunk", or "compiled", which needs numba).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables

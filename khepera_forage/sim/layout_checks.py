@@ -10,6 +10,19 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
+def check_world(arenas: Sequence[Arena], markers: Sequence[int]) -> None:
+    """Complain about a world that cannot be.
+
+    Raises:
+        ValueError: No arena, arenas that the camera does not see, no robot, or a marker with another number of holes.
+    """
+    if not arenas:
+        raise ValueError("a world with no arena; allowed: at least 1")
+    check_seen(arenas)
+    if not markers or any(holes not in (1, 2) for holes in markers):
+        raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
+
+
 def check_seen(arenas: Sequence[Arena]) -> None:
     """Complain about arenas that the camera does not see.
 

@@ -58,9 +58,8 @@ def _pair(kind: type[RecallEnv[Any]], name: str, **kwargs: Any) -> tuple[Any, An
         f"khepera_forage/{name}-v1", backend="compiled", noise=noise, disable_env_checker=True, **kwargs
     ).unwrapped
     decisions = kwargs.get("decisions", Decisions())
-    world = _KeyedWorld(
-        checked_arena(arena, decisions), noise, holes=decisions.recall_marker, timing=timing_of(decisions)
-    )
+    arena = checked_arena(arena, decisions)
+    world = _KeyedWorld([arena], (decisions.recall_marker,), noise, timing=timing_of(decisions))
     kwargs.pop("arena", None)
     return compiled, kind(world=world, **kwargs)
 

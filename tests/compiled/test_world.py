@@ -50,7 +50,7 @@ PILLAR = Arena(
 
 def compiled_world(arena: Arena, start: tuple[float, ...], *foods: tuple[float, ...]) -> CompiledWorld:
     """A world without noise, after a reset."""
-    world = CompiledWorld(arena, Noise.none(), holes=2, timing=TIMING)
+    world = CompiledWorld([arena], (2,), Noise.none(), timing=TIMING)
     world.reset(np.random.default_rng(0), Layout((Pose(*start),), tuple(Point(*food) for food in foods)))
     return world
 
@@ -175,7 +175,7 @@ def test_arm_is_not_lowered_onto_food() -> None:
 
 
 def test_timing_sets_duration_of_a_round_and_speeds_of_arm_and_jaw() -> None:
-    world = CompiledWorld(HALL, Noise.none(), holes=2, timing=Timing(0.2, 20.0, 100.0))
+    world = CompiledWorld([HALL], (2,), Noise.none(), timing=Timing(0.2, 20.0, 100.0))
     world.reset(np.random.default_rng(0), Layout((HALL.start,), HALL.foods))
     world.robots[0].drive(Motors(10, 10, 255, 0))
     world.advance()
@@ -277,9 +277,9 @@ def test_tracks_are_those_of_the_association_of_frames() -> None:
 
 
 def test_bad_arguments_are_quoted() -> None:
-    with pytest.raises(ValueError, match="holes is 3"):
-        CompiledWorld(CORRIDOR, holes=3, timing=TIMING)
-    world = CompiledWorld(RECTANGLE, holes=2, timing=TIMING)
+    with pytest.raises(ValueError, match=r"markers \(3,\)"):
+        CompiledWorld([CORRIDOR], (3,), timing=TIMING)
+    world = CompiledWorld([RECTANGLE], (2,), timing=TIMING)
     with pytest.raises(RuntimeError, match="before reset"):
         world.advance()
     foods = tuple(Point(60 + 40 * (k % 5), 60 + 40 * (k // 5)) for k in range(MOST_FOODS + 1))

@@ -17,7 +17,7 @@ from khepera_forage.sim.compiled.world import CompiledWorld
 @pytest.fixture(params=["none", "laboratory"])
 def stage(request: pytest.FixtureRequest) -> Stage:
     noise = Noise.none() if request.param == "none" else Noise.laboratory()
-    world = CompiledWorld(RECTANGLE, noise, holes=2, timing=TIMING)
+    world = CompiledWorld([RECTANGLE], (2,), noise, timing=TIMING)
     layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
     world.reset(np.random.default_rng(3), layout)
     return Stage(world, layout)

@@ -24,11 +24,8 @@ FOOD = Point(300, 120)
 @pytest.fixture(params=["pymunk", "compiled"])
 def world(request: pytest.FixtureRequest) -> Any:
     """Three robots around the middle, each heading for it, and food aside."""
-    made: Any
-    if request.param == "pymunk":
-        made = PymunkWorld([RECTANGLE], (1, 2, 2), Noise.none(), timing=TIMING)
-    else:
-        made = CompiledWorld(RECTANGLE, Noise.none(), holes=(1, 2, 2), timing=TIMING)
+    kind: Any = PymunkWorld if request.param == "pymunk" else CompiledWorld
+    made = kind([RECTANGLE], (1, 2, 2), Noise.none(), timing=TIMING)
     made.reset(np.random.default_rng(0), Layout(STARTS, (FOOD,)))
     return made
 
@@ -66,7 +63,9 @@ def test_robots_block_each_other(world: Any, arm: int) -> None:
 def test_infra_reds_see_other_robots(world: Any) -> None:
     assert max(world.robots[0].sense().proximity) == 0
     _drive(world, 80)
-    assert sum(max(robot.sense().proximity) > 100 for robot in world.robots) >= 2, "but for one that has turned away"
+    assert sum(max(robot.sense().proximity) > 100 for robot in world.robots) >= 2, (
+        "but for one that has turned away"
+    )
 
 
 def test_camera_shows_every_marker(world: Any) -> None:

@@ -1,14 +1,16 @@
-"""The robot of a compiled world at its task: what `envs.forager.Forager` offers, read from records."""
+"""A compiled world as objects: the robot at its task, as `envs.forager.Forager`, and the `World` of its bodies."""
 
 from typing import Any
 
+from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.compiled.worlds import World
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.world import CompiledKhepera
+from khepera_forage.sim.compiled.world import CompiledKhepera, CompiledWorld, Enclosure
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_links import Link
@@ -67,6 +69,24 @@ class CompiledForager:
             home_bearing=turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation),
             home_path=max(path, raw.home_distance),
         )
+
+
+def world_of_records(
+    records: World, arena: Arena, noise: Noise | str | None, decisions: Decisions
+) -> CompiledWorld:
+    """The bodies and the camera of a world, which show its records as they are now.
+
+    Args:
+        records: Its records; nothing is shown before the first episode.
+        arena: Its arena.
+        noise: Of its devices.
+        decisions: Of the task.
+    """
+    world = CompiledWorld([arena], (decisions.recall_marker,), noise, timing=timing_of(decisions))
+    if records.robots["holes"].all():
+        enclosure = Enclosure(records.robots, records.foods, records.tracks)
+        world.show([enclosure], [0], [0] * len(records.foods))
+    return world
 
 
 def _values(record: Any) -> Any:

@@ -9,17 +9,16 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arena_pool import Arenas
-from khepera_forage.envs.arguments import FoodOdds, checked_decisions, motor_action, timing_of
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, motor_action
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.behaviours_env import BehavioursEnv, observation_of
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.forager import CompiledForager
+from khepera_forage.envs.compiled.forager import CompiledForager, world_of_records
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv, episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Point
-from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import Decisions
@@ -178,15 +177,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     def _enter_arena(self) -> None:
         """Make the arena of the world that of the environment."""
         self.arena = self._batch.arenas[0]
-        self.world = CompiledWorld(
-            self.arena,
-            self._noise,
-            holes=self.decisions.recall_marker,
-            timing=timing_of(self.decisions),
-        )
-        if self._seeded:
-            world = self._batch.world(0)
-            self.world.show(world.robots, world.foods, world.tracks)
+        self.world = world_of_records(self._batch.world(0), self.arena, self._noise, self.decisions)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

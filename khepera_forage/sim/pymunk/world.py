@@ -15,8 +15,8 @@ from khepera_forage.sim.layout_checks import (
     cable_anchor,
     check_apart,
     check_robot,
-    check_seen,
     check_starts,
+    check_world,
 )
 from khepera_forage.sim.pymunk import collision_filters as layers
 from khepera_forage.sim.pymunk.food import PymunkFood
@@ -49,11 +49,7 @@ class PymunkWorld:
         *,
         timing: Timing,
     ) -> None:
-        if not arenas:
-            raise ValueError("a world with no arena; allowed: at least 1")
-        check_seen(arenas)
-        if not markers or any(holes not in (1, 2) for holes in markers):
-            raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
+        check_world(arenas, markers)
         if robot_parameters is not None and len(robot_parameters) != len(markers):
             raise ValueError(
                 f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot"
