@@ -28,9 +28,8 @@ from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.task.episode import Episode, begin_episode, end_step
+from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
-from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour
 
 Observation = dict[str, Any]

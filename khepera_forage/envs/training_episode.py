@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part
+from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part, penalty, score
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
@@ -22,7 +22,6 @@ from khepera_forage.task.pairing import (
     rounds_since_done,
     update_pairing,
 )
-from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 

@@ -17,7 +17,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     applicable,
 )
-from khepera_forage.task.actions import decode_motors
+from khepera_forage.task.behaviours import decode_motors
 from khepera_forage.task.states import FoodType
 
 

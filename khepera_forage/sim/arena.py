@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from khepera_forage.geometry import enclosure, polygon
+from khepera_forage.geometry import polygon
 from khepera_forage.geometry.walls import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
@@ -60,7 +60,7 @@ class Arena:
     def __post_init__(self) -> None:
         if not (isinstance(self.name, str) and self.name.strip()):
             raise ValueError(f"name of an arena is {self.name!r}; allowed: a text that is not empty")
-        enclosure.check(self.name, self.walls, self.obstacles)
+        polygon.check_enclosure(self.name, self.walls, self.obstacles)
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
             raise ValueError(
                 f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"

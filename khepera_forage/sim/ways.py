@@ -6,8 +6,10 @@ all shortest paths. `geometry.paths` looks them up in every round.
 """
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +28,6 @@ from khepera_forage.geometry.paths import (
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.visibility_graph import inward_corners, shortest_lengths
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:
@@ -245,3 +246,93 @@ def _lengths_to(goal: Point, past_home: bool, walls: Any, ways: Ways) -> list[fl
     lengths = [math.inf] * len(ways.waypoints)
     find_lengths(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL, lengths, past_home, walls, ways)
     return lengths
+
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+_ROUNDING = 0.01
+"""mm by which a path may leave a region, along whose edges it runs."""
+
+
+def inward_corners(region: Any) -> Any:
+    """The corners that point into a region, with the corners before and after each.
+
+    Args:
+        region: A shapely polygon, or several.
+
+    Returns:
+        Shape (3, corners, 2): the corners before, the corners themselves, and the corners after.
+    """
+    return np.concatenate([_of_polygon(part) for part in getattr(region, "geoms", [region])], axis=1)
+
+
+def shortest_lengths(waypoints: Any, region: Any) -> Any:
+    """Lengths of the shortest paths between waypoints within a region.
+
+    Args:
+        waypoints: As of `inward_corners`.
+        region: A shapely polygon, or several: where the paths run.
+
+    Returns:
+        Shape (waypoints, waypoints); infinite without a path.
+    """
+    import shapely
+    from scipy.sparse.csgraph import shortest_path
+
+    before, here, after = waypoints
+    count = len(here)
+    first, second = np.triu_indices(count, 1)
+    # A shortest path touches each corner that it goes round: only such pairs can be part of one.
+    touched = _is_touched(here[first], here[second], before[first], after[first]) & _is_touched(
+        here[second], here[first], before[second], after[second]
+    )
+    first, second = first[touched], second[touched]
+    lines = shapely.linestrings(np.stack([here[first], here[second]], axis=1))
+    allowed = region.buffer(_ROUNDING, join_style="mitre")
+    shapely.prepare(allowed)
+    seen = shapely.covers(allowed, lines)
+    graph = np.full((count, count), np.inf)
+    graph[first[seen], second[seen]] = shapely.length(lines[seen])
+    return shortest_path(graph, directed=False)
+
+
+def _of_polygon(part: "Polygon") -> Any:
+    from shapely.geometry.polygon import orient
+
+    found = [np.zeros((3, 0, 2))]
+    turned = orient(part)
+    for ring in (turned.exterior, *turned.interiors):
+        here = np.asarray(ring.coords)[:-1]
+        before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
+        found.append(np.stack([before, here, after])[:, _cross(here - before, after - here) < 0])
+    return np.concatenate(found, axis=1)
+
+
+def _is_touched(place: Any, to: Any, before: Any, after: Any) -> Any:
+    """Whether lines from corners touch them: the sides that meet there are on the same side of the line."""
+    way = to - place
+    return _cross(way, before - place) * _cross(way, after - place) >= -_ROUNDING
+
+
+def _cross(a: Any, b: Any) -> Any:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def path_length(path: Sequence[Point]) -> float:
+    """Length of a path from waypoint to waypoint."""
+    return sum(math.dist(*leg) for leg in pairwise(path))
+
+
+def longest_path(arena: Arena) -> float:
+    """Length of the shortest path from the home to the furthest place that a robot can reach and where it can turn."""
+    import shapely  # takes 0.1 s, which importing this package should not
+
+    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
+    # No place is further than the corners of this region.
+    region = shapely.Polygon(arena.walls).difference(obstacles).buffer(-(CLEARANCE + 5.0), quad_segs=2)
+    lengths = [0.0]
+    for x, y in shapely.get_coordinates(region).tolist():
+        with suppress(ValueError):  # a part of the floor without a way to the home
+            lengths.append(path_length(shortest_path(arena, Point(x, y), arena.home)))
+    return max(lengths)

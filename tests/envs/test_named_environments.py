@@ -21,7 +21,7 @@ from khepera_forage.envs.procedural import ProceduralEntryPoint
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
-from khepera_forage.sim.path_lengths import longest_path
+from khepera_forage.sim.ways import longest_path
 from tests.arenas import BLOCKS, HALL
 
 with warnings.catch_warnings():

@@ -11,7 +11,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.scoring import score
+from khepera_forage.task.episode import score
 from khepera_forage.task.states import Behaviour, FoodType
 
 

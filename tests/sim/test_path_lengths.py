@@ -7,7 +7,7 @@ import pytest
 
 from khepera_forage.sim.arena import Point
 from khepera_forage.sim.arenas.named import box, family_arena
-from khepera_forage.sim.path_lengths import longest_path, path_length
+from khepera_forage.sim.ways import longest_path, path_length
 
 
 def test_path_length_is_the_sum_of_its_legs() -> None:

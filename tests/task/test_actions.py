@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
-from khepera_forage.task.actions import decode_motors
+from khepera_forage.task.behaviours import decode_motors
 
 VALUES = st.floats(-1, 1)
 

@@ -10,7 +10,7 @@ from khepera_forage.robots.khepera import ARM_RAISED, Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions, DecisionValues
 from khepera_forage.task.episode import DecisionCounts, count_decision
-from khepera_forage.task.following import follow, recover, separated
+from khepera_forage.task.pairing import follow, recover, separated
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, State, StateVector, classify
 from tests.task.raw_data import OPEN_FLOOR, placed

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
-from khepera_forage.task.following import follow, recover, separated
+from khepera_forage.task.pairing import follow, recover, separated
 
 DEFAULT = Decisions()
 SAME_PLACE, SAME_HEADING, SEPARATION = DEFAULT.same_place, DEFAULT.same_heading, DEFAULT.separation

@@ -8,12 +8,13 @@ from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
-from khepera_forage.task.following import follow, recover
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
+    follow,
     is_complete,
     lead,
+    recover,
     rounds_since_done,
     teacher_says,
     update_pairing,

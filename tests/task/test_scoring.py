@@ -1,6 +1,6 @@
 """The score of a recall (5.4): equation 5.1 and its penalties."""
 
-from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.episode import penalty, score
 from khepera_forage.thesis import appendix_a
 
 

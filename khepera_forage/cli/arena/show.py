@@ -8,7 +8,7 @@ from khepera_forage.cli.arena.findings import Findings, find
 from khepera_forage.cli.arguments import add_out_argument
 from khepera_forage.extras import require
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.path_lengths import path_length
+from khepera_forage.sim.ways import path_length
 
 _REFUSED = 1
 """Exit status for an arena that environments do not accept."""

@@ -25,7 +25,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.scoring import penalty, score
+from khepera_forage.task.episode import penalty, score
 
 _LEAST = 512
 """Worlds for which another thread pays."""

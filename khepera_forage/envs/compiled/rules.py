@@ -7,11 +7,9 @@ from khepera_forage.geometry import angles, paths, walls
 from khepera_forage.robots import footprint, khepera
 from khepera_forage.sim.compiled import random  # noqa: F401 (registers the random numbers)
 from khepera_forage.task import (
-    actions,
     arena_map,
     behaviours,
     episode,
-    following,
     food_links,
     food_tracking,
     identification,
@@ -20,7 +18,6 @@ from khepera_forage.task import (
     past_poison,
     perception,
     placement,
-    scoring,
     states,
     steering,
     way_finding,
@@ -28,8 +25,8 @@ from khepera_forage.task import (
 
 RULE_MODULES = (
     *(angles, paths, walls, footprint),
-    *(actions, arena_map, behaviours, episode, following, food_links, food_tracking, identification),
-    *(nearest_food, pairing, past_poison, perception, placement, scoring, states, steering, way_finding),
+    *(arena_map, behaviours, episode, food_links, food_tracking, identification, nearest_food, pairing),
+    *(past_poison, perception, placement, states, steering, way_finding),
 )
 """Modules whose functions compiled worlds may call."""
 

@@ -18,9 +18,8 @@ from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, 
 from khepera_forage.sim.compiled.camera import forget_tracks
 from khepera_forage.sim.compiled.moving import put_down
 from khepera_forage.sim.compiled.step import advance
-from khepera_forage.task.actions import decode_motors
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
 from khepera_forage.task.food_tracking import NOWHERE, update_food
 from khepera_forage.task.identification import explored

@@ -24,9 +24,8 @@ from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
 from khepera_forage.sim.compiled.random import DRAW_POLICY, draw, upper
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import DecisionCounts, count_decision
+from khepera_forage.task.episode import DecisionCounts, count_decision, penalty, score
 from khepera_forage.task.food_tracking import is_collected
-from khepera_forage.task.scoring import penalty, score
 from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State
 
 TEACHER, UNIFORM, WITHOUT_ORIENTING = -1, -2, -3

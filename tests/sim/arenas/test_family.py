@@ -10,8 +10,7 @@ from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
-from khepera_forage.sim.path_lengths import longest_path
-from khepera_forage.sim.ways import check_ways, too_narrow
+from khepera_forage.sim.ways import check_ways, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
 from tests.sim.arenas.floors import usable_floor
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP

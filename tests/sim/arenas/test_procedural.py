@@ -20,8 +20,7 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, check
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.layout_checks import check_layout, check_seen
-from khepera_forage.sim.path_lengths import longest_path
-from khepera_forage.sim.ways import check_ways, too_narrow
+from khepera_forage.sim.ways import check_ways, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
 from tests.sim.arenas.floors import usable_floor
 
