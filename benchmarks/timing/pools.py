@@ -38,7 +38,7 @@ LONGEST = Measure(
     SECTION,
     f"preparing an arena of {WALLS} walls",
     "ms",
-    f"the longest of {TIMES} extreme procedural arenas: checks, ways, and the kernels' arrays",
+    f"the longest of {TIMES} extreme procedural arenas: checks, paths, and the bytes that kernels read",
     50.0,
 )
 POOL = Measure(

@@ -26,7 +26,8 @@ WORLDS = tuple(4**n for n in range(9))
 FOODS = (1, 2, 4, 8, 12, 16)
 VECTOR = {n: Measure(SECTION, f"make_vec, worlds: {n:,}", "ns a step", "Corridor-v1") for n in WORLDS}
 KERNEL = {
-    n: Measure(SECTION, f"kernel, worlds: {n:,}", "ns a step", "the same without the arrays") for n in WORLDS
+    n: Measure(SECTION, f"kernel, worlds: {n:,}", "ns a step", "the same without observations and infos")
+    for n in WORLDS
 }
 OBJECTS = {
     k: Measure(SECTION, f"kernel, food objects: {k}", "ns a step", f"{compiled.WORLDS:,} worlds")
