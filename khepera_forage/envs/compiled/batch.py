@@ -1,8 +1,7 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,46 +30,45 @@ _LEAST = 512
 """Worlds for which another thread pays."""
 
 
-@dataclass(slots=True)
-class Shown:
+class Shown(NamedTuple):
     """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
 
     The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`;
     `type_in_gripper` is the food type of the raw data.
     """
 
-    reward: float = 0.0
-    terminated: bool = False
-    truncated: bool = False
-    score: float = 0.0
-    penalty: float = 0.0
-    correct: int = 0
-    steps: int = 0
-    delivered: int = 0
-    poison_home: int = 0
-    state: int = 0
-    x: float = 0.0
-    y: float = 0.0
-    orientation: float = 0.0
-    object_presence: int = 0
-    robot_home_distance: int = 0
-    food_type: int = 0
-    arms_height: int = 0
-    robot_food_distance: int = 0
-    arm: int = 0
-    jaw: int = 0
-    tracked: int = 0
-    food_seen: int = 0
-    food_x: float = 0.0
-    food_y: float = 0.0
-    type_in_gripper: int = 0
-    home_x: float = 0.0
-    home_y: float = 0.0
-    home_radius: float = 0.0
-    wall_distance: float = 0.0
-    wall_bearing: float = 0.0
-    diagonal: int = 0
-    proximity: list[int] = field(default_factory=lambda: [0] * 6)
+    reward: float
+    terminated: bool
+    truncated: bool
+    score: float
+    penalty: float
+    correct: int
+    steps: int
+    delivered: int
+    poison_home: int
+    state: int
+    x: float
+    y: float
+    orientation: float
+    object_presence: int
+    robot_home_distance: int
+    food_type: int
+    arms_height: int
+    robot_food_distance: int
+    arm: int
+    jaw: int
+    tracked: int
+    food_seen: int
+    food_x: float
+    food_y: float
+    type_in_gripper: int
+    home_x: float
+    home_y: float
+    home_radius: float
+    wall_distance: float
+    wall_bearing: float
+    diagonal: int
+    proximity: tuple[int, int, int, int, int, int]
 
 
 shown_dtype = dtype_of(Shown)

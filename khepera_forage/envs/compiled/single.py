@@ -12,7 +12,7 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, motor_action
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.envs.behaviours_env import BehavioursEnv, observation_of
-from khepera_forage.envs.compiled.batch import CompiledBatch
+from khepera_forage.envs.compiled.batch import CompiledBatch, Shown
 from khepera_forage.envs.compiled.forager import CompiledForager, world_of_records
 from khepera_forage.envs.recall import ActionT, Observation, RecallEnv, episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
@@ -26,6 +26,8 @@ from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, Behaviour, be
 
 _FIRST = np.zeros(1, np.int64)
 """The only world of a batch of one."""
+_VECTOR = slice(Shown._fields.index("object_presence"), Shown._fields.index("robot_food_distance") + 1)
+"""Where the state vector is in what environments show."""
 
 
 class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
@@ -123,7 +125,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
         if self.render_mode == "human":
             self.render()
-        shown = batch.shown[0].item()
+        shown = Shown._make(batch.shown[0].item())
         return self._observation(shown), _info(shown)
 
     def step(self, action: ActionT) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -138,12 +140,11 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             steps = int(self._batch.shown["steps"][0])
             raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
         self._command(action, self._action[0])
-        shown = self._batch.step(self._action, self._waiting)[0].item()
-        reward, terminated, truncated = shown[:3]
-        self._over = terminated or truncated
+        shown = Shown._make(self._batch.step(self._action, self._waiting)[0].item())
+        self._over = shown.terminated or shown.truncated
         if self.render_mode == "human":
             self.render()
-        return self._observation(shown), reward, terminated, truncated, _info(shown)
+        return self._observation(shown), shown.reward, shown.terminated, shown.truncated, _info(shown)
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -155,7 +156,7 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        forager, info = self.forager, _info(self._batch.shown[0].item())
+        forager, info = self.forager, _info(Shown._make(self._batch.shown[0].item()))
         return recall_view(self.arena, self.world, forager, info, self.limit, self._executed, self.confidence)
 
     def close(self) -> None:
@@ -171,8 +172,8 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """Write an action as `CompiledBatch.step` takes it."""
 
     @abstractmethod
-    def _observation(self, shown: tuple[Any, ...]) -> Observation:
-        """The observation, in fresh arrays, from the values of a `Shown` record."""
+    def _observation(self, shown: Shown) -> Observation:
+        """The observation, in fresh arrays, from what environments show."""
 
     def _enter_arena(self) -> None:
         """Make the arena of the world that of the environment."""
@@ -188,11 +189,13 @@ class CompiledRecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
 
 
-def _info(shown: tuple[Any, ...]) -> dict[str, Any]:
-    """The info of one round, from the values of a `Shown` record."""
-    score, lost, correct, steps, delivered, poison_home, state, x, y, orientation = shown[3:13]
-    pose = np.array((x, y, orientation))
-    return episode_info(state, pose, score, lost, correct, steps, delivered, poison_home)
+def _info(shown: Shown) -> dict[str, Any]:
+    """The info of one round, from what environments show."""
+    pose = np.array((shown.x, shown.y, shown.orientation))
+    return episode_info(
+        *(shown.state, pose, shown.score, shown.penalty, shown.correct, shown.steps),
+        *(shown.delivered, shown.poison_home),
+    )
 
 
 class CompiledBehavioursEnv(CompiledRecallEnv[int]):
@@ -207,8 +210,9 @@ class CompiledBehavioursEnv(CompiledRecallEnv[int]):
         row[0] = behaviour = behaviour_number(action, NUM_BEHAVIOURS)
         self._executed = BEHAVIOURS[behaviour]
 
-    def _observation(self, shown: tuple[Any, ...]) -> Observation:
-        return observation_of(shown[13:18], shown[30])
+    def _observation(self, shown: Shown) -> Observation:
+        vector: Any = shown[_VECTOR]
+        return observation_of(vector, shown.diagonal)
 
 
 class CompiledWheelsEnv(CompiledRecallEnv[NDArray[np.float64]]):
@@ -222,18 +226,17 @@ class CompiledWheelsEnv(CompiledRecallEnv[NDArray[np.float64]]):
     def _command(self, action: NDArray[np.float64], row: NDArray[np.float64]) -> None:
         row[:] = motor_action(action)
 
-    def _observation(self, shown: tuple[Any, ...]) -> Observation:
-        arm, jaw, tracked, food_seen, food_x, food_y, food_type = shown[18:25]
+    def _observation(self, shown: Shown) -> Observation:
         return {
-            "proximity": np.array(shown[31]),
-            "arm": np.array((arm,)),
-            "jaw": np.array((jaw,)),
-            "object_presence": np.int64(shown[13]),
-            "pose": np.array(shown[10:13]),
-            "tracked": np.int64(tracked),
-            "food_seen": np.int64(food_seen),
-            "food": np.array((food_x, food_y)),
-            "food_type": np.int64(food_type),
-            "home": np.array(shown[25:28]),
-            "wall": np.array(shown[28:30]),
+            "proximity": np.array(shown.proximity),
+            "arm": np.array((shown.arm,)),
+            "jaw": np.array((shown.jaw,)),
+            "object_presence": np.int64(shown.object_presence),
+            "pose": np.array((shown.x, shown.y, shown.orientation)),
+            "tracked": np.int64(shown.tracked),
+            "food_seen": np.int64(shown.food_seen),
+            "food": np.array((shown.food_x, shown.food_y)),
+            "food_type": np.int64(shown.type_in_gripper),
+            "home": np.array((shown.home_x, shown.home_y, shown.home_radius)),
+            "wall": np.array((shown.wall_distance, shown.wall_bearing)),
         }
