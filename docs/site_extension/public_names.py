@@ -6,9 +6,9 @@ from pathlib import Path
 from site_extension.repository import PACKAGE, module_name
 
 COMMANDS, COMPILER = "khepera_forage.cli", "khepera_forage.compilation"
-"""The command line, which has a page of its own, and what only compiled kernels use."""
-KERNELS = f"{COMPILER}.decorators"
-"""A module that imports this contains kernels, which Python code does not call."""
+"""The command line, which has a page of its own, and what only compiled modules use."""
+COMPILED = {"entry", "rule", "array_rule"}
+"""Decorators of functions of compiled worlds, which users do not call."""
 
 
 def public_modules() -> dict[str, list[Path]]:
@@ -17,17 +17,22 @@ def public_modules() -> dict[str, list[Path]]:
     for path in sorted(PACKAGE.rglob("*.py")):
         name = module_name(path)
         internal = any(f"{name}.".startswith(f"{package}.") for package in (COMMANDS, COMPILER))
-        if not internal and KERNELS not in _imported(path):
+        compiled = COMPILER in _imported(path) and not public_names(path)
+        if not (internal or compiled):
             package = name if path.name == "__init__.py" else name.rpartition(".")[0]
             found.setdefault(package, []).append(path)
     return found
 
 
 def public_names(path: Path) -> list[str]:
-    """The classes and functions that a file defines, without those that begin with an underscore."""
+    """The classes and functions that a file defines, without compiled ones and those that begin with an underscore."""
     kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     return [
-        node.name for node in _parsed(path).body if isinstance(node, kinds) and not node.name.startswith("_")
+        node.name
+        for node in _parsed(path).body
+        if isinstance(node, kinds)
+        and not node.name.startswith("_")
+        and COMPILED.isdisjoint(map(ast.unparse, node.decorator_list))
     ]
 
 
