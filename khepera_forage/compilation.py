@@ -75,7 +75,7 @@ def entry(function: _F) -> _F:
 
     It is compiled at its first call, and runs without Python's lock.
     """
-    return function if _config.DISABLE_JIT else cast(_F, _Entry(function))
+    return cast(_F, _Entry(function))
 
 
 class _Entry:
@@ -95,7 +95,7 @@ class _Entry:
                 frames = traceback.walk_tb(error.__traceback__)  # compiled functions have none of numba's
                 if not any(str(frame.f_globals.get("__name__")).startswith("numba.") for frame, _ in frames):
                     raise
-        with _lock:
+        with _lock, _compiler():
             dispatcher = self._compiled(arguments)
         return dispatcher(*arguments)
 
@@ -154,6 +154,16 @@ def _compile(dispatcher: Any, types: tuple[Any, ...]) -> Exception | None:
     finally:
         done.set()
     return None
+
+
+@contextmanager
+def _compiler() -> Iterator[None]:
+    """Numba's compiler, also with NUMBA_DISABLE_JIT: in Python, elements of arrays have no fields by name."""
+    usual, _config.DISABLE_JIT = _config.DISABLE_JIT, 0
+    try:
+        yield
+    finally:
+        _config.DISABLE_JIT = usual
 
 
 @contextmanager

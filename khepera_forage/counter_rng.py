@@ -2,7 +2,7 @@
 
 The generator is SplitMix64 (Steele, Lea and Flood 2014), whose n-th number is a hash of key + n * golden ratio.
 Layouts and food types are drawn by it, so that a seed has the same ones on every backend, in a batch of any size.
-Compiled code has its own `random_bits` and `unit` on machine words (`compilation.counter_rng`), with the same results.
+Compiled code has its own `random_bits` and `unit` on machine words (`sim.compiled.random`), with the same results.
 """
 
 import math

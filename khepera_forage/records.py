@@ -18,9 +18,8 @@ def dtype_of(kind: type) -> np.dtype[Any]:
 
     Args:
         kind: A dataclass or a named tuple. Fields that are numbers, flags, records of their own, tuples of numbers of
-        one
-            kind, or lists of as many numbers as their default has, become fields of the dtype. Others, such as lists of
-            records, are left out: compiled worlds keep them in arrays of their own.
+            one kind, or lists of as many numbers as their default has, become fields of the dtype. Others, such as
+            lists of records, are left out: compiled worlds keep them in arrays of their own.
     """
     if is_dataclass(kind):
         known = [(field.name, field.type, _length(field)) for field in fields(kind)]

@@ -287,9 +287,10 @@ def test_deleted_current_folder_does_not_prevent_compilation(package: Package) -
     )
 
 
-def test_without_compilation_an_entry_is_the_plain_function(package: Package) -> None:
-    code = f"{ADD}\nprint(type(add).__name__)"
-    assert package.run(code, NUMBA_DISABLE_JIT="1") == ("3.0 False\nfunction\n", "")
+def test_entries_are_compiled_where_numba_is_switched_off(package: Package) -> None:
+    code = f"{ADD}\nimport numba\nprint(type(numba.njit(lambda x: x)).__name__)"
+    assert package.run(code, NUMBA_DISABLE_JIT="1") == (COMPILED + "function\n", "")
+    assert package.run(code, NUMBA_DISABLE_JIT="1") == (LOADED + "function\n", "")
 
 
 def test_threads_may_compile_at_the_same_time(package: Package) -> None:
