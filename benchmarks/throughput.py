@@ -4,13 +4,13 @@
 
 Goals on one core: 15,000 steps a second of Corridor-v1 under the teacher, 4,000 rounds a second of the paired
 corridors, 40,000 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB
-for the main job. With `--compiled`: 15 million steps a second in the kernel, 5 million and 300 times pymunk through
-`gym.make_vec`, 150,000 of one world, and half the corridor's rate in 10,000 arenas; there is then a second picture, of
+for the main job. With `--compiled`: 4 million steps a second in the kernel, 2 million and 100 times pymunk through
+`gym.make_vec`, 60,000 of one world, and half the corridor's rate in 10,000 arenas; there is then a second picture, of
 the cost of a step against worlds and food.
 
-`--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as b91f85b
-(version 0.1), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`. About 25 minutes
-on two cores; with --quick ten minutes, nearly all of them compilation.
+`--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as a0e33ed (the
+last with blocks of worlds), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`.
+About 25 minutes on two cores; with --quick ten minutes, nearly all of them compilation.
 """
 
 import argparse

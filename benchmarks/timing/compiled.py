@@ -21,7 +21,7 @@ KERNEL = Measure(
     "recall in the corridor under the teacher, in the kernel",
     "steps/s",
     "whole episodes, all cores",
-    15e6,
+    4e6,
 )
 ONE_CORE = Measure(
     SECTION, "recall in the corridor under the teacher, in the kernel, one core", "steps/s", "one thread"
@@ -31,17 +31,17 @@ VECTOR = Measure(
     f"Corridor-v1 of make_vec, {WORLDS:,} worlds",
     "steps/s",
     "behaviours in, observations and infos out, all cores",
-    5e6,
+    2e6,
 )
 TIMES_PYMUNK = Measure(
     SECTION,
     "Corridor-v1 of make_vec, as a multiple of that on pymunk",
     "times",
     "same repeat, resets included",
-    300,
+    100,
 )
 SINGLE = Measure(
-    SECTION, 'Corridor-v1 with backend="compiled"', "steps/s", "gym.make, one world, resets included", 150_000
+    SECTION, 'Corridor-v1 with backend="compiled"', "steps/s", "gym.make, one world, resets included", 60_000
 )
 MEMORY = Measure(SECTION, "memory of a world", "bytes", "one food object", 2_000)
 VECTORS, IMITATORS = 500, 64

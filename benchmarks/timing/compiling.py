@@ -20,7 +20,7 @@ CALLS = {
     "train_learners, 128 learners": "from khepera_forage.rollouts.compiled.training import train_learners; "
     "train_learners(128)",
 }
-FIRST = {call: Measure(SECTION, f"{call}, nothing on disk", "s", "", 30.0) for call in CALLS}
+FIRST = {call: Measure(SECTION, f"{call}, nothing on disk", "s", "", 45.0) for call in CALLS}
 AGAIN = {call: Measure(SECTION, f"{call}, kernels on disk", "s") for call in CALLS}
 _SCRIPT = "from time import perf_counter; start = perf_counter(); {}; print(perf_counter() - start)"
 
