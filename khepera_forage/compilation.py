@@ -292,4 +292,4 @@ def share_out(
 @functools.cache
 def _pool(process: int) -> ThreadPoolExecutor:
     """The threads of a process; a forked process needs its own."""
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix=f"khepera_forage {process}")
+    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix=f"worlds of {process}")
