@@ -54,7 +54,7 @@ def rule(function: _F) -> _F:
 
     It does what numba's `register_jitable` does, but for the names of the compiled functions. It is compiled into its
     callers, and does not count references to arrays: counting them takes most of a round. So it can return no array
-    that it was not given. (`_nrt` is the one option here that numba uses itself but does not document.)
+    that it was not given. (Numba uses `_nrt` itself, but does not document it.)
     """
     return _register(function, {"error_model": "numpy", "forceinline": True, "_nrt": False})
 
