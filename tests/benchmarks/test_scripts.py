@@ -120,7 +120,6 @@ SCRIPTS = {
         repeatable=LEARNERS_RUN,
         subcommand="compare",
     ),
-    "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
         ("observations", "phantoms", "hole_layouts"),
