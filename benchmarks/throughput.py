@@ -165,8 +165,7 @@ def memory(worlds: int, _: int) -> float:
 
 def of_calls(call: Callable[[], Any]) -> float:
     """Steps or rounds a second in the median of five calls that do the same work, after one that compiles."""
-    steps = int(call())
-    return steps / median(repeat(call, number=1, repeat=5))
+    return int(call()) / median(repeat(call, number=1, repeat=5))
 
 
 def experience(learners: int, seed: int) -> list[tuple[Any, Any]]:
@@ -215,7 +214,7 @@ CASES = (
     Case("first_train_learners", trainings, "first train_learners", "s", 128, 128, 45, 0.8, first_call=True),
     Case("design", design, "{:,} replications of the design", "s", 1_000, 2, 60, 4.0),
     Case("import", import_alone, "import khepera_forage", "s", 1, 1, 0.5),
-    Case("paired", paired, "paired corridors on pymunk", "rounds/s", 10_000, 100, 4_000, one_core=True),
+    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000, one_core=True),
     Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4, one_core=True),
     Case("memory", memory, "memory of a world", "bytes", 128, 128, 2_000),
 )
