@@ -81,7 +81,7 @@ class Forager:
         self.vector: StateVector
         self.state: State
         self.senses: Senses = robot.sense()
-        self.applied: Motors = robot.drive(Motors(0, 0, self.senses.arm, self.senses.jaw))
+        self.applied = Motors(0, 0, self.senses.arm, self.senses.jaw)
 
     @property
     def correct_behaviour(self) -> Behaviour:
