@@ -185,28 +185,37 @@ class WorldRecalls:
 
     def shown(self) -> Shown:
         """What environments show of the last round."""
-        forager, episode = self.forager, self._episode
-        raw, tracker, diagonal = forager.raw, forager.tracker, forager.arena.diagonal
-        presence, home, food_type, arm, food = forager.vector
-        lost = penalty(tracker.delivered, tracker.deliverable)
-        account = episode.reward, episode.terminated, episode.truncated
-        info = score(episode.correct, episode.steps, lost), lost, episode.correct, episode.steps
-        vector = presence, min(home, diagonal), food_type, arm, min(food, diagonal)
-        return Shown._make(
-            (
-                *account,
-                *info,
-                *(tracker.delivered, tracker.poison_home, int(forager.state)),
-                *(raw.x, raw.y, float(raw.orientation)),
-                *vector,
-                *(raw.arm, raw.jaw, int(raw.tracked), int(raw.food_seen), raw.food_x, raw.food_y),
-                *(int(raw.food_type), raw.home_x, raw.home_y, float(raw.home_radius)),
-                *(raw.wall_distance, raw.wall_bearing, diagonal, raw.proximity),
-            )
-        )
+        return shown_of(self.forager, self._episode)
 
     def _enter(self, arena: Arena) -> None:
         """Let the coming episode take place in an arena, in a world of its own."""
         self.arena = arena
         markers = (self._decisions.recall_marker,)
         self.world = PymunkWorld([arena], markers, self._noise, timing=timing_of(self._decisions))
+
+
+def shown_of(forager: Forager, episode: Episode) -> Shown:
+    """What environments show of a robot at its task.
+
+    Args:
+        forager: The robot.
+        episode: The account of its episode.
+    """
+    raw, tracker, diagonal = forager.raw, forager.tracker, forager.arena.diagonal
+    presence, home, food_type, arm, food = forager.vector
+    lost = penalty(tracker.delivered, tracker.deliverable)
+    account = episode.reward, episode.terminated, episode.truncated
+    info = score(episode.correct, episode.steps, lost), lost, episode.correct, episode.steps
+    vector = presence, min(home, diagonal), food_type, arm, min(food, diagonal)
+    return Shown._make(
+        (
+            *account,
+            *info,
+            *(tracker.delivered, tracker.poison_home, int(forager.state)),
+            *(raw.x, raw.y, float(raw.orientation)),
+            *vector,
+            *(raw.arm, raw.jaw, int(raw.tracked), int(raw.food_seen), raw.food_x, raw.food_y),
+            *(int(raw.food_type), raw.home_x, raw.home_y, float(raw.home_radius)),
+            *(raw.wall_distance, raw.wall_bearing, diagonal, raw.proximity),
+        )
+    )

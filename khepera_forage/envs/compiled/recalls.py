@@ -15,6 +15,7 @@ from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.camera import marker_region
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
@@ -110,6 +111,7 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     )
     robot = SimulatedKhepera(world.robots[0])
     forager = Forager(robot, arena_map, decisions.recall_marker, tracker, decisions.values())
+    forager.own = marker_region(0, world.robots[0])
     values = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
     raw = RawData._make(values)
     # Compiled worlds look up the way home when a behaviour uses it.
