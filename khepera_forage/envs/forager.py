@@ -10,8 +10,7 @@ from khepera_forage.sim.ways import is_home_free, pixel_walls, way_out, ways_of
 from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, share_identified, update_food
-from khepera_forage.task.identification import explored
+from khepera_forage.task.food_tracking import FoodTracker, explored, share_identified, update_food
 from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene

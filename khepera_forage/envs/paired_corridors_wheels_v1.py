@@ -33,8 +33,8 @@ class WheelsTrainingEnv(TrainingEnv):
 
     ## Observation space
     `Box((24,), float64)` for every agent: the 22 numbers of `CorridorWheels-v1` in the order of its table, then heard
-    (a behaviour; 10 is silence) and separated 0/1, as in `PairedCorridors-v1`. The teacher shouts the behaviour that its
-    state demands if its motors, as applied, are those that this behaviour commands; otherwise it is silent.
+    (a behaviour; 10 is silence) and separated 0/1, as in `PairedCorridors-v1`. The teacher shouts the behaviour that
+    its state demands if its motors, as applied, are those that this behaviour commands; otherwise it is silent.
 
     ## Rewards, starting state, episode end, info, arguments
     Those of `PairedCorridors-v1`. Following (4.5.2) changes the wheels that a learner commands, by the behaviour that

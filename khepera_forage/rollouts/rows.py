@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-from khepera_forage.task.decision_text import decisions_from_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_from_text
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"

@@ -20,8 +20,7 @@ from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.food_links import Link
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import State, StateVector
 from khepera_forage.task.way_finding import WayMemory, way_home

@@ -13,8 +13,7 @@ from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import dtype_of
 from khepera_forage.sim.compiled.world import detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.task.episode import Episode
-from khepera_forage.task.food_links import Link
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.placement import Place, Start
 from khepera_forage.task.states import StateVector
