@@ -515,7 +515,3 @@ def markdown_table() -> str:
     lines = ["| decision | default | allowed | thesis | meaning |", "|---|---|---|---|---|"]
     lines += [f"| `{row.name}` | {' | '.join(row[1:])} |" for row in decision_table()]
     return "\n".join(lines) + "\n"
-
-
-if __name__ == "__main__":
-    print(markdown_table(), end="")
