@@ -48,6 +48,7 @@ class CompiledRecalls:
         self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions)
         self._noise, self._decisions = noise, decisions
         self.largest_diagonal = self._batch.largest_diagonal
+        self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
         self._enter()
 
     @property
@@ -77,11 +78,13 @@ class CompiledRecalls:
 
     def step(self, action: Sequence[float]) -> Shown:
         """One round under the number of a behaviour, or four numbers in -1..1."""
-        return Shown._make(self._batch.step(action, _WAITING)[0].item())
+        numbers = self._actions[len(action)]
+        numbers[0] = action
+        return Shown._make(self._batch.go_on(numbers, _WAITING).item())
 
     def shown(self) -> Shown:
         """What environments show of the last round."""
-        return Shown._make(self._batch.shown[0].item())
+        return Shown._make(self._batch.shown.item())
 
     def _enter(self) -> None:
         """Make arena and bodies those of the world."""
