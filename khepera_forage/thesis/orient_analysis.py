@@ -16,8 +16,7 @@ from khepera_forage.experiments.statistics import bootstrap, ratio, replications
 from khepera_forage.experiments.tables import Column, Table, Value
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 from khepera_forage.thesis.design import training_distance
 

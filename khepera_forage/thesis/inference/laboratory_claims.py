@@ -5,7 +5,7 @@ import numpy as np
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.rollouts.rows import TEACHER
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, claims
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.prior import Laboratory
