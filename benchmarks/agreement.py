@@ -26,13 +26,9 @@ from backend_agreement.arenas import RandomArena, random_arena
 from backend_agreement.paired import PairedRecall
 from backend_agreement.samples import PymunkRecall
 
-from khepera_forage.experiments.arguments import Arguments, Count, parse
-from khepera_forage.experiments.measures import pick
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import Unit, collect
-from khepera_forage.experiments.row_folder import Rows
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import Table, pick
 from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.study import Arguments, Count, Page, Picture, Rows, Unit, collect, finish, parse
 from khepera_forage.thesis.design import THESIS
 
 COUNTS = (

@@ -12,9 +12,7 @@ import numpy as np
 from arena_deliveries.page import page
 from arena_deliveries.recalls import Delivery, units
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import finish
-from khepera_forage.experiments.processes import collect
+from khepera_forage.study import Count, collect, finish, parse
 
 
 def main() -> int:

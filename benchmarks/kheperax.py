@@ -19,10 +19,8 @@ from kheperax_comparison.page import page
 from kheperax_comparison.theirs import Kheperax
 from kheperax_comparison.work import Work
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import finish
-from khepera_forage.experiments.processes import collect
 from khepera_forage.option_values import whole_number
+from khepera_forage.study import Count, collect, finish, parse
 
 REPEATS = Count("repeats", 7, 2, "repeats, of which the median counts")
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)

@@ -12,9 +12,7 @@ import sys
 from teacher_alone.forages import Forage, blocks
 from teacher_alone.page import page
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import finish
-from khepera_forage.experiments.processes import collect
+from khepera_forage.study import Count, collect, finish, parse
 
 
 def main() -> int:

@@ -33,9 +33,7 @@ from timing.checkouts import checkouts
 from timing.measures import Job, Measured, Repeat, lines_of, repeats
 from timing.page import page
 
-from khepera_forage.experiments.arguments import Arguments, Count, parse
-from khepera_forage.experiments.page import finish, write
-from khepera_forage.experiments.processes import collect
+from khepera_forage.study import Arguments, Count, collect, finish, parse, write
 
 COUNTS = (
     Count("steps", 10_000, 150, "steps, rounds or decisions of each measure in a repeat"),
@@ -100,7 +98,7 @@ def compare(given: Arguments) -> int:
     result = beside.page(rows, theirs, ours, given.repeats, given.quick)
     del given.counts["steps"]  # the sizes of the cases are fixed
     options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
-    write(given.out, "beside", result, given.command_line(*options))
+    write(given.out, "beside", result)
     print("\n".join(table.markdown() for table in result.tables))
     print(f"Page, table and rows are in {given.out}: beside.md, table_beside.csv, beside.csv")
     return 0
@@ -128,7 +126,7 @@ def main() -> int:
         units.append(Repeat("memory", 0, [fresh_processes.memory_job(seed)]))
     rows = collect(given, units, {Measured: "measurements"})
     options = [f"--{name}" for name in ("compiled", "memory") if getattr(given, name)]
-    return finish(given, page(lines_of(rows.of(Measured))), *options)
+    return finish(given, page(lines_of(rows.of(Measured))))
 
 
 if __name__ == "__main__":

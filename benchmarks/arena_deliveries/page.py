@@ -6,11 +6,9 @@ import numpy as np
 from backend_agreement.paired_tables import mcnemar
 
 from arena_deliveries.recalls import COMPILED, FOODS, GROUPS, ONE_THIRD_EACH, PYMUNK, Delivery
-from khepera_forage.experiments.measures import Measure, mean, pick
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.statistics import holm
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Measure, Table, Value, holm, mean, pick
 from khepera_forage.sim.arenas.named import FAMILY
+from khepera_forage.study import Page
 
 GOALS = {"PICKABLE": 98.0, "PUSHABLE": 95.0}
 """Percent of the food that is to be delivered."""

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Estimate, Table
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.reproduce import reproduce
 

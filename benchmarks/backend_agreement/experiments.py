@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from backend_agreement.two_sample_tests import LEVEL, mean_of, welch
-from khepera_forage.experiments.statistics import Estimate, holm, replications, sums_by_replication
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Estimate, Table, holm, replications, sums_by_replication
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.cells import in_cell

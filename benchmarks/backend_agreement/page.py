@@ -10,7 +10,8 @@ from backend_agreement.paired import ODDS
 from backend_agreement.paired import TRAININGS as IMITATOR_TRAININGS
 from backend_agreement.samples import CONDITIONS, SLOW, TRAININGS, Condition, Sample
 from backend_agreement.two_sample_tests import LEVEL, Comparison, Power
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import Column, Table, holm
+from khepera_forage.figures import (
     GREY,
     OURS,
     SMALL,
@@ -21,8 +22,6 @@ from khepera_forage.experiments.figures import (
     new_figure,
     padded,
 )
-from khepera_forage.experiments.statistics import holm
-from khepera_forage.experiments.tables import Column, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from backend_agreement.arenas import HOME_RADIUS, KINDS, RandomArena
 from backend_agreement.paired import COMPILED, POLICIES, PYMUNK, PairedRecall
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import pick
+from khepera_forage.figures import (
     COLOURS,
     GREY,
     MARKERS,
@@ -17,7 +18,6 @@ from khepera_forage.experiments.figures import (
     new_figure,
     padded,
 )
-from khepera_forage.experiments.measures import pick
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 
 if TYPE_CHECKING:

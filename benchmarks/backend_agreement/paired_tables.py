@@ -10,9 +10,7 @@ from scipy import stats
 from backend_agreement.arenas import KINDS
 from backend_agreement.paired import COMPILED, POLICIES, PYMUNK, PairedRecall
 from backend_agreement.two_sample_tests import LEVEL
-from khepera_forage.experiments.measures import Measure, difference, mean, pick
-from khepera_forage.experiments.statistics import Estimate, holm
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Estimate, Measure, Table, Value, difference, holm, mean, pick
 
 ALL = "all"
 MEASURES = (

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from backend_agreement.samples import Condition, Sample
-from khepera_forage.experiments.measures import percent
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate, percent
 
 LEVEL = 0.05
 Floats = NDArray[np.float64]

@@ -1,6 +1,6 @@
 """What is equal and what is not, according to the source of Kheperax 0.2.0 that the comparison runs."""
 
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import RADIUS, WHEEL_BASE
 from khepera_forage.robots.proximity import REACH

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from khepera_forage.experiments.measures import extremes, pick
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate, extremes, pick
 from kheperax_comparison.ours import OurBodies, whole_task
 from kheperax_comparison.theirs import Kheperax, Timed
 

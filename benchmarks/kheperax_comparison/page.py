@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, grid, new_figure
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table, Value, interval
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, interval
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, grid, new_figure
+from khepera_forage.study import Page, Picture
 from kheperax_comparison.differences import EQUAL, unequal
 from kheperax_comparison.measures import (
     CALLS,

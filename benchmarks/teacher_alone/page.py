@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import Column, Estimate, Table, percent, pick, quantiles
+from khepera_forage.figures import (
     OURS,
     SMALL,
     THESIS,
@@ -14,10 +15,7 @@ from khepera_forage.experiments.figures import (
     mark,
     new_figure,
 )
-from khepera_forage.experiments.measures import percent, pick, quantiles
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.study import Page, Picture
 from khepera_forage.task.states import FoodType
 from teacher_alone.forages import CONDITIONS, NO_ORIENT, Condition, Forage
 

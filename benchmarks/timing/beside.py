@@ -10,9 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from khepera_forage.experiments.measures import extremes
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, extremes
+from khepera_forage.study import Page
 from timing.beside_cases import EPISODES, WORLDS
 from timing.checkouts import Checkout
 from timing.measures import LOWER_IS_BETTER, digits

@@ -5,9 +5,9 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
+from khepera_forage.study import Page, Picture
 from timing import bare_pymunk, compiled, compiling, environments, fresh_processes, imitator, parts, scaling
 from timing.measures import Line, digits
 

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure
 from khepera_forage.sim.arena import Arena, Point, Pose
 from timing import compiled
 from timing.measures import Job, Line, Measure, Values

@@ -2,9 +2,8 @@
 
 import argparse
 
-from khepera_forage.experiments.arguments import Count, add_experiment_arguments, completed
-from khepera_forage.experiments.page import write
 from khepera_forage.extras import require
+from khepera_forage.study import Count, add_study_arguments, completed, write
 
 NAME = "decisions"
 """Of the folder of results."""
@@ -26,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = DESCRIPTION
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    add_experiment_arguments(parser, NAME, *COUNTS)
-    parser.set_defaults(program="khepera-forage infer", launched="khepera-forage infer")
+    add_study_arguments(parser, NAME, *COUNTS)
+    parser.set_defaults(program="khepera-forage infer")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -42,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     given = completed(arguments, *COUNTS)
     for name, page in pages(given, draw(given, given.sets, given.experiments)).items():
-        write(given.out, name, page, given.command_line())
+        write(given.out, name, page)
         print(f"# {page.title}\n")
         print("\n".join(table.markdown() for table in page.tables))
     print(f"Pages, pictures, tables and sets are in {given.out}")

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, THESIS, WIDTH, mark, new_figure, padded
-from khepera_forage.experiments.statistics import Estimate, Floats, wilson
+from khepera_forage.estimates import Estimate, Floats, wilson
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, mark, new_figure, padded
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.rollouts.same_decisions import common_decisions
 from khepera_forage.sim.arena import Arena

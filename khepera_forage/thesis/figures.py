@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import Estimate
+from khepera_forage.figures import (
     GREY,
     OURS,
     SMALL,
@@ -18,7 +19,6 @@ from khepera_forage.experiments.figures import (
     new_figure,
     padded,
 )
-from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.thesis.cells import CellResult
 
 if TYPE_CHECKING:

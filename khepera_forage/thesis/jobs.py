@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
 from khepera_forage.envs.backends import PYMUNK
-from khepera_forage.experiments.statistics import MIN_REPLICATIONS
+from khepera_forage.estimates import MIN_REPLICATIONS
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS

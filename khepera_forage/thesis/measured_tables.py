@@ -4,13 +4,12 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate, Measure, replications
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, replications
 from khepera_forage.rollouts.rows import STATES, RecallRow
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import State
 from khepera_forage.thesis.cells import in_cell
-from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena
+from khepera_forage.thesis.claims.evidence import Evidence, Measure, Sample, of_arena
 from khepera_forage.thesis.claims.time import attempts_per_episode, steps_needed
 from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
 

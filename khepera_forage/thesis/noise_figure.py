@@ -3,9 +3,8 @@
 import math
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, mark, new_figure
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import UNKNOWN, Estimate, Table
+from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, mark, new_figure
 from khepera_forage.thesis.design import NO_NOISE
 
 if TYPE_CHECKING:

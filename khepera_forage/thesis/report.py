@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.statistics import MIN_REPLICATIONS, RESAMPLES, replications
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, replications
+from khepera_forage.figures import save
 from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions

@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import repeat
 
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Estimate, Table, Value
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.claims import Claim
 from khepera_forage.thesis.errata import errata

@@ -19,7 +19,7 @@ from backend_agreement.arenas import (
 )
 from backend_agreement.paired import COMPILED, ODDS, POLICIES, PYMUNK
 
-from khepera_forage.experiments.statistics import Estimate, holm
+from khepera_forage.estimates import Estimate, holm
 from khepera_forage.geometry.walls import clearance, walls_of
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.arguments import Count, parse
+from khepera_forage.study import Count, parse
 from khepera_forage.thesis.inference.claims_table import CLAIMS
 from khepera_forage.thesis.inference.draw import Drawn, draw, kept
 from khepera_forage.thesis.inference.prior import PRIOR

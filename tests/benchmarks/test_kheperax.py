@@ -22,7 +22,7 @@ from kheperax_comparison.page import page
 from kheperax_comparison.theirs import About, Timed, answer_of
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TRAVEL, Work
 
-from khepera_forage.experiments.page import write
+from khepera_forage.study import write
 
 ABOUT = About("0.2.0", "0.10.2", "3.11.7", 2, "float32", 20, 10, 16.0, 4.5, 0.0)
 RATES = {

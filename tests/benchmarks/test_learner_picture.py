@@ -12,7 +12,7 @@ from khepera_forage.comparison.learning import Compared
 from khepera_forage.comparison.picture import STYLES, figure
 from khepera_forage.comparison.rows import ARENAS, RecallBatch
 from khepera_forage.comparison.units import all_learners
-from khepera_forage.experiments.figures import COLOURS, MARKERS
+from khepera_forage.figures import COLOURS, MARKERS
 from khepera_forage.policies.learners import FromVectors, Needs
 from tests.figure_checks import (
     check_points_are_shown,

@@ -21,7 +21,7 @@ from khepera_forage.comparison.results_file import (
 )
 from khepera_forage.comparison.rows import RecallBatch
 from khepera_forage.comparison.units import all_learners, settings_of
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 
 DOCS = Path(__file__).parents[2] / "docs" / "learners"
 

@@ -7,13 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-
 from khepera_forage.experiments import figures, measures, page
-from khepera_forage.experiments.arguments import Arguments, Count, parse
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.processes import collect
-from khepera_forage.experiments.row_folder import RowFolder
-from khepera_forage.experiments.tables import Column, Table
+
+from khepera_forage.estimates import Column, Table
+from khepera_forage.study import Arguments, Count, Page, Picture, RowFolder, collect, parse
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.estimates import UNKNOWN, Estimate
 from khepera_forage.thesis.claims import Verdict, claims
 from khepera_forage.thesis.claims.claim import (
     Above,

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED, PYMUNK
-from khepera_forage.experiments.figures import GREY, OURS
+from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import Estimate, bootstrap, ratio, wilson
+from khepera_forage.estimates import Estimate, bootstrap, ratio, wilson
 from khepera_forage.thesis.inference.parameters import Parameter
 
 Floats = NDArray[np.float64]

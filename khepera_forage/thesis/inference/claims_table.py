@@ -9,8 +9,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import Estimate, wilson
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Estimate, Table, Value, wilson
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.inference.chunks import SUFFIX, read_arrays, write_arrays

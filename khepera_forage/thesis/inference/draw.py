@@ -11,7 +11,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from khepera_forage.experiments.arguments import Arguments
+from khepera_forage.study import Arguments
 from khepera_forage.thesis.inference.laboratory_text import laboratory_from_text
 from khepera_forage.thesis.inference.parameters import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 from khepera_forage.thesis.design import ARENAS
 from khepera_forage.thesis.inference.parameters import Parameter
 from khepera_forage.thesis.inference.summary import NAMES

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from khepera_forage.experiments.arguments import Arguments
-from khepera_forage.experiments.figures import COLOURS, GREY, OURS
-from khepera_forage.experiments.page import Page
+from khepera_forage.figures import COLOURS, GREY, OURS
 from khepera_forage.noise import Noise
+from khepera_forage.study import Arguments, Page
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import ARENAS, THESIS
 from khepera_forage.thesis.inference import individual_recalls

@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import SMALL, THESIS, WIDTH, grid, legend, new_figure, padded
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.statistics import Estimate, holm
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Estimate, Table, Value, holm
+from khepera_forage.figures import SMALL, THESIS, WIDTH, grid, legend, new_figure, padded
+from khepera_forage.study import Page, Picture
 from khepera_forage.thesis.inference.individual_recalls import INDIVIDUAL, IndividualRecalls, p_value
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, STATISTICS, thesis_statistics
 from khepera_forage.thesis.inference.weighted import quantiles, rank

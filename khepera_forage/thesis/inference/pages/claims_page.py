@@ -4,10 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from khepera_forage.experiments.arguments import Arguments
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.statistics import wilson
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, wilson
+from khepera_forage.study import Arguments, Page
 from khepera_forage.thesis.claims import Verdict
 from khepera_forage.thesis.inference.chunks import joined
 from khepera_forage.thesis.inference.claims_table import (

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, legend, new_figure
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Estimate, Table
+from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, legend, new_figure
+from khepera_forage.study import Page, Picture
 from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference import sensitivity
 from khepera_forage.thesis.inference.draw import Drawn

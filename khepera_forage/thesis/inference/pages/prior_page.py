@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
+from khepera_forage.study import Page
 from khepera_forage.thesis.inference.draw import Drawn
 from khepera_forage.thesis.inference.prior import PRIOR, Range
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
+from khepera_forage.study import Page
 from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference.parameters import Parameter
 from khepera_forage.thesis.inference.posterior import Posterior

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import OURS, SMALL, grid, new_figure
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Estimate, Table, Value
+from khepera_forage.figures import OURS, SMALL, grid, new_figure
+from khepera_forage.study import Page, Picture
 from khepera_forage.thesis.inference.pages.cells_page import Predictions, shown_statistics
 from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 from khepera_forage.thesis.inference.weighted import quantiles, rank

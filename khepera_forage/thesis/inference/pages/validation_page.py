@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from khepera_forage.experiments.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
+from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
+from khepera_forage.study import Page, Picture
 from khepera_forage.thesis.inference.calibration import Calibration, Determined
 from khepera_forage.thesis.inference.posterior import Posterior
 

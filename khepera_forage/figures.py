@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 from khepera_forage.files import NamingFile
 
 if TYPE_CHECKING:
