@@ -25,7 +25,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
 from khepera_forage.extras import require
@@ -57,6 +57,14 @@ def rule(function: _F) -> _F:
     that it was not given. (Numba uses `_nrt` itself, but does not document it.)
     """
     return _register(function, {"error_model": "numpy", "forceinline": True, "_nrt": False})
+
+
+def register(*modules: ModuleType) -> None:
+    """Make every function of these modules a `rule`."""
+    for module in modules:
+        for function in vars(module).values():
+            if isinstance(function, FunctionType) and function.__module__ == module.__name__:
+                rule(function)
 
 
 def array_rule(function: _F) -> _F:

@@ -2,7 +2,7 @@
 
 The generator is SplitMix64 (Steele, Lea and Flood 2014), whose n-th number is a hash of key + n * golden ratio.
 Layouts and food types are drawn by it, so that a seed has the same ones on every backend, in a batch of any size.
-Compiled code has its own `random_bits` and `unit` on machine words (`sim.compiled.random`), with the same results.
+Compiled code has its own `random_bits`, `unit` and `heads` on machine words (`sim.compiled.rules`), with equal results.
 """
 
 import math
@@ -26,6 +26,11 @@ def random_bits(key: Any, number: Any) -> Any:
 def unit(bits: Any) -> float:
     """A number in (0, 1) from 64 bits, of which 52 count: with one more, the largest would round to 1."""
     return float(((bits >> 12) + 0.5) * 2.0**-52)
+
+
+def heads(bits: Any) -> int:
+    """How many of 64 bits are set."""
+    return int(bits.bit_count())
 
 
 def uniform(key: Any, number: int) -> float:

@@ -5,16 +5,19 @@ they are elements of numpy structured arrays, whose fields numba reads and write
 declared once, as a class, and `dtype_of` derives the dtype.
 """
 
-from dataclasses import fields, is_dataclass
-from typing import Any, get_args, get_origin
+from dataclasses import astuple, fields, is_dataclass
+from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
+from numpy.typing import NDArray
 
-_KINDS: dict[Any, Any] = {float: "f8", int: "i8", bool: "?", np.uint64: "u8"}
+Word = Annotated[int, "64 bits without a sign"]
+"""A field with 64 random bits, or the key of random numbers."""
+_KINDS: dict[Any, Any] = {float: "f8", int: "i8", bool: "?", Word: "u8"}
 
 
 def dtype_of(kind: type) -> np.dtype[Any]:
-    """The dtype of a record class.
+    """The dtype of a record class; its elements have the fields as attributes, in Python too.
 
     Args:
         kind: A dataclass or a named tuple. Fields that are numbers, flags, records of their own, tuples of numbers of
@@ -37,7 +40,12 @@ def dtype_of(kind: type) -> np.dtype[Any]:
             inner = dtype_of(annotation)
             if inner.names:
                 parts.append((name, inner))
-    return np.dtype(parts, align=True)
+    return np.dtype((np.record, np.dtype(parts, align=True)))
+
+
+def array_of(record: Any) -> NDArray[Any]:
+    """An array of one record, a copy of a dataclass instance of plain fields."""
+    return np.array([astuple(record)], dtype_of(type(record)))
 
 
 def _length(field: Any) -> int:

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
+from khepera_forage.records import array_of
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.compiled.camera import forget_tracks
-from khepera_forage.sim.compiled.moving import put_down
-from khepera_forage.sim.compiled.records import (
-    constants_of,
+from khepera_forage.sim.camera import forget_tracks
+from khepera_forage.sim.compiled.world import (
+    advance,
     corner_dtype,
     detection_dtype,
     food_dtype,
@@ -22,8 +22,9 @@ from khepera_forage.sim.compiled.records import (
     track_dtype,
     wall_dtype,
 )
-from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.driving import put_down
 from khepera_forage.sim.layout_checks import cable_anchor
+from khepera_forage.sim.records import Enclosure, constants_of
 from kheperax_comparison.theirs import Timed
 from kheperax_comparison.work import ARENA, FOODS, HELD, ROUNDS, TIMING, Work
 
@@ -53,7 +54,7 @@ class CompiledBodies:
         self._walls = np.array(list(map(tuple, ARENA.wall_records)), wall_dtype)
         self._corners = np.array([(x, y) for x, y, _, _ in ARENA.corners], corner_dtype)
         self._anchor = cable_anchor([ARENA])
-        self._constants = constants_of(noise, TIMING)
+        self._constants = array_of(constants_of(noise, TIMING))
 
     def reset(self, seed: int, starts: NDArray[np.float64]) -> None:
         """Put robots and food in their places, and take the first frame.
@@ -113,10 +114,8 @@ def _advance(
     """One round in the worlds from `first` to `last`."""
     for i in range(first, last):
         robots[i, 0].left, robots[i, 0].right = wheels[i, 0], wheels[i, 1]
-        advance(
-            *(robots[i], foods[i], tracks[i], detections[i], walls, corners),
-            *(anchor_x, anchor_y, constants[0]),
-        )
+        everything = Enclosure(robots[i], foods[i], tracks[i], detections[i], walls, corners)
+        advance(everything, anchor_x, anchor_y, constants[0])
 
 
 class OurBodies:

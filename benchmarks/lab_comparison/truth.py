@@ -11,7 +11,7 @@ from khepera_forage.envs.forager import Forager, arena_map_of, perceive_all
 from khepera_forage.envs.layouts import tracker_of
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import PULSE, SPEED_UNIT, Motors, Senses, applicable
-from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import StateVector
 
@@ -33,7 +33,7 @@ class RoundFailures(NamedTuple):
 class _Body:
     """A simulated body that is sensed here and driven by its driver, over the line."""
 
-    def __init__(self, body: PymunkKhepera) -> None:
+    def __init__(self, body: SimulatedKhepera) -> None:
         self._body = body
 
     def sense(self) -> Senses:

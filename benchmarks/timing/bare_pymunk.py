@@ -23,8 +23,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.proximity import REACH
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.sim.pymunk.food import FLOOR_FRICTION
-from khepera_forage.sim.pymunk.food import MASS as FOOD_MASS
+from khepera_forage.sim.pymunk.bodies import FLOOR_FRICTION, FOOD_MASS
 from khepera_forage.task.decisions import Decisions
 from timing.measures import Job, Measure, Values
 

@@ -14,9 +14,9 @@ import pymunk
 
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
-from khepera_forage.sim.pymunk.khepera import PymunkKhepera
+from khepera_forage.sim.camera import OverheadCamera
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.vision.simulated_camera import OverheadCamera
+from khepera_forage.sim.simulation import SimulatedKhepera
 from timing.measures import Job, Measure, Values
 from timing.stopwatch import Method, Sheet, Stopwatch
 
@@ -26,7 +26,7 @@ _METHODS: tuple[tuple[str, type, str], ...] = (
     ("pymunk's own step", pymunk.Space, "step"),
     (_BODIES, PymunkWorld, "advance"),
     (_BODIES, Forager, "drive"),
-    ("infra-reds and optical barrier", PymunkKhepera, "sense"),
+    ("infra-reds and optical barrier", SimulatedKhepera, "sense"),
     ("camera and tracking", OverheadCamera, "expose"),
     ("perception, state, food tracking", Forager, "perceive"),
     ("behaviour: raw data to motors", Forager, "motors_for"),

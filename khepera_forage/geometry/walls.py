@@ -65,6 +65,26 @@ def to_wall(
     return dx + t * ex, dy + t * ey
 
 
+def off_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
+    """To a place from the nearest point of a wall."""
+    x, y = x - wall.x1, y - wall.y1
+    t = min(1.0, max(0.0, (x * wall.ex + y * wall.ey) * wall.share))
+    return x - t * wall.ex, y - t * wall.ey
+
+
+def from_wall(x: float, y: float, wall: Any) -> tuple[float, float, float]:
+    """Distance of a place from a wall, and the unit vector from the wall to the place."""
+    dx, dy = off_wall(x, y, wall)
+    distance = max(math.sqrt(dx * dx + dy * dy), 1e-9)
+    return distance, dx / distance, dy / distance
+
+
+def squared_from_wall(x: float, y: float, wall: Any) -> float:
+    """The square of the distance: enough to see that a wall is far, without a root or a division."""
+    dx, dy = off_wall(x, y, wall)
+    return dx * dx + dy * dy
+
+
 def to_nearest_wall(x: float, y: float, walls: Any) -> tuple[float, float]:
     """From a place to the nearest point of a wall."""
     nearest, wall_x, wall_y = math.inf, 0.0, 0.0

@@ -7,12 +7,12 @@ import numpy as np
 from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.noise import Noise
+from khepera_forage.records import array_of
 from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.camera import forget_tracks
-from khepera_forage.sim.compiled.moving import put_down
-from khepera_forage.sim.compiled.records import (
-    constants_of,
+from khepera_forage.sim.camera import forget_tracks
+from khepera_forage.sim.compiled.world import (
+    advance,
     corner_dtype,
     detection_dtype,
     food_dtype,
@@ -20,8 +20,9 @@ from khepera_forage.sim.compiled.records import (
     track_dtype,
     wall_dtype,
 )
-from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.driving import put_down
 from khepera_forage.sim.layout_checks import cable_anchor
+from khepera_forage.sim.records import Enclosure, constants_of
 from tests.version_0_1 import TIMING
 
 
@@ -44,8 +45,8 @@ def _advance(
             put_down(robots[i, 0], starts[i, 0], starts[i, 1], starts[i, 2], constants[0])
             forget_tracks(foods[i], tracks[i])
         anchor_x, anchor_y = anchor[0], anchor[1]
-        world = robots[i], foods[i], tracks[i], detections[i]
-        advance(world[0], world[1], world[2], world[3], walls, corners, anchor_x, anchor_y, constants[0])
+        world = Enclosure(robots[i], foods[i], tracks[i], detections[i], walls, corners)
+        advance(world, anchor_x, anchor_y, constants[0])
 
 
 class ManyWorlds:
@@ -63,7 +64,7 @@ class ManyWorlds:
         self._walls = np.array(list(map(tuple, arena.wall_records)), wall_dtype)
         self._corners = np.array([corner[:2] for corner in arena.corners], corner_dtype)
         self._anchor = np.array(cable_anchor([arena]))
-        self._constants = constants_of(noise or Noise.laboratory(), TIMING)
+        self._constants = array_of(constants_of(noise or Noise.laboratory(), TIMING))
         self.robots = np.zeros((worlds, 1), robot_dtype)
         self.robots["holes"] = 2
         self.foods = np.zeros((worlds, foods), food_dtype)

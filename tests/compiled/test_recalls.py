@@ -14,7 +14,7 @@ from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.nearest_neighbour.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
-from khepera_forage.sim.compiled.random import DRAW_POLICY, DRAWS, upper
+from khepera_forage.sim.draws import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 from tests.compiled.decisions import DECISIONS
@@ -84,8 +84,10 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     without_food, ties, conflicts = np.zeros((3, worlds), np.int64)
     while not over.all():
         robots = batch.worlds.robots[:, 0]
-        numbers = robots["round"] * np.uint64(DRAWS) + np.uint64(DRAW_POLICY)
-        chances = np.array(upper(random_bits(robots["key"], numbers)))
+        chances = [
+            upper(random_bits(key, number * DRAWS + DRAW_POLICY))
+            for key, number in zip(robots["key"].tolist(), robots["round"].tolist(), strict=True)
+        ]
         actions = np.zeros(worlds, np.int64)
         rows = _state_vectors(observation)
         for i in np.flatnonzero(~over).tolist():

@@ -21,7 +21,7 @@ def stage(request: pytest.FixtureRequest) -> Stage:
     return Stage(world, layout)
 
 
-class TestPymunkKhepera(RobotContract):
+class TestSimulatedKhepera(RobotContract):
     pass
 
 

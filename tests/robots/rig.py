@@ -13,8 +13,8 @@ from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import TIMING
 
@@ -43,7 +43,7 @@ class Rig:
         return self.ports[0].url
 
     @property
-    def robots(self) -> tuple[PymunkKhepera, ...]:
+    def robots(self) -> tuple[SimulatedKhepera, ...]:
         return self.world.robots
 
     def advance(self, rounds: int = 1) -> None:

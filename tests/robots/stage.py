@@ -9,8 +9,8 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.sim.arena import Point, Pose
-from khepera_forage.sim.pymunk.khepera import PymunkKhepera
 from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import RECTANGLE, TIMING
 
@@ -23,7 +23,7 @@ class Stage(NamedTuple):
     lock: threading.RLock
 
     @property
-    def robot(self) -> PymunkKhepera:
+    def robot(self) -> SimulatedKhepera:
         return self.world.robots[0]
 
     def request(self, line: str) -> str:

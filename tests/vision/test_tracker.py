@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.noise import Noise
+from khepera_forage.sim.camera import OverheadCamera
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.canvas import Box, ImagePose, draw_shapes
-from khepera_forage.vision.simulated_camera import OverheadCamera
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.scene_renderer import (
     SceneRenderer,

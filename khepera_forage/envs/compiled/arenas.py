@@ -17,10 +17,11 @@ from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_
 from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import Corner, Spot, Ways
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.records import dtype_of
+from khepera_forage.records import array_of, dtype_of
 from khepera_forage.sim.arena import MOST_FOODS, Arena
-from khepera_forage.sim.compiled.records import constants_dtype, constants_of, corner_dtype, wall_dtype
+from khepera_forage.sim.compiled.world import constants_dtype, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor, check_seen
+from khepera_forage.sim.records import constants_of
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
@@ -222,7 +223,7 @@ def settings_of(
     """
     whole_number("foods", foods, 1, MOST_FOODS)
     record = np.zeros(1, settings_dtype)
-    record["constants"] = constants_of(checked_noise(noise), timing_of(decisions), wheel_speed)
+    record["constants"] = array_of(constants_of(checked_noise(noise), timing_of(decisions), wheel_speed))
     values: Any = decisions.values()
     record["decisions"] = np.array([tuple(values)], decisions_dtype)
     record["odds"], record["limit"], record["holes"] = (

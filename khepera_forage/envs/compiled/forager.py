@@ -10,7 +10,8 @@ from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.compiled.world import CompiledKhepera, CompiledWorld, Enclosure
+from khepera_forage.sim.compiled.world import CompiledWorld
+from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_links import Link
@@ -42,7 +43,7 @@ class CompiledForager:
         self.arena = arena_map_of(arena)
         self.holes = decisions.recall_marker
         self.decisions = decisions.values()
-        self.senses = CompiledKhepera(world.robots[0]).sense()
+        self.senses = SimulatedKhepera(world.robots[0]).sense()
         self.tracker = FoodTracker(*forager["tracker"].item())
         self.tracker.foods = [FoodObject(*food.item()) for food in world.objects]
         self.tracker.links = [Link(*link.item()) for link in world.links]
@@ -84,8 +85,7 @@ def world_of_records(
     """
     world = CompiledWorld([arena], (decisions.recall_marker,), noise, timing=timing_of(decisions))
     if records.robots["holes"].all():
-        enclosure = Enclosure(records.robots, records.foods, records.tracks)
-        world.show([enclosure], [0], [0] * len(records.foods))
+        world.show_only(records.robots, records.foods, records.tracks)
     return world
 
 

@@ -15,9 +15,10 @@ from khepera_forage.envs.compiled.worlds import World
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.geometry.walls import to_nearest_wall
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
-from khepera_forage.sim.compiled.camera import forget_tracks
-from khepera_forage.sim.compiled.moving import put_down
-from khepera_forage.sim.compiled.step import advance
+from khepera_forage.sim.camera import forget_tracks
+from khepera_forage.sim.compiled.world import advance
+from khepera_forage.sim.driving import put_down
+from khepera_forage.sim.records import Enclosure
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command, decode_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
@@ -158,17 +159,10 @@ def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
     forager.begins = robot.first_frame
     forager.presence_before = robot.object_presence
     forager.arm_before, forager.jaw_before = robot.arm_reading, robot.jaw_reading
-    advance(
-        world.robots,
-        world.foods,
-        world.tracks,
-        world.detections,
-        arena.walls,
-        arena.corners,
-        numbers.anchor_x,
-        numbers.anchor_y,
-        settings.constants,
+    everything = Enclosure(
+        world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners
     )
+    advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
     _perceive(world, map_of(arena), settings)
     if forager.begins:
         begin_episode(forager.episode, forager.tracker)

@@ -11,7 +11,7 @@ import numpy as np
 from khepera_forage.compilation import array_rule
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import dtype_of
-from khepera_forage.sim.compiled.records import detection_dtype, food_dtype, robot_dtype, track_dtype
+from khepera_forage.sim.compiled.world import detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.task.episode import Episode
 from khepera_forage.task.food_links import Link
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker

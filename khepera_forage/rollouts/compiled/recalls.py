@@ -22,7 +22,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
-from khepera_forage.sim.compiled.random import DRAW_POLICY, draw, upper
+from khepera_forage.sim.draws import DRAW_POLICY, draw, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import DecisionCounts, count_decision, penalty, score
 from khepera_forage.task.food_tracking import is_collected
@@ -263,7 +263,7 @@ def _run_recalls(
     policy, episode = np.zeros(1, _policy_dtype)[0], world.foragers[0].episode
     for number in range(first, last):
         arena = arena_at(blocks, places[number])
-        world.robots[0].key, world.robots[0].round = keys[number], np.uint64(0)
+        world.robots[0].key, world.robots[0].round = keys[number], 0
         world.foragers[0].number = 0
         if not begin(world, arena, settings[0], given_start[0], given_food_places):
             free[0] = False

@@ -290,7 +290,7 @@ def _put_on_marks(
 ) -> bool:
     """Put the robot and food of one side on their marks; returns whether there was room."""
     robot = world.robots[0]
-    robot.key, robot.round = random_bits(key, side), np.uint64(0)
+    robot.key, robot.round = random_bits(key, side), 0
     room = place_by_hand(
         world.starts[0],
         world.places,

@@ -12,8 +12,8 @@ push.
 import math
 from typing import Any
 
-from khepera_forage.compilation import rule
 from khepera_forage.geometry.angles import cosine_sine
+from khepera_forage.geometry.walls import from_wall, squared_from_wall
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
@@ -23,7 +23,15 @@ from khepera_forage.robots.khepera import (
     WHEEL_BASE,
     half_gap,
 )
-from khepera_forage.sim.compiled.gripper import behind_wall, grip_place, move_jaw, push_out, seen_from
+from khepera_forage.sim.driving import lateness
+from khepera_forage.sim.gripper import (
+    behind_wall,
+    grip_place,
+    move_jaw,
+    push_out,
+    seen_from,
+    tip_of,
+)
 from khepera_forage.sim.world import SUBSTEPS
 
 _REPEATS = 4
@@ -37,7 +45,6 @@ _FRICTION = 0.04
 """Friction of a finger along food: pymunk multiplies 0.2 of each."""
 
 
-@rule
 def move_in_contact(
     robots: Any,
     i: int,
@@ -45,9 +52,6 @@ def move_in_contact(
     walls: Any,
     corners: Any,
     constants: Any,
-    forward: float,
-    turn: float,
-    lag: float,
 ) -> None:
     """Move a robot that touches something for one round.
 
@@ -55,26 +59,22 @@ def move_in_contact(
         robots: All robots of the world.
         i: Number of the robot.
         foods: The food objects.
-        walls: The walls that it could touch.
+        walls: The walls of its arena.
         corners: The corners that point into the floor.
         constants: `Constants`.
-        forward: Speed of this round, mm/s.
-        turn: Likewise, rad/s.
-        lag: Share of the round in which the robot still moves as in the last one.
     """
     robot = robots[i]
     duration = constants.round_duration / SUBSTEPS
-    jaw_step = constants.jaw_speed * constants.round_duration / SUBSTEPS
-    late = lag * SUBSTEPS
+    jaw_step = constants.jaw_speed * duration
+    late = lateness(robots, i, foods, walls, constants) * SUBSTEPS
     allowed = max(_TOLERATED, _overlap(robots, i, foods, walls, corners))
     held_back = False
     for step in range(SUBSTEPS):
-        share = late if step == 0 else 0.0
-        goes = forward + share * (robot.last_forward - forward)
-        turns = turn + share * (robot.last_turn - turn)
         x, y, heading = robot.x, robot.y, robot.heading
         move_jaw(robots, i, foods, walls, jaw_step)
-        turned, driven = turns * duration, goes * duration
+        share = late if step == 0 else 0.0
+        driven = (robot.forward + share * (robot.last_forward - robot.forward)) * duration
+        turned = (robot.turn + share * (robot.last_turn - robot.turn)) * duration
         cos, sin = robot.cos, robot.sin
         if turned != 0.0:
             cos, sin = cosine_sine(heading + turned / 2)
@@ -89,10 +89,10 @@ def move_in_contact(
         held_back = moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed
         if held_back:
             put(robot, x, y, heading)
-    robot.last_forward, robot.last_turn = (0.0, 0.0) if held_back else (forward, turn)
+    if held_back:
+        robot.forward = robot.turn = 0.0
 
 
-@rule
 def put(robot: Any, x: float, y: float, heading: float) -> None:
     """Set the pose of a robot."""
     robot.x, robot.y = x, y
@@ -101,29 +101,6 @@ def put(robot: Any, x: float, y: float, heading: float) -> None:
         robot.cos, robot.sin = cosine_sine(heading)
 
 
-@rule
-def from_wall(x: float, y: float, wall: Any) -> tuple[float, float, float]:
-    """Distance of a place from a wall in mm, and the unit vector from the wall to the place."""
-    dx, dy = _off_wall(x, y, wall)
-    distance = max(math.sqrt(dx * dx + dy * dy), 1e-9)
-    return distance, dx / distance, dy / distance
-
-
-@rule
-def squared_from_wall(x: float, y: float, wall: Any) -> float:
-    """The square of the distance: enough to see that a wall is far, without a root or a division."""
-    dx, dy = _off_wall(x, y, wall)
-    return dx * dx + dy * dy
-
-
-@rule
-def _off_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
-    x, y = x - wall.x1, y - wall.y1
-    t = min(1.0, max(0.0, (x * wall.ex + y * wall.ey) * wall.share))
-    return x - t * wall.ex, y - t * wall.ey
-
-
-@rule
 def _yield_at(robot: Any, u: float, v: float, nx: float, ny: float, depth: float) -> None:
     """Give way to something that pushes at (u, v) of the robot's frame, by `depth` mm along (nx, ny)."""
     cos, sin = robot.cos, robot.sin
@@ -134,7 +111,6 @@ def _yield_at(robot: Any, u: float, v: float, nx: float, ny: float, depth: float
         put(robot, robot.x + nx * depth, robot.y + ny * depth, robot.heading)
 
 
-@rule
 def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
     """Move the robot out of all walls and other robots; returns the sum of the overlaps, mm."""
     robot, moved = robots[i], 0.0
@@ -167,11 +143,10 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
     return moved
 
 
-@rule
 def _give_way_to_disc(robot: Any, x: float, y: float, radius: float) -> float:
     """Move the gripper out of a disc on the floor; returns the overlap, mm."""
     u, v = seen_from(robot, x, y)
-    depth, along, aside = push_out(u, v, robot.jaw, radius)
+    depth, along, aside = push_out(u, v, tip_of(robot), robot.jaw, radius)
     if depth <= 0.0:
         return 0.0
     cos, sin = robot.cos, robot.sin
@@ -179,7 +154,6 @@ def _give_way_to_disc(robot: Any, x: float, y: float, radius: float) -> float:
     return depth
 
 
-@rule
 def _give_way_to_robot(robot: Any, other: Any) -> float:
     """Move a robot out of another one; returns the sum of the overlaps, mm."""
     dx, dy = robot.x - other.x, robot.y - other.y
@@ -193,7 +167,6 @@ def _give_way_to_robot(robot: Any, other: Any) -> float:
     return moved + _give_way_to_disc(robot, other.x, other.y, RADIUS)
 
 
-@rule
 def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float:
     """The largest remaining overlap in mm: robot with walls, robots or food, food with walls or other food."""
     robot, worst = robots[i], 0.0
@@ -208,11 +181,12 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
             worst = max(worst, behind_wall(robot, corner, wide, walls[k])[2])
     for k in range(len(corners)):
         u, v = seen_from(robot, corners[k].x, corners[k].y)
-        worst = max(worst, push_out(u, v, robot.jaw, 0.0)[0])
+        worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, 0.0)[0])
     for j in range(len(robots)):
         if j != i:
             u, v = seen_from(robot, robots[j].x, robots[j].y)
-            worst = max(worst, 2 * RADIUS - math.sqrt(u * u + v * v), push_out(u, v, robot.jaw, RADIUS)[0])
+            worst = max(worst, 2 * RADIUS - math.sqrt(u * u + v * v))
+            worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, RADIUS)[0])
     for k in range(len(foods)):
         x, y = foods[k].x, foods[k].y
         u, v = seen_from(robot, x, y)
@@ -226,7 +200,7 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
             continue
         worst = max(worst, RADIUS + FOOD_RADIUS - math.sqrt(u * u + v * v))
         if low:
-            worst = max(worst, push_out(u, v, robot.jaw, FOOD_RADIUS)[0])
+            worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, FOOD_RADIUS)[0])
         for n in range(k):
             if n != robot.held:
                 dx, dy = foods[n].x - x, foods[n].y - y
@@ -234,7 +208,6 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
     return worst
 
 
-@rule
 def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn: float) -> float:
     """Move food out of the robot's way, out of walls and away from other food and robots.
 
@@ -262,7 +235,7 @@ def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn
         if low:
             if robot.held >= 0:
                 u, v = _apart(u, v, robot.grip_x, robot.grip_y, 2 * FOOD_RADIUS)
-            depth, along, aside = push_out(u, v, robot.jaw, FOOD_RADIUS)
+            depth, along, aside = push_out(u, v, tip_of(robot), robot.jaw, FOOD_RADIUS)
             if depth > 0.0:
                 # Within the cone of friction food moves with the point of the finger that it touches; beyond the cone
                 # it slips along the finger.
@@ -280,7 +253,6 @@ def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn
     return moved
 
 
-@rule
 def _is_held(robots: Any, k: int) -> bool:
     """Whether any robot has a food object between its fingers."""
     for j in range(len(robots)):  # noqa: SIM110 (numba compiles no generator expressions)
@@ -289,7 +261,6 @@ def _is_held(robots: Any, k: int) -> bool:
     return False
 
 
-@rule
 def _settle(robots: Any, i: int, foods: Any, k: int, walls: Any) -> float:
     """Move food object `k` out of walls and other robots, and others away from it; returns the sum of the distances."""
     x, y, moved = foods[k].x, foods[k].y, 0.0
@@ -312,7 +283,6 @@ def _settle(robots: Any, i: int, foods: Any, k: int, walls: Any) -> float:
     return moved
 
 
-@rule
 def _apart(x: float, y: float, from_x: float, from_y: float, distance: float) -> tuple[float, float]:
     """A place, moved away from another to at least this distance."""
     dx, dy = x - from_x, y - from_y

@@ -1,9 +1,11 @@
-"""The gripper turret: where its fingers and its palm are, which food they touch, and the jaw that grips it."""
+"""The gripper turret: where its fingers and its palm are, which food they touch, and the jaw that grips it.
+
+Plain functions, also compiled.
+"""
 
 import math
 from typing import Any
 
-from khepera_forage.compilation import rule
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     BARRIER,
@@ -26,34 +28,32 @@ _PALM, _PALM_HALF = JAW_ROOT - _THIN, half_gap(JAW_OPEN) + _THIN
 """Middle and half length of the palm, mm."""
 _PALM_END = half_gap(JAW_OPEN) + FINGER_THICKNESS
 """From the middle to the outside of the palm, mm."""
-_END = FINGER_TIP - _THIN
-
-rule(half_gap)
 
 
-@rule
+def tip_of(robot: Any) -> float:
+    """Mm from a robot's centre forward to the tips of its fingers."""
+    return float(FINGER_TIP - robot.finger_shortage)
+
+
 def seen_from(robot: Any, x: float, y: float) -> tuple[float, float]:
     """A place in the robot's frame, mm forward and left."""
     dx, dy = x - robot.x, y - robot.y
     return dx * robot.cos + dy * robot.sin, dy * robot.cos - dx * robot.sin
 
 
-@rule
 def grip_place(robot: Any) -> tuple[float, float]:
     """Where held food is."""
     u, v, cos, sin = robot.grip_x, robot.grip_y, robot.cos, robot.sin
     return robot.x + u * cos - v * sin, robot.y + u * sin + v * cos
 
 
-@rule
-def finger_overlap(u: float, v: float, jaw: float, radius: float) -> float:
+def finger_overlap(u: float, v: float, tip: float, jaw: float, radius: float) -> float:
     """Overlap in mm of a disc at (u, v) in the robot's frame with the nearer finger; negative when clear."""
-    along = u - min(_END, max(JAW_ROOT, u))
+    along = u - min(tip - _THIN, max(JAW_ROOT, u))
     aside = abs(v) - half_gap(jaw) - _THIN
     return radius + _THIN - math.sqrt(along * along + aside * aside)
 
 
-@rule
 def palm_overlap(u: float, v: float, radius: float) -> float:
     """Overlap in mm of a disc at (u, v) with the palm behind the fingers; negative when clear."""
     along = u - _PALM
@@ -61,13 +61,12 @@ def palm_overlap(u: float, v: float, radius: float) -> float:
     return radius + _THIN - math.sqrt(along * along + aside * aside)
 
 
-@rule
-def push_out(u: float, v: float, jaw: float, radius: float) -> tuple[float, float, float]:
+def push_out(u: float, v: float, tip: float, jaw: float, radius: float) -> tuple[float, float, float]:
     """Overlap in mm of a disc with the gripper, and the way out as a unit vector in the robot's frame."""
-    fingers, palm = finger_overlap(u, v, jaw, radius), palm_overlap(u, v, radius)
+    fingers, palm = finger_overlap(u, v, tip, jaw, radius), palm_overlap(u, v, radius)
     if fingers >= palm:
         depth = fingers
-        along = u - min(_END, max(JAW_ROOT, u))
+        along = u - min(tip - _THIN, max(JAW_ROOT, u))
         aside = math.copysign(1.0, v) * (abs(v) - half_gap(jaw) - _THIN)
     else:
         depth = palm
@@ -79,7 +78,6 @@ def push_out(u: float, v: float, jaw: float, radius: float) -> tuple[float, floa
     return depth, along / far, aside / far
 
 
-@rule
 def behind_wall(robot: Any, corner: int, wide: float, wall: Any) -> tuple[float, float, float, float, float]:
     """How far a corner of the gripper is behind a wall.
 
@@ -96,7 +94,7 @@ def behind_wall(robot: Any, corner: int, wide: float, wall: Any) -> tuple[float,
         The corner in the robot's frame (mm forward, mm left), its depth behind the wall seen from the robot's side in
         mm (negative if the way to it does not cross the wall), and the wall's unit normal on the robot's side.
     """
-    from_u, u = (JAW_ROOT, FINGER_TIP) if corner < 2 else (0.0, JAW_ROOT)
+    from_u, u = (JAW_ROOT, tip_of(robot)) if corner < 2 else (0.0, JAW_ROOT)
     v = wide if corner < 2 else _PALM_END
     v = v if corner & 1 else -v
     from_v = v if corner < 2 else 0.0
@@ -116,7 +114,6 @@ def behind_wall(robot: Any, corner: int, wide: float, wall: Any) -> tuple[float,
     return u, v, (depth if 0.0 <= t <= 1.0 else -1.0), side * nx, side * ny
 
 
-@rule
 def in_barrier(u: float, v: float, jaw: float) -> bool:
     """Whether a food disc at (u, v) in the robot's frame cuts the optical barrier between the fingers."""
     lateral = max(abs(v) - half_gap(jaw), 0.0)
@@ -124,7 +121,6 @@ def in_barrier(u: float, v: float, jaw: float) -> bool:
     return ahead * ahead + lateral * lateral < FOOD_RADIUS * FOOD_RADIUS
 
 
-@rule
 def room_below(robots: Any, i: int, foods: Any) -> bool:
     """Whether the arm can be lowered: no food below the fingers, and nothing below held food."""
     robot = robots[i]
@@ -135,7 +131,7 @@ def room_below(robots: Any, i: int, foods: Any) -> bool:
         if k == robot.held:
             continue
         u, v = seen_from(robot, foods[k].x, foods[k].y)
-        ahead = max(JAW_ROOT - u, u - FINGER_TIP, 0.0)
+        ahead = max(JAW_ROOT - u, u - tip_of(robot), 0.0)
         aside = max(abs(abs(v) - finger) - _THIN, 0.0)
         behind = max(abs(v) - finger, 0.0)
         palm = u - JAW_ROOT + _THIN
@@ -144,7 +140,6 @@ def room_below(robots: Any, i: int, foods: Any) -> bool:
     return True
 
 
-@rule
 def _floor_free(robots: Any, i: int, foods: Any) -> bool:
     """Whether held food could be set down without touching other food or a robot."""
     robot = robots[i]
@@ -161,7 +156,11 @@ def _floor_free(robots: Any, i: int, foods: Any) -> bool:
     return True
 
 
-@rule
+def moves_jaw(robot: Any) -> bool:
+    """Whether the jaw is on its way: one that holds food closes no further."""
+    return bool(robot.jaw_target > robot.jaw or (robot.jaw_target < robot.jaw and robot.held < 0))
+
+
 def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
     """Move the jaw of one robot: closing on food grips it, opening releases it.
 
@@ -174,7 +173,7 @@ def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
     """
     robot = robots[i]
     jaw, target, held = robot.jaw, robot.jaw_target, robot.held
-    if target == jaw or (held >= 0 and target < jaw):
+    if not moves_jaw(robot):
         return
     new = min(target, jaw + step) if target > jaw else max(target, jaw - step)
     if new > jaw and _opens_into_wall(robot, new, walls):
@@ -195,18 +194,16 @@ def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
     robot.jaw = new
 
 
-@rule
 def _between(robot: Any, foods: Any, jaw: float) -> int:
     """Number of the food object that the fingers hold when the jaw closes to this position; -1 without."""
     if half_gap(jaw) <= FOOD_RADIUS:
         for k in range(len(foods)):
             u, v = seen_from(robot, foods[k].x, foods[k].y)
-            if JAW_ROOT < u < FINGER_TIP and abs(v) < half_gap(robot.jaw):
+            if JAW_ROOT < u < tip_of(robot) and abs(v) < half_gap(robot.jaw):
                 return k
     return -1
 
 
-@rule
 def _opens_into_wall(robot: Any, jaw: float, walls: Any) -> bool:
     """Whether a finger at this position of the jaw would overlap a wall."""
     aside = half_gap(jaw) + FINGER_THICKNESS

@@ -1,12 +1,12 @@
-"""What robots sense at the end of a round: optical barrier, arm, jaw, and the eight infra-reds."""
+"""What robots sense at the end of a round: optical barrier, arm, jaw, and the eight infra-reds.
+
+Plain functions, also compiled. `robots.proximity` says where the response of the infra-reds comes from.
+"""
 
 import math
 from typing import Any
 
-import numpy as np
-
-from khepera_forage.compilation import rule
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, FOOD_RADIUS, PRESENT, RADIUS
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, PRESENT, RADIUS
 from khepera_forage.robots.proximity import (
     HIDDEN_BY_ARM,
     MAX_READING,
@@ -17,21 +17,19 @@ from khepera_forage.robots.proximity import (
     RESPONSE_OFFSET,
     SENSORS,
 )
-from khepera_forage.sim.compiled.gripper import grip_place, in_barrier, seen_from
-from khepera_forage.sim.compiled.random import DRAW_PROXIMITY, draw, lower, upper
+from khepera_forage.sim.draws import DRAW_PROXIMITY, draw, lower, upper
+from khepera_forage.sim.gripper import grip_place, in_barrier, seen_from
 
-_SENSORS = np.array(SENSORS)
 _FRONT = 6
 """Sensors that a lowered arm hides."""
 _HIDDEN_LOW, _HIDDEN_VALUES = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 
 
-@rule
 def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     """Read all sensors of one robot; food in its gripper has moved along.
 
     Args:
-        robots: All robots of the world.
+        robots: All robots of the arena.
         i: Number of the robot.
         foods: The food objects.
         walls: The walls of its arena, `Wall` records in mm.
@@ -58,14 +56,14 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     for pair in range(4):
         bits = draw(robot, DRAW_PROXIMITY + pair)
         one, other = 2 * pair, 2 * pair + 1
-        robot.proximity[one] = _measured(robot.proximity[one], one < first, constants, upper(bits))
-        robot.proximity[other] = _measured(robot.proximity[other], one < first, constants, lower(bits))
+        robot.proximity[one] = _measured(robot, one, one < first, constants, upper(bits))
+        robot.proximity[other] = _measured(robot, other, one < first, constants, lower(bits))
 
 
-@rule
 def _sense_gripper(robot: Any, foods: Any) -> None:
     robot.object_presence = 0
-    robot.arm_reading, robot.jaw_reading = math.floor(robot.arm + 0.5), math.floor(robot.jaw + 0.5)
+    raised = (1.0 + robot.arm_reading_error) * (ARM_DOWN - robot.arm)
+    robot.arm_reading, robot.jaw_reading = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
     if robot.held >= 0:
         foods[robot.held].x, foods[robot.held].y = grip_place(robot)
     for k in range(len(foods)):
@@ -75,7 +73,6 @@ def _sense_gripper(robot: Any, foods: Any) -> None:
                 robot.object_presence = PRESENT
 
 
-@rule
 def _see_wall(robot: Any, wall: Any, first: int) -> None:
     """Keep the readings of a wall that are the largest; `first` is the first sensor that is not hidden."""
     cos, sin = robot.cos, robot.sin
@@ -83,23 +80,21 @@ def _see_wall(robot: Any, wall: Any, first: int) -> None:
     ahead, aside = dx * cos + dy * sin, dy * cos - dx * sin
     along, across = wall.ex * cos + wall.ey * sin, wall.ey * cos - wall.ex * sin
     for sensor in range(first, 8):
-        dx, dy = ahead - _SENSORS[sensor, 0], aside - _SENSORS[sensor, 1]
+        dx, dy = ahead - SENSORS[sensor][0], aside - SENSORS[sensor][1]
         t = min(1.0, max(0.0, -(dx * along + dy * across) * wall.share))
         _keep_largest(robot, sensor, dx + t * along, dy + t * across, 0.0)
 
 
-@rule
 def _see_disc(robot: Any, x: float, y: float, radius: float, first: int) -> None:
     """Keep the readings of food or another robot that are the largest; `first` as for `_see_wall`."""
     ahead, aside = seen_from(robot, x, y)
     for sensor in range(first, 8):
-        _keep_largest(robot, sensor, ahead - _SENSORS[sensor, 0], aside - _SENSORS[sensor, 1], radius)
+        _keep_largest(robot, sensor, ahead - SENSORS[sensor][0], aside - SENSORS[sensor][1], radius)
 
 
-@rule
 def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float) -> None:
     """Keep the reading of an obstacle (dx, dy) mm from a sensor, if it is the largest (see `robots.proximity`)."""
-    along = dx * _SENSORS[sensor, 2] + dy * _SENSORS[sensor, 3]
+    along = dx * SENSORS[sensor][2] + dy * SENSORS[sensor][3]
     if along <= 0.0:
         return
     distance = math.sqrt(dx * dx + dy * dy)
@@ -113,11 +108,11 @@ def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float) 
     robot.proximity[sensor] = max(robot.proximity[sensor], reading)
 
 
-@rule
-def _measured(clean: float, hidden: bool, constants: Any, uniform: float) -> int:
-    """A reading as a robot reports it, see `robots.proximity.reported_readings`."""
+def _measured(robot: Any, sensor: int, hidden: bool, constants: Any, uniform: float) -> int:
+    """The reading of a sensor as a robot reports it: a whole number with noise."""
     if hidden:
         return math.floor(_HIDDEN_LOW + _HIDDEN_VALUES * (uniform if constants.proximity_gain > 0.0 else 0.5))
+    clean = robot.proximity[sensor] * (1.0 + robot.infra_red_error)
     reading = min(clean * (1.0 + constants.proximity_gain * (2.0 * uniform - 1.0)), float(MAX_READING))
     floor = constants.proximity_floor
     if reading <= floor and floor > 0.0:

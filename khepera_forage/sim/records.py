@@ -1,22 +1,16 @@
-"""The records of simulated bodies: robots, food, and the numbers of noise and timing that all worlds share.
+"""The records of simulated bodies: robots, food, and the numbers of noise and timing that all robots share.
 
+On pymunk they are these classes, on compiled worlds records of numpy arrays with the same fields (`records.dtype_of`).
 Units are millimetres, radians and seconds unless a comment says otherwise.
 """
 
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from khepera_forage.geometry.walls import Wall
 from khepera_forage.noise import Noise
-from khepera_forage.records import dtype_of
+from khepera_forage.records import Word
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
 from khepera_forage.sim.world import Timing
-from khepera_forage.vision.association import Track
-
-_0 = np.uint64(0)
 
 
 @dataclass(slots=True)
@@ -36,14 +30,20 @@ class RobotState:
         grip_y: Likewise.
         bias_left: Lasting error of the left wheel, as a share of its travel.
         bias_right: Likewise.
+        left_wheel_error: What of it is a deviation of this robot (`RobotParameters`); so are the next three.
+        infra_red_error: `infra_red_gain` - 1.
+        arm_reading_error: `arm_reading_scale` - 1.
+        finger_shortage: How much shorter than usual its fingers are.
         left_pulses: Encoder counter of the left wheel.
         right_pulses: Likewise.
         left: Motor command as applied, in speed units; also `right`, `arm_target` and `jaw_target`.
         right: Likewise.
         arm_target: Likewise.
         jaw_target: Likewise.
-        last_forward: Speed at the end of the last round, mm/s.
-        last_turn: Likewise, rad/s.
+        forward: Speed to which the wheels pull in this round, mm/s.
+        turn: Likewise, rad/s.
+        last_forward: The same in the round before.
+        last_turn: Likewise.
         object_presence: As sensed at the end of the last round: 255 or 0.
         arm_reading: Position of the arm as sensed.
         jaw_reading: Position of the jaw as sensed.
@@ -72,12 +72,18 @@ class RobotState:
     grip_y: float = 0.0
     bias_left: float = 0.0
     bias_right: float = 0.0
+    left_wheel_error: float = 0.0
+    infra_red_error: float = 0.0
+    arm_reading_error: float = 0.0
+    finger_shortage: float = 0.0
     left_pulses: float = 0.0
     right_pulses: float = 0.0
     left: float = 0.0
     right: float = 0.0
     arm_target: float = ARM_RAISED
     jaw_target: float = JAW_OPEN
+    forward: float = 0.0
+    turn: float = 0.0
     last_forward: float = 0.0
     last_turn: float = 0.0
     object_presence: int = 0
@@ -91,8 +97,8 @@ class RobotState:
     first_frame: bool = False
     next_label: int = 0
     holes: int = 1
-    key: np.uint64 = _0
-    round: np.uint64 = _0
+    key: Word = 0
+    round: int = 0
     proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
 
 
@@ -163,29 +169,38 @@ class Constants:
     jaw_speed: float = 0.0
 
 
-robot_dtype, food_dtype, detection_dtype, constants_dtype = map(
-    dtype_of, (RobotState, FoodState, FoodDetection, Constants)
-)
-track_dtype, wall_dtype = dtype_of(Track), dtype_of(Wall)
-corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
-"""A corner of walls that points into the floor."""
+class Enclosure(NamedTuple):
+    """Everything in one arena of a world.
+
+    Attributes:
+        robots: `RobotState` records.
+        foods: `FoodState` records.
+        tracks: `Track` records of food, twice as many as food objects.
+        detections: `FoodDetection` records, one a food object; they hold nothing between rounds.
+        walls: `Wall` records in mm.
+        corners: The corners that point into the floor, records with `x` and `y` in mm.
+    """
+
+    robots: Any
+    foods: Any
+    tracks: Any
+    detections: Any
+    walls: Any
+    corners: Any
 
 
-def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0) -> NDArray[Any]:
-    """The `Constants` of worlds, as an array of one record.
+def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0) -> Constants:
+    """The `Constants` of worlds.
 
     Args:
         noise: Sizes and rates.
         timing: Duration of a round, and speeds of arm and jaw.
         wheel_speed: Share of the commanded speed that wheels reach.
     """
-    record = np.zeros(1, constants_dtype)
-    own = {known.name for known in fields(noise)}
-    for name in constants_dtype.names or ():
-        if name in own:
-            record[name] = getattr(noise, name)
-    record["loss_end"] = 1.0 / noise.loss_rounds
-    record["wheel_speed"] = wheel_speed
-    for name, value in timing._asdict().items():
-        record[name] = value
-    return record
+    names = {known.name for known in fields(Constants)} & {known.name for known in fields(noise)}
+    return Constants(
+        **{name: getattr(noise, name) for name in names},
+        **timing._asdict(),
+        loss_end=1.0 / noise.loss_rounds,
+        wheel_speed=wheel_speed,
+    )

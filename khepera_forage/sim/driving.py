@@ -1,0 +1,291 @@
+"""How robots drive where nothing resists: the arm moves, the wheels slip, and the robot goes to the end of its round.
+
+`glide` moves a robot that touches nothing on its way. The others are moved by a backend: by `sim.pymunk.bodies`, or
+by `sim.compiled.contact`. Plain functions, also compiled.
+"""
+
+import math
+from typing import Any
+
+from khepera_forage.geometry.angles import cosine_sine
+from khepera_forage.geometry.walls import squared_from_wall
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    FINGER_THICKNESS,
+    FINGER_TIP,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    JAW_ROOT,
+    PULSE,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+    half_gap,
+)
+from khepera_forage.sim.draws import DRAW_BIAS, DRAW_WHEELS, draw, normal
+from khepera_forage.sim.gripper import finger_overlap, palm_overlap, room_below, tip_of
+from khepera_forage.sim.world import FINE_TRAVEL, SUBSTEPS
+
+_PALM = half_gap(JAW_OPEN) + FINGER_THICKNESS
+_EXTENT = 94.0
+"""mm from a robot's centre to the furthest point of the robot and the food in its gripper."""
+_PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
+"""Food that a lowered gripper may be pushing lies within this of the robot's centre, mm."""
+_SHOVED = RADIUS + FOOD_RADIUS + 1.0
+"""Food that the body itself may push lies within this of its centre, mm."""
+_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
+"""A circle around the gripper and what it holds, mm."""
+_FAR = 30.0
+"""mm a round from which a finger could pass through food unnoticed: the robot then counts as touching it."""
+
+
+def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> None:
+    """Put a robot down at the start of an episode, at rest, with its gripper raised and open; it is not seen yet.
+
+    Args:
+        robot: The robot, with the key of its random numbers.
+        x: Place in mm.
+        y: Place in mm.
+        heading: Radians.
+        constants: `Constants`.
+    """
+    bits = draw(robot, DRAW_BIAS)
+    mean, bias = constants.wheel_speed - 1.0, constants.wheel_bias
+    robot.bias_left = mean + robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
+    robot.bias_right = mean + bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
+    robot.x, robot.y, robot.heading = x, y, heading
+    robot.cos, robot.sin = cosine_sine(heading)
+    robot.arm = robot.arm_target = float(ARM_RAISED)
+    robot.jaw = robot.jaw_target = float(JAW_OPEN)
+    robot.held = -1
+    robot.left = robot.right = robot.forward = robot.turn = robot.last_forward = robot.last_turn = 0.0
+    robot.left_pulses = robot.right_pulses = 0.0
+    robot.object_presence = robot.arm_reading = robot.jaw_reading = 0
+    robot.marker_x = robot.marker_y = robot.marker_heading = 0.0
+    robot.marker_found = robot.marker_lost = False
+    robot.first_frame = True
+    robot.next_label = 0
+
+
+def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
+    """Move the arm of a robot, and fix how fast its wheels turn in this round.
+
+    Args:
+        robots: All robots of the arena.
+        i: Number of the robot.
+        foods: The food objects.
+        constants: `Constants`.
+    """
+    robot, duration = robots[i], constants.round_duration
+    robot.round += 1
+    arm = _towards(robot.arm_target, robot.arm, constants.arm_speed * duration)
+    # It does not come down on food or robots.
+    if arm >= ARM_ON_FLOOR and robot.arm < ARM_ON_FLOOR and not room_below(robots, i, foods):
+        arm = ARM_ON_FLOOR - 1.0
+    robot.arm = arm
+    bits, slip = draw(robot, DRAW_WHEELS + 2), constants.wheel_slip
+    left_share = 1.0 + robot.bias_left + slip * normal(draw(robot, DRAW_WHEELS), bits)
+    right_share = 1.0 + robot.bias_right + slip * normal(draw(robot, DRAW_WHEELS + 1), bits >> 32)
+    left, right = robot.left * SPEED_UNIT * left_share, robot.right * SPEED_UNIT * right_share
+    robot.last_forward, robot.last_turn = robot.forward, robot.turn
+    robot.forward, robot.turn = (left + right) / 2, (right - left) / WHEEL_BASE
+    pulses = SPEED_UNIT * duration / PULSE
+    robot.left_pulses += robot.left * pulses
+    robot.right_pulses += robot.right * pulses
+
+
+def travel_of(robot: Any, duration: float) -> float:
+    """The furthest way of any point of a robot in this round, mm."""
+    return float((abs(robot.forward) + abs(robot.turn) * FINGER_TIP) * duration)
+
+
+def steps_of(travel: float, near_wall: bool) -> float:
+    """How many steps of physics a round has; near a wall no point of a robot travels more than 0.8 mm in one."""
+    return max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if near_wall else float(SUBSTEPS)
+
+
+def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
+    """The share of a round in which the wheels still turn as in the round before.
+
+    Rigid bodies get to a new speed one step of physics late: 20 ms, or less near a wall. So does a robot that is near
+    enough to something to push it, or to be stopped by it.
+
+    Args:
+        robots: All robots of the arena.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls of its arena.
+        constants: `Constants`.
+    """
+    travel = travel_of(robots[i], constants.round_duration)
+    near_food = _is_near_food(robots, i, foods, travel)
+    near_wall = is_near_wall(robots[i], walls, travel, near_food)
+    return 1.0 / steps_of(travel, near_wall) if near_food or near_wall else 0.0
+
+
+def _is_near_food(robots: Any, i: int, foods: Any, travel: float) -> bool:
+    """Whether the robot could push food that it does not hold, or another robot, in this round."""
+    robot = robots[i]
+    reach = (_PUSHED if robot.arm >= ARM_ON_FLOOR else _SHOVED) + travel
+    for k in range(len(foods)):
+        dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
+        if dx * dx + dy * dy < reach * reach and robot.held != k:
+            return True
+    for j in range(len(robots)):
+        dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
+        if j != i and dx * dx + dy * dy < (_PUSHED + RADIUS + travel) ** 2:
+            return True
+    return False
+
+
+def is_near_wall(robot: Any, walls: Any, travel: float, pushes: bool) -> bool:
+    """Whether the robot, or food that it pushes, could touch a wall in this round."""
+    body_reach = travel + (_PUSHED if pushes else RADIUS)
+    gripper_reach = travel + _GRIPPER_RADIUS
+    furthest = max(body_reach, gripper_reach + _GRIPPER_AHEAD) + 1.0
+    for k in range(len(walls)):
+        wall = walls[k]
+        # The distance from a wall's line is cheap, and mostly shows that the wall is out of reach.
+        if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) > furthest:
+            continue
+        if squared_from_wall(robot.x, robot.y, wall) < body_reach * body_reach:
+            return True
+        x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
+        if squared_from_wall(x, y, wall) < gripper_reach * gripper_reach:
+            return True
+    return False
+
+
+def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: Any) -> bool:
+    """Move a robot for one round if it touches nothing on its way.
+
+    Args:
+        robots: All robots of the arena.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls of its arena, `Wall` records in mm.
+        corners: The corners that point into its floor.
+        constants: `Constants`.
+
+    Returns:
+        Whether it has moved.
+    """
+    robot, duration = robots[i], constants.round_duration
+    travel = travel_of(robot, duration)
+    jaw = robot.jaw
+    if robot.held < 0:
+        jaw = _towards(robot.jaw_target, jaw, constants.jaw_speed * duration)
+    elif robot.jaw_target > jaw:
+        return False  # A jaw that opens and releases food moves step by step; one that holds food closes no further.
+    if travel == 0.0 and jaw == robot.jaw:
+        return True
+    late = lateness(robots, i, foods, walls, constants)
+    forward = robot.forward + late * (robot.last_forward - robot.forward)
+    turn = robot.turn + late * (robot.last_turn - robot.turn)
+    # The chord of an arc has the direction of the arc's middle.
+    cos, sin = cosine_sine(robot.heading + turn * duration / 2)
+    x, y = robot.x + forward * cos * duration, robot.y + forward * sin * duration
+    heading = robot.heading + turn * duration
+    cos, sin = cosine_sine(heading)
+    if (
+        _touches_wall(robot, walls, x, y, cos, sin, jaw)
+        or _touches_corner(robot, corners, x, y, cos, sin, jaw, travel)
+        or _touches_food(robot, foods, x, y, cos, sin, jaw, travel)
+        or _touches_robot(robots, i, x, y, cos, sin, jaw, travel)
+    ):
+        return False
+    robot.x, robot.y, robot.heading, robot.cos, robot.sin, robot.jaw = x, y, heading, cos, sin, jaw
+    return True
+
+
+def _towards(target: float, value: float, step: float) -> float:
+    """A value moved by at most `step` towards a target."""
+    return min(target, value + step) if target > value else max(target, value - step)
+
+
+def _touches_wall(robot: Any, walls: Any, x: float, y: float, cos: float, sin: float, jaw: float) -> bool:
+    """Whether the robot would touch a wall at the free end of the round: that pose, and the jaw's position."""
+    tip, wide = tip_of(robot), half_gap(jaw) + FINGER_THICKNESS
+    for k in range(len(walls)):
+        wall = walls[k]
+        nx, ny = wall.normal_x, wall.normal_y
+        # The side of the wall on which the robot is now.
+        side = math.copysign(1.0, nx * robot.x + ny * robot.y - wall.offset)
+        off = side * (nx * x + ny * y - wall.offset)
+        if off > _EXTENT:
+            continue
+        if squared_from_wall(x, y, wall) < RADIUS * RADIUS:
+            return True
+        # Beyond its ends a wall touches nothing.
+        squared = wall.ex * wall.ex + wall.ey * wall.ey
+        along, reach = (x - wall.x1) * wall.ex + (y - wall.y1) * wall.ey, _EXTENT * math.sqrt(squared)
+        if along <= -reach or along >= squared + reach:
+            continue
+        # The parts of the robot's forward and left directions that lead away from the wall.
+        ahead, aside = side * (nx * cos + ny * sin), abs(nx * -sin + ny * cos)
+        if off + tip * ahead - wide * aside < 0.0 or off + JAW_ROOT * ahead - _PALM * aside < 0.0:
+            return True
+        if robot.held >= 0 and off + robot.grip_x * ahead - aside * abs(robot.grip_y) < FOOD_RADIUS:
+            return True
+    return False
+
+
+def _touches_corner(
+    robot: Any, corners: Any, x: float, y: float, cos: float, sin: float, jaw: float, travel: float
+) -> bool:
+    """Whether the gripper would touch a corner; within a round a finger can pass one, so all of its way counts."""
+    tip, reach = tip_of(robot), FINGER_TIP + JAW_OPEN / 2 + travel
+    for k in range(len(corners)):
+        dx, dy = corners[k].x - x, corners[k].y - y
+        if dx * dx + dy * dy < reach * reach:
+            u, v = dx * cos + dy * sin, dy * cos - dx * sin
+            if finger_overlap(u, v, tip, jaw, travel) > 0.0 or palm_overlap(u, v, travel) > 0.0:
+                return True
+    return False
+
+
+def _touches_food(
+    robot: Any, foods: Any, x: float, y: float, cos: float, sin: float, jaw: float, travel: float
+) -> bool:
+    """Whether the robot would touch food, other than held food, at the free end of the round."""
+    low, tip = robot.arm >= ARM_ON_FLOOR, tip_of(robot)
+    for k in range(len(foods)):
+        dx, dy = foods[k].x - x, foods[k].y - y
+        squared = dx * dx + dy * dy
+        if k == robot.held or squared > (FINGER_TIP + 4 * FOOD_RADIUS) ** 2:
+            continue
+        u, v = dx * cos + dy * sin, dy * cos - dx * sin
+        if squared < (RADIUS + FOOD_RADIUS) ** 2:
+            return True
+        if not low:
+            continue
+        if finger_overlap(u, v, tip, jaw, FOOD_RADIUS) > 0.0 or palm_overlap(u, v, FOOD_RADIUS) > 0.0:
+            return True
+        gx, gy = u - robot.grip_x, v - robot.grip_y
+        if robot.held >= 0 and gx * gx + gy * gy < 4 * FOOD_RADIUS * FOOD_RADIUS:
+            return True
+        if travel > _FAR and squared < (FINGER_TIP + 2 * FOOD_RADIUS) ** 2:
+            return True
+    return False
+
+
+def _touches_robot(
+    robots: Any, i: int, x: float, y: float, cos: float, sin: float, jaw: float, travel: float
+) -> bool:
+    """Whether the robot, or food in its gripper, could touch another robot on its way."""
+    robot = robots[i]
+    tip, near = tip_of(robot), RADIUS + travel
+    for j in range(len(robots)):
+        if j == i:
+            continue
+        dx, dy = robots[j].x - x, robots[j].y - y
+        u, v = dx * cos + dy * sin, dy * cos - dx * sin
+        if u * u + v * v < (RADIUS + near) ** 2:
+            return True
+        if max(finger_overlap(u, v, tip, jaw, near), palm_overlap(u, v, near)) > 0.0:
+            return True
+        gx, gy = u - robot.grip_x, v - robot.grip_y
+        if robot.held >= 0 and gx * gx + gy * gy < (FOOD_RADIUS + near) ** 2:
+            return True
+    return False

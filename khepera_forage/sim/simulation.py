@@ -1,0 +1,295 @@
+"""`Simulation`: what the simulated worlds share. They differ in who moves robots that touch something."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from khepera_forage.counter_rng import random_bits
+from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    FINGER_LENGTH,
+    FOOD_RADIUS,
+    RADIUS,
+    Motors,
+    Senses,
+    applicable,
+    check_finite,
+)
+from khepera_forage.robots.parameters import RobotParameters
+from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
+from khepera_forage.sim.camera import SimulatedCamera, look
+from khepera_forage.sim.layout_checks import (
+    arena_of,
+    cable_anchor,
+    check_apart,
+    check_robot,
+    check_starts,
+    check_world,
+)
+from khepera_forage.sim.records import Enclosure, constants_of
+from khepera_forage.sim.sensing import sense
+from khepera_forage.sim.world import FoodPlace, Layout, Timing
+from khepera_forage.vision.simulated_camera import Truth
+
+
+class SimulatedKhepera:
+    """A `Robot` of a simulation.
+
+    Args:
+        record: Its `RobotState` record.
+    """
+
+    def __init__(self, record: Any) -> None:
+        self.record = record
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot truly is."""
+        return Pose(float(self.record.x), float(self.record.y), float(self.record.heading))
+
+    def sense(self) -> Senses:
+        """What the robot senses since the last round."""
+        robot = self.record
+        a, b, c, d, e, f, g, h = map(int, robot.proximity)
+        return Senses(
+            (a, b, c, d, e, f, g, h),
+            int(robot.left_pulses),
+            int(robot.right_pulses),
+            int(robot.arm_reading),
+            int(robot.jaw_reading),
+            int(robot.object_presence),
+        )
+
+    def drive(self, motors: Motors) -> Motors:
+        """Command motors from the next round on; returns the command as applied."""
+        check_finite(motors)
+        applied = applicable(motors)
+        robot = self.record
+        robot.left, robot.right, robot.arm_target, robot.jaw_target = applied
+        return applied
+
+    def stop(self) -> None:
+        """Wheels to zero; arm and jaw complete their movements."""
+        self.record.left = self.record.right = 0.0
+
+    def close(self) -> None:
+        """Stop."""
+        self.stop()
+
+
+def observe(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
+    """What robots sense and the camera shows at the end of a round.
+
+    Args:
+        enclosure: Everything in an arena.
+        anchor_x: The point from which the robots' cables hang, mm.
+        anchor_y: Likewise.
+        constants: `Constants`.
+    """
+    robots, foods = enclosure.robots, enclosure.foods
+    sense_all(enclosure, constants)
+    look(robots, foods, enclosure.tracks, enclosure.detections, anchor_x, anchor_y, constants)
+
+
+def sense_all(enclosure: Enclosure, constants: Any) -> None:
+    """What the robots of an arena sense."""
+    for i in range(len(enclosure.robots)):
+        sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
+
+
+class Simulation(ABC):
+    """Kheperas, food and an overhead camera above one or more enclosures.
+
+    Args:
+        arenas: The enclosures, in one frame of millimetres. The gap between them must be wider than a marker reaches.
+        markers: Number of holes of each robot's marker, 1 or 2; one robot each.
+        noise: The laboratory's troubles.
+        robot_parameters: Deviations of each robot; none by default.
+        timing: How long a round lasts, and how fast arm and jaw move.
+
+    Raises:
+        ValueError: No arena, no robot, a marker with another number of holes, arenas that the camera does not see, or
+            not one `RobotParameters` per robot.
+    """
+
+    def __init__(
+        self,
+        arenas: Sequence[Arena],
+        markers: Sequence[int],
+        noise: Noise | str | None = None,
+        robot_parameters: Sequence[RobotParameters] | None = None,
+        *,
+        timing: Timing,
+    ) -> None:
+        check_world(arenas, markers)
+        if robot_parameters is not None and len(robot_parameters) != len(markers):
+            raise ValueError(
+                f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot"
+            )
+        self.robot_parameters = tuple(robot_parameters or [RobotParameters()] * len(markers))
+        self.arenas, self.markers = tuple(arenas), tuple(markers)
+        self.noise = checked_noise(noise)
+        self.round_duration = timing.round_duration
+        self.robots: tuple[SimulatedKhepera, ...] = ()
+        self.camera = SimulatedCamera()
+        self.constants = constants_of(self.noise, timing)
+        self._anchor = cable_anchor(arenas)
+        self._enclosures: tuple[Enclosure, ...] = ()
+
+    def reset(self, rng: np.random.Generator, layout: Layout) -> None:
+        """Put everything in its place.
+
+        Args:
+            rng: Spawned into the generator of this world's random numbers.
+            layout: One start a robot, and at most 16 food objects in an arena.
+
+        Raises:
+            ValueError: Another number of starts or food objects, or something that does not stand on the free floor.
+        """
+        check_starts(layout, len(self.markers))
+        homes = [arena_of(self.arenas, "robot", start, RADIUS) for start in layout.starts]
+        for home, start in zip(homes, layout.starts, strict=True):
+            check_robot(home, start)
+        plates = [arena_of(self.arenas, "food", food, FOOD_RADIUS) for food in layout.foods]
+        check_apart(layout)
+        key = int(rng.spawn(1)[0].integers(2**64, dtype=np.uint64))
+        enclosures = []
+        for arena in self.arenas:
+            places = [food for food, plate in zip(layout.foods, plates, strict=True) if plate is arena]
+            if len(places) > MOST_FOODS:
+                raise ValueError(f"{len(places)} food objects; allowed: at most {MOST_FOODS} in an arena")
+            numbers = [i for i, home in enumerate(homes) if home is arena]
+            enclosure = self._empty(arena, len(numbers), len(places))
+            for i, robot in zip(numbers, enclosure.robots, strict=True):
+                robot.key, robot.holes = random_bits(key, i) if i else key, self.markers[i]
+                deviations = self.robot_parameters[i]
+                robot.left_wheel_error = deviations.left_wheel_error
+                robot.infra_red_error = deviations.infra_red_gain - 1.0
+                robot.arm_reading_error = deviations.arm_reading_scale - 1.0
+                robot.finger_shortage = FINGER_LENGTH - deviations.finger_length
+                robot.x, robot.y, robot.heading = map(float, layout.starts[i])
+            for place, food in zip(places, enclosure.foods, strict=True):
+                food.x, food.y = map(float, place)
+            enclosures.append(enclosure)
+        self._show(enclosures, [self.arenas.index(a) for a in homes], [self.arenas.index(a) for a in plates])
+        for enclosure in enclosures:
+            self._begin(enclosure)
+        self.advance()  # Nothing moves: this takes the first frame.
+
+    def _show(self, enclosures: Sequence[Enclosure], homes: Sequence[int], plates: Sequence[int]) -> None:
+        """Be the world of these records, which others may change.
+
+        Args:
+            enclosures: What is in each arena.
+            homes: Number of the arena of each robot.
+            plates: Number of the arena of each food object.
+        """
+        self._enclosures, self._homes = tuple(enclosures), tuple(homes)
+        self._plates = _numbered(plates)
+        robots = [enclosures[home].robots[i] for home, i in _numbered(homes)]
+        self.robots = tuple(map(SimulatedKhepera, robots))
+        self.camera = SimulatedCamera(robots, self._enclosures)
+
+    def advance(self) -> None:
+        """One round.
+
+        Raises:
+            RuntimeError: The world was never reset.
+        """
+        if not self.robots:
+            raise RuntimeError("advance() before reset()")
+        for number, enclosure in enumerate(self._enclosures):
+            if len(enclosure.robots):
+                self._advance(number, enclosure)
+
+    @abstractmethod
+    def _empty(self, arena: Arena, robots: int, foods: int) -> Enclosure:
+        """Records for this many robots and food objects."""
+
+    @abstractmethod
+    def _begin(self, enclosure: Enclosure) -> None:
+        """Put robots down where their records say, and forget all tracks."""
+
+    @abstractmethod
+    def _sense(self, enclosure: Enclosure) -> None:
+        """Let the robots sense again, between two rounds."""
+
+    @abstractmethod
+    def _advance(self, number: int, enclosure: Enclosure) -> None:
+        """One round in one arena."""
+
+    def poses(self) -> tuple[Pose, ...]:
+        """Where the robots truly are."""
+        return tuple(robot.pose for robot in self.robots)
+
+    def food_places(self) -> tuple[FoodPlace, ...]:
+        """Where the food truly is."""
+        places = []
+        for number, k in self._plates:
+            enclosure = self._enclosures[number]
+            food = enclosure.foods[k]
+            lifted = any(robot.held == k and robot.arm < ARM_ON_FLOOR for robot in enclosure.robots)
+            places.append(FoodPlace(float(food.x), float(food.y), lifted))
+        return tuple(places)
+
+    def held(self, robot: int = 0) -> int:
+        """Number of the food object in the gripper of a robot, counted in its arena; -1 without."""
+        return int(self.robots[robot].record.held)
+
+    def place(self, robot: int, pose: Pose) -> None:
+        """Put a robot down elsewhere in its arena, at rest, with the food that it holds.
+
+        Raises:
+            ValueError: The place is not on the free floor, or taken.
+        """
+        record, home = self.robots[robot].record, self._homes[robot]
+        check_robot(self.arenas[home], pose)
+        others = tuple(other for i, other in enumerate(self.poses()) if i != robot)
+        places = tuple(
+            Point(place.x, place.y)
+            for number, place in zip(self._plates, self.food_places(), strict=True)
+            if not place.lifted and number != (home, record.held)
+        )
+        check_apart(Layout((*others, pose), places))
+        record.x, record.y, record.heading = pose
+        record.cos, record.sin = cos, sin = math.cos(pose.heading), math.sin(pose.heading)
+        if record.held >= 0:
+            carried, ahead, aside = (
+                self._enclosures[home].foods[record.held],
+                record.grip_x,
+                record.grip_y,
+            )
+            carried.x, carried.y = pose.x + ahead * cos - aside * sin, pose.y + ahead * sin + aside * cos
+        self._sense(self._enclosures[home])
+
+    def truth(self) -> Truth:
+        """What a camera above this world sees, before any trouble of seeing."""
+        markers = [(*pose, holes) for pose, holes in zip(self.poses(), self.markers, strict=True)]
+        return Truth(tuple(markers), tuple((place.x, place.y) for place in self.food_places()))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"robots": (), "camera": SimulatedCamera()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if self._enclosures:  # robots and camera of a copy show its own records
+            self._show(self._enclosures, self._homes, [number for number, _ in self._plates])
+
+    def stop(self) -> None:
+        """Stop the wheels of all robots."""
+        for robot in self.robots:
+            robot.stop()
+
+    def close(self) -> None:
+        """Stop the robots."""
+        for robot in self.robots:
+            robot.close()
+
+
+def _numbered(arenas: Sequence[int]) -> list[tuple[int, int]]:
+    """For each robot or food object the number of its arena, and its own number in that arena."""
+    return [(arena, arenas[:i].count(arena)) for i, arena in enumerate(arenas)]
