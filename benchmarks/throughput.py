@@ -96,8 +96,6 @@ def compare(given: Arguments) -> int:
     except (ValueError, beside.CaseError) as error:
         given.refuse(str(error))
     result = beside.page(rows, theirs, ours, given.repeats, given.quick)
-    del given.counts["steps"]  # the sizes of the cases are fixed
-    options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
     write(given.out, "beside", result)
     print("\n".join(table.markdown() for table in result.tables))
     print(f"Page, table and rows are in {given.out}: beside.md, table_beside.csv, beside.csv")
@@ -125,7 +123,6 @@ def main() -> int:
     if given.memory:
         units.append(Repeat("memory", 0, [fresh_processes.memory_job(seed)]))
     rows = collect(given, units, {Measured: "measurements"})
-    options = [f"--{name}" for name in ("compiled", "memory") if getattr(given, name)]
     return finish(given, page(lines_of(rows.of(Measured))))
 
 
