@@ -61,7 +61,7 @@ from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, parse
+from khepera_forage.study import Count, Page, Picture, Rows, Unit, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
@@ -245,7 +245,8 @@ class Experiment(NamedTuple):
 
     def run(self) -> Sequence[RecallRow]:
         """Train, and return the recalls."""
-        return Replication(self.seed, self.number, cells=QUICK_DESIGN if self.quick else DESIGN).run().recalls
+        replication = Replication(self.seed, self.number, cells=QUICK_DESIGN if self.quick else DESIGN)
+        return Rows(replication.run()).of(RecallRow)
 
 
 def _settings(arena: str, level: int) -> dict[str, Any]:
@@ -527,7 +528,7 @@ def _tested(stem: str, title: str, lines: Sequence[tuple[Value, ...]], names: in
 def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Table:
     """The thesis's experiments on both backends."""
     jobs = compiled_jobs(seed, JobCounts(DESIGN_FACTOR * experiments, 0, (), 0, 0), DEFAULT_DECISIONS)
-    compiled = [row for job in jobs for row in job.run().recalls]
+    compiled = Rows(row for job in jobs for row in job.run()).of(RecallRow)
     measures = {"score (%)": "score", "food": "delivered", "steps": "steps", "vectors": "experience_size"}
     lines: list[tuple[Value, ...]] = []
     for cell in DESIGN:

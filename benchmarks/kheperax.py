@@ -193,7 +193,7 @@ def page(rows: Sequence[Timed]) -> Page:
     axes.legend(fontsize=SMALL, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     grid(axes, "both")
     note = (
-        "Median [lowest, highest] of the repeats. The ratio to Kheperax with its noise is taken within each repeat. The "
+        "Median [lowest, highest] of the repeats. The ratio to Kheperax with its noise is taken in each repeat. The "
         "first call traces and compiles, and does not count. Processor only."
     )
     columns = (

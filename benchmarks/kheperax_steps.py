@@ -1,4 +1,4 @@
-"""Kheperax stepped by JAX, for `kheperax.py`. Run by the Python of Kheperax's own environment, which lacks this package.
+"""Kheperax stepped by JAX, for `kheperax.py`. Run by the Python of Kheperax's environment, which lacks this package.
 
 Reads requests from standard input and answers on standard output, one JSON object a line. Kheperax is given its best:
 its own `KheperaxTask.step`, vectorised over worlds that share one maze, looped inside JAX, compiled, and with one JAX

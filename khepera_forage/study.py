@@ -233,6 +233,7 @@ class RowStore:
         tables: All types of rows.
         settings: What the rows depend on. A folder may hold rows with further settings, but none with other values.
         fresh: Delete the rows that are there.
+        file: Name of the file.
 
     Attributes:
         finished: The rows of each finished unit, by its key.
@@ -242,12 +243,17 @@ class RowStore:
     """
 
     def __init__(
-        self, folder: Path, tables: Tables, settings: Mapping[str, str], fresh: bool = False
+        self,
+        folder: Path,
+        tables: Tables,
+        settings: Mapping[str, str],
+        fresh: bool = False,
+        file: str = UNITS,
     ) -> None:
         self._folder, self._tables = folder, tables
         self.finished: dict[str, list[Any]] = {}
         folder.mkdir(parents=True, exist_ok=True)
-        self._path = folder / UNITS
+        self._path = folder / file
         known: dict[str, str] = {}
         if self._path.exists() and not fresh:
             known = self._read()
@@ -307,7 +313,7 @@ class RowStore:
 def _line(content: object) -> bytes:
     """One line of the store, as a compressed part of its own; NumPy's numbers are stored like Python's."""
     text = json.dumps(content, default=lambda number: number.item(), ensure_ascii=False)
-    return gzip.compress(f"{text}\n".encode(), mtime=0)
+    return gzip.compress(f"{text}\n".encode(), compresslevel=1, mtime=0)
 
 
 def done(unit: Unit) -> Done:
@@ -328,6 +334,7 @@ def collect(
     execute: Execute | None = None,
     settings: Mapping[str, str] | None = None,
     others: bool = False,
+    file: str = UNITS,
 ) -> Rows:
     """Do all units that are not done yet in the results' folder, and write the tables.
 
@@ -337,6 +344,7 @@ def collect(
         tables: All types of rows in the folder, and the names of their files.
         execute: Does the work; by default processes of this machine.
         settings: What the rows depend on beside `given.settings`.
+        file: Name of the file that keeps the rows of finished units.
         others: Return the rows of other finished units in the folder, too, before those of this run.
 
     Returns:
@@ -348,7 +356,7 @@ def collect(
     keys = [unit.key for unit in units]
     assert len(set(keys)) == len(keys), "two units have the same key"
     try:
-        store = RowStore(given.out, tables, given.settings | dict(settings or {}), given.fresh)
+        store = RowStore(given.out, tables, given.settings | dict(settings or {}), given.fresh, file)
     except ValueError as error:
         given.refuse(str(error))
     open_units = [unit for unit in units if unit.key not in store.finished]

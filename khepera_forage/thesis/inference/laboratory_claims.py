@@ -3,8 +3,9 @@
 import numpy as np
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.rollouts.rows import TEACHER
+from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.study import Rows
 from khepera_forage.task.decision_text import decisions_text
 from khepera_forage.thesis.claims import Claim, claims
 from khepera_forage.thesis.design import NO_LOSSES
@@ -42,15 +43,15 @@ def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Clai
         noise_replications=replications, noise_conditions=(NO_LOSSES,), noise_cells=()
     )
     try:
-        outcomes = [job.run() for job in compiled_jobs(seed, counts, decisions, noise)]
+        rows = Rows(row for job in compiled_jobs(seed, counts, decisions, noise) for row in job.run())
     except IncompleteTrainingError as error:
         raise IncompleteTrainingError(
             f"{error}; seed {seed}, decisions: {decisions_text(decisions)}"
         ) from error
-    recalls = [row for outcome in outcomes for row in outcome.recalls]
+    recalls = rows.of(RecallRow)
     return claims(
         recalls=[row for row in recalls if row.learner != TEACHER],
-        trainings=[row for outcome in outcomes for row in outcome.trainings],
+        trainings=rows.of(TrainingRow),
         teachers=[row for row in recalls if row.learner == TEACHER],
         rng=np.random.default_rng(seed),
         resamples=RESAMPLES,
