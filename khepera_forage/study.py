@@ -44,6 +44,7 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from khepera_forage.estimates import Table
+from khepera_forage.figures import save
 from khepera_forage.files import NamingFile, replacing
 from khepera_forage.option_values import OneLineParser, given_path, processes, whole_number
 from khepera_forage.rollouts.row_files import write_rows
@@ -413,8 +414,6 @@ def write(folder: Path, name: str, page: Page) -> None:
         name: Of the page's file, without `.md`.
         page: What was found.
     """
-    from khepera_forage.figures import save
-
     folder.mkdir(parents=True, exist_ok=True)
     text = [f"# {page.title}"]
     for part in page.parts:

@@ -1,4 +1,4 @@
-"""Rows of interrupted runs, values with intervals, and pages."""
+"""Studies: rows of runs that were killed, values with intervals, and pages."""
 
 import re
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from khepera_forage.experiments import figures, measures, page
 
+from khepera_forage import estimates, figures
 from khepera_forage.estimates import Column, Table
-from khepera_forage.study import Arguments, Count, Page, Picture, RowFolder, collect, parse
+from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +26,14 @@ class Fall:
     height: float
 
 
+@dataclass(frozen=True, slots=True)
+class Leap:
+    unit: str
+    heights: tuple[float, ...]
+    height: int | None
+    done: bool
+
+
 class Walk(NamedTuple):
     name: str
 
@@ -38,7 +46,6 @@ class Walk(NamedTuple):
 
 
 TABLES = {Step: "steps", Fall: "falls"}
-SETTINGS = {"seed": "1"}
 
 
 def given(out: Path, *more: str) -> Arguments:
@@ -58,9 +65,6 @@ def test_counts_have_defaults_of_their_own_with_quick(tmp_path: Path) -> None:
     assert arguments.settings == {"seed": "0", "quick": "no", "length": "5"}
     arguments = given(tmp_path, "--quick", "--walks", "4")
     assert (arguments.walks, arguments.length) == (4, 2)
-    assert arguments.command_line("--only a") == (
-        "python benchmarks/walking.py --only a --walks 4 --length 2 --seed 0 --quick"
-    )
 
 
 def test_processes_are_counted_as_joblib_does() -> None:
@@ -74,13 +78,13 @@ def test_processes_are_counted_as_joblib_does() -> None:
 def test_rows_come_in_the_order_of_the_units(tmp_path: Path) -> None:
     assert walk(tmp_path, "ba") == ["b", "b", "a", "a"]
     assert (tmp_path / "steps.csv").read_text() == "unit,number\nb,0\nb,1\na,0\na,1\n"
-    assert (tmp_path / "units.csv").read_text() == "key,rows\nb,2;1\na,2;1\n"
 
 
-def test_two_processes_write_the_files_of_one(tmp_path: Path) -> None:
+def test_two_processes_write_the_tables_of_one(tmp_path: Path) -> None:
     for jobs in "12":
         walk(tmp_path / jobs, "dcba", "--jobs", jobs)
-    one, two = ({path.name: path.read_text() for path in (tmp_path / jobs).iterdir()} for jobs in "12")
+    one, two = ({path.name: path.read_text() for path in (tmp_path / jobs).glob("*.csv")} for jobs in "12")
+    assert set(one) == {"steps.csv", "falls.csv"}
     assert one == two
 
 
@@ -88,79 +92,54 @@ def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.Captur
     walk(tmp_path, "c")
     assert walk(tmp_path, "abc") == list("aabbcc")
     assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
-    assert [line[0] for line in (tmp_path / "steps.csv").read_text().split()[1:]] == list("aabbcc")
 
 
 def test_units_of_earlier_runs_are_kept(tmp_path: Path) -> None:
     walk(tmp_path, "xy")
     assert walk(tmp_path, "a") == ["a", "a"]
-    assert [line[0] for line in (tmp_path / "units.csv").read_text().split()[1:]] == list("xya")
-    assert walk(tmp_path, "yx") == list("yyxx")
+    assert [line[0] for line in (tmp_path / "steps.csv").read_text().split()[1:]] == list("xxyyaa")
+    others = collect(given(tmp_path), [Walk("y")], TABLES, others=True)
+    assert [row.unit for row in others.of(Fall)] == list("xay")
 
 
 def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
     walk(tmp_path, "xy")
     walk(tmp_path, "a", "--fresh", "--seed", "2")
-    assert (tmp_path / "units.csv").read_text() == "key,rows\na,2;1\n"
+    assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\n"
 
 
-@pytest.mark.parametrize("torn", ["c,0\nc,1\n", "c,0\nc", "c,"])
-def test_rows_of_an_unfinished_unit_are_removed(tmp_path: Path, torn: str) -> None:
-    walk(tmp_path, "ab")
-    with (tmp_path / "steps.csv").open("a") as file:
-        file.write(torn)
-    assert walk(tmp_path, "abc") == list("aabbcc")
-    assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\nb,0\nb,1\nc,0\nc,1\n"
-
-
-def test_a_unit_without_its_line_is_done_again(tmp_path: Path) -> None:
+def test_a_run_that_was_killed_at_any_byte_continues(tmp_path: Path) -> None:
     walk(tmp_path, "abc")
-    (tmp_path / "units.csv").write_text("key,rows\na,2;1\nb,2")
-    folder = RowFolder(tmp_path, TABLES, given(tmp_path).settings)
-    assert folder.finished == ["a"]
-    folder.close(["a"])
-    assert walk(tmp_path, "abc") == list("aabbcc")
+    store, wanted = tmp_path / UNITS, (tmp_path / "steps.csv").read_text()
+    whole = store.read_bytes()
+    for length in range(0, len(whole), 7):
+        store.write_bytes(whole[:length])
+        assert walk(tmp_path, "abc") == list("aabbcc")
+        assert (tmp_path / "steps.csv").read_text() == wanted
 
 
-def test_a_kill_while_files_are_replaced_loses_nothing(tmp_path: Path) -> None:
-    walk(tmp_path, "ab")
-    old = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    walk(tmp_path, "ba")
-    new = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    (tmp_path / "reordered").touch()
-    (tmp_path / "steps.csv").write_text(new["steps.csv"])
-    for name in ("falls.csv", "units.csv"):
-        (tmp_path / name).write_text(old[name])
-        (tmp_path / f"{name}.new").write_text(new[name])
-    assert walk(tmp_path, "ba") == list("bbaa")
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == new
-
-
-def test_missing_rows_are_an_error(tmp_path: Path) -> None:
-    walk(tmp_path, "ab")
-    (tmp_path / "falls.csv").write_text("unit,replication,height\na,0,0.5\n")
-    with pytest.raises(ValueError, match=r"falls\.csv: 1 rows; allowed: the 2 that .*units\.csv counts"):
-        RowFolder(tmp_path, TABLES, given(tmp_path).settings)
+def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
+    rows = [Leap("a", (1.5, float("inf")), None, True), Leap("b", (), 2, False)]
+    RowStore(tmp_path, {Leap: "leaps"}, {}).add("a", rows)
+    assert RowStore(tmp_path, {Leap: "leaps"}, {}).finished == {"a": rows}
 
 
 def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     walk(tmp_path, "a")
-    with pytest.raises(
-        ValueError, match=r"settings\.csv: .* with seed '0', and this run has '2'; allowed: the same"
-    ):
-        RowFolder(tmp_path, TABLES, {"seed": "2"})
-    RowFolder(tmp_path, TABLES, {"tree": "tree()"}).close([])
+    with pytest.raises(ValueError, match="with seed '0', and this run has '2'; allowed: the same"):
+        RowStore(tmp_path, TABLES, {"seed": "2"})
+    RowStore(tmp_path, TABLES, {"tree": "tree()"})
     with pytest.raises(ValueError, match=r"with tree 'tree\(\)', and this run has 'tree\(max_depth=3\)'"):
-        RowFolder(tmp_path, TABLES, {"tree": "tree(max_depth=3)"})
+        RowStore(tmp_path, TABLES, {"tree": "tree(max_depth=3)"})
     with pytest.raises(SystemExit, match="2"):
         walk(tmp_path, "a", "--length", "6")
     assert re.match(r"walking\.py: .* with length '5', and this run has '6'", capsys.readouterr().err)
-    (tmp_path / "settings.csv").write_text("[]")
-    with pytest.raises(ValueError, match=r"settings\.csv:1: header is"):
-        RowFolder(tmp_path, TABLES, SETTINGS)
-    (tmp_path / "settings.csv").unlink()
-    with pytest.raises(ValueError, match=r"units\.csv: rows of unknown settings"):
-        RowFolder(tmp_path, TABLES, SETTINGS)
+
+
+def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
+    (tmp_path / UNITS).write_text("unit,number\n")
+    with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
+        RowStore(tmp_path, TABLES, {})
 
 
 def test_two_units_with_one_key_are_a_mistake(tmp_path: Path) -> None:
@@ -169,20 +148,20 @@ def test_two_units_with_one_key_are_a_mistake(tmp_path: Path) -> None:
 
 
 FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "ba" for number in range(6)]
-HEIGHT = measures.Measure[Fall]("height (m)", lambda row: row.height)
+HEIGHT = estimates.Measure[Fall]("height (m)", lambda row: row.height)
 
 
 def test_differences_are_paired_by_replication() -> None:
     rng = np.random.default_rng(0)
-    high, low = measures.pick(FALLS, unit="b"), measures.pick(FALLS, unit="a")
-    assert measures.mean(high, HEIGHT, rng).value == 3.5
-    assert tuple(measures.difference(high, low, HEIGHT, rng)) == pytest.approx((1, 1, 1))
-    assert np.isnan(measures.difference(high, [], HEIGHT, rng).value)
+    high, low = estimates.pick(FALLS, unit="b"), estimates.pick(FALLS, unit="a")
+    assert estimates.mean(high, HEIGHT, rng).value == 3.5
+    assert tuple(estimates.difference(high, low, HEIGHT, rng)) == pytest.approx((1, 1, 1))
+    assert np.isnan(estimates.difference(high, [], HEIGHT, rng).value)
 
 
 def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
     rng = np.random.default_rng(0)
-    table = measures.means_table(
+    table = estimates.means_table(
         "t", "T", "", {"unit": "place", "replication": "n"}, FALLS[::-1], [HEIGHT], rng
     )
     assert [column.name for column in table.columns] == ["place", "n", "rows", "height (m)"]
@@ -191,15 +170,15 @@ def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
 
 
 def test_quantiles_and_shares() -> None:
-    assert measures.extremes([3, 1, 2]) == (2, 1, 3)
-    assert measures.quantiles(range(101)) == (50, 5, 95)
-    assert np.isnan(measures.quantiles([]).value)
-    assert measures.percent(1, 2).value == 50
-    assert np.isnan(measures.percent(0, 0).value)
-    assert np.isnan(measures.plain(3.0).low)
+    assert estimates.extremes([3, 1, 2]) == (2, 1, 3)
+    assert estimates.quantiles(range(101)) == (50, 5, 95)
+    assert np.isnan(estimates.quantiles([]).value)
+    assert estimates.percent(1, 2).value == 50
+    assert np.isnan(estimates.percent(0, 0).value)
+    assert np.isnan(estimates.plain(3.0).low)
 
 
-def test_a_page_has_its_parts_in_order(tmp_path: Path) -> None:
+def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     table = Table("heights", "Heights", "A note.", (Column("m"),), [(1,)])
     more = Table("more", "More", "", (Column("m"),), [(2,)])
     parts: list[str | Table | Picture] = [
@@ -207,11 +186,12 @@ def test_a_page_has_its_parts_in_order(tmp_path: Path) -> None:
         table,
         Picture("falls", "how they fell", figures.new_figure(2, 2)),
     ]
-    page.write(tmp_path, "walking", Page("Walking", parts, (more,)), "walk")
+    monkeypatch.setattr("sys.argv", ["benchmarks/walking.py", "--out", "a folder"])
+    write(tmp_path, "walking", Page("Walking", parts, (more,)))
     lines = (tmp_path / "walking.md").read_text().split("\n\n")
     assert lines[:4] == ["# Walking", "A paragraph.", "## Heights", "A note."]
     assert lines[4:7] == ["| m |\n| ---: |\n| 1 |", "![how they fell](falls.png)", "## Command"]
-    assert lines[7] == "    walk"
+    assert lines[7] == "    python benchmarks/walking.py --out 'a folder'"
     assert (tmp_path / "table_heights.csv").read_text() == "m\n1\n"
     assert (tmp_path / "table_more.csv").exists()
     assert (tmp_path / "falls.png").read_bytes().startswith(b"\x89PNG")
