@@ -442,11 +442,13 @@ def arena_parts(rows: Sequence[Recall], rng: np.random.Generator) -> list[str | 
 def welch(a: Floats, b: Floats) -> tuple[Estimate, float]:
     """Mean of b minus mean of a with its 95 % interval, and the p-value of Welch's test."""
     value = float(b.mean() - a.mean())
-    if a.std() == b.std() == 0.0:  # all values of a sample are equal
+    parts = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
+    spread = math.sqrt(sum(parts))
+    if spread == 0.0:  # all values of a sample are equal
         return Estimate(value, value, value), 1.0 if value == 0.0 else 0.0
-    test = stats.ttest_ind(b, a, equal_var=False)
-    low, high = test.confidence_interval(1 - LEVEL)
-    return Estimate(value, float(low), float(high)), float(test.pvalue)
+    freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
+    half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
+    return Estimate(value, value - half, value + half), float(2 * stats.t.sf(abs(value) / spread, freedom))
 
 
 def mean_of(values: Floats) -> Estimate:

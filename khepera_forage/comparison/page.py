@@ -135,7 +135,7 @@ def page(
         "All learners side by side",
         [
             "**How much experience does a learner need to forage?**",
-            Picture("learners", "food delivered against steps of learning", figure(curves, learners)),
+            *_pictures(curves, learners),
             *absent,
             f"## Results\n\n{results(curves, learners)}",
             METHOD,
@@ -148,6 +148,13 @@ def page(
     )
 
 
+def _pictures(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> list[Picture]:
+    """The learning curves in the thesis's arenas, if these are among the tested ones."""
+    shown = [curve for curve in curves if curve.arena in STYLES]
+    caption = "food delivered against steps of learning"
+    return [Picture("learners", caption, figure(shown, learners))] if shown else []
+
+
 def results(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> str:
     """For each arena and kind of learner: which delivers most in the end, and which is first to succeed."""
     lines = [
@@ -156,7 +163,7 @@ def results(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> str:
         "gain below 0 means that a learner became worse with more learning.\n"
     ]
     curves = [curve for curve in curves if not isinstance(learners[curve.learner], ReadLearner)]
-    for arena in ARENAS:
+    for arena in dict.fromkeys(curve.arena for curve in curves):
         for needs in Needs:
             own = [c for c in curves if c.arena == arena and learners[c.learner].needs is needs]
             if own:

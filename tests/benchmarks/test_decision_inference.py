@@ -5,15 +5,8 @@ import warnings
 import numpy as np
 import pytest
 
-from khepera_forage.thesis.inference.page import (
-    Predictions,
-    explained,
-    first_order,
-    outcome,
-    outcomes,
-    predicted,
-    tested_columns,
-)
+from khepera_forage.thesis.inference import page
+from khepera_forage.thesis.inference.page import Predictions, explained, first_order, outcome, outcomes
 from khepera_forage.thesis.inference.posterior import Parameter
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
 
@@ -78,8 +71,8 @@ def test_a_set_predicts_what_lies_among_its_own_experiments() -> None:
     thesis = np.nan_to_num(thesis_statistics())
     statistics = np.stack([thesis + rng.normal(size=(20, WIDTH)), thesis + 9 + rng.normal(size=(20, WIDTH))])
     statistics[0, :15, NAMES.index("rectangle 5 right_failed")] = np.nan
-    found = predicted(statistics)
-    tested = tested_columns()
+    found = page.predicted(statistics)
+    tested = page.tested_columns()
     assert len(tested) == 19
     missing = tested.index(NAMES.index("rectangle 5 right_failed"))
     assert not found[0, tested][missing], "most experiments have no such value"
