@@ -20,13 +20,12 @@ IMPORT = Measure(
 )
 MEMORY = Measure(
     SECTION,
-    "peak memory of benchmarks/thesis.py --quick",
+    "peak memory of khepera-forage reproduce --quick",
     "MB",
     "resident memory of all its processes together, sampled 20 times a second; shared pages count for each process",
     1_000,
 )
 _TIMED = "import time; start = time.perf_counter(); import khepera_forage; print(time.perf_counter() - start)"
-_THESIS = Path(__file__).parents[1] / "thesis.py"
 
 
 def import_job() -> Values:
@@ -44,7 +43,17 @@ def memory_job(seed: int) -> Job:
 
     def run() -> Values:
         with tempfile.TemporaryDirectory() as out:
-            command = [sys.executable, str(_THESIS), "--quick", "--seed", str(seed), "--out", out]
+            command = [
+                sys.executable,
+                "-m",
+                "khepera_forage.cli.main",
+                "reproduce",
+                "--quick",
+                "--seed",
+                str(seed),
+                "--out",
+                out,
+            ]
             # A session of its own identifies its processes and their children.
             running = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
             peak = 0

@@ -306,10 +306,11 @@ def _axes(axes: "Axes", title: str) -> None:
 
 def _step_axis(axes: "Axes") -> None:
     """Numbers along the axis of steps, which all panels of a block share."""
-    from matplotlib.ticker import LogLocator, NullLocator
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
     low, high = axes.get_xlim()
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < _DENSE * low else (1,)))
+    few = LogLocator(subs=(1, 2, 5) if high < _DENSE * low else (1,))
+    axes.xaxis.set_major_locator(few if high > 3 * low else MaxNLocator(2))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(lambda steps, _: _short(steps))
 
