@@ -45,7 +45,9 @@ _UNUSED = 30 * 24 * 3600.0
 _SLOW = 2.0
 """Seconds of compilation after which the user learns what takes so long."""
 _config: Any = numba.config
-_options: Any = {"nogil": True, "error_model": "numpy"}
+_options: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
+"""References to arrays are not counted, which would take a quarter of a step. So compiled code can make no arrays: it
+gets them as arguments. (Numba uses `_nrt` itself, but does not document it.)"""
 _lock = threading.RLock()
 
 
@@ -53,10 +55,13 @@ def rule(function: _F) -> _F:
     """A function of a module (not a closure) that entries may call; Python calls the plain function.
 
     It does what numba's `register_jitable` does, but for the names of the compiled functions. It is compiled into its
-    callers, and does not count references to arrays: counting them takes most of a round. So it can return no array
-    that it was not given. (Numba uses `_nrt` itself, but does not document it.)
+    callers.
     """
-    return _register(function, {"error_model": "numpy", "forceinline": True, "_nrt": False})
+    copy = functools.cache(functools.partial(_named, function))
+    options = _options | {"forceinline": True}
+    del options["nogil"]
+    overload(function, options, strict=False)(lambda *types, **named: copy(f"{types}{named}"))
+    return function
 
 
 def register(*modules: ModuleType) -> None:
@@ -65,17 +70,6 @@ def register(*modules: ModuleType) -> None:
         for function in vars(module).values():
             if isinstance(function, FunctionType) and function.__module__ == module.__name__:
                 rule(function)
-
-
-def array_rule(function: _F) -> _F:
-    """A `rule` that returns new arrays, or parts of arrays."""
-    return _register(function, {"error_model": "numpy", "forceinline": True})
-
-
-def _register(function: _F, jit_options: Any) -> _F:
-    copy = functools.cache(functools.partial(_named, function))
-    overload(function, jit_options, strict=False)(lambda *types, **named: copy(f"{types}{named}"))
-    return function
 
 
 def entry(function: _F) -> _F:
@@ -255,9 +249,14 @@ def _say(text: str) -> None:
 
 
 def share_out(
-    function: Callable[..., Any], count: int, *arguments: Any, threads: int | None = None, least: int = 64
+    function: Callable[..., Any],
+    count: int,
+    *arguments: Any,
+    scratch: Callable[[], tuple[Any, ...]] = tuple,
+    threads: int | None = None,
+    least: int = 64,
 ) -> None:
-    """Call `function(first, last, *arguments)` for equal ranges that cover 0 to count, in several threads.
+    """Call `function(first, last, *arguments, *scratch())` for equal ranges that cover 0 to count, in several threads.
 
     The caller's thread takes part, and does everything where no thread can start, as at the end of the program.
 
@@ -265,11 +264,12 @@ def share_out(
         function: An entry.
         count: Number of worlds, or of what else is shared out.
         *arguments: The other arguments, the same for all ranges.
+        scratch: Makes further arguments for one range alone, such as a world to run its episodes in.
         threads: Number of threads, at most `numba.get_num_threads()`, which is the default.
         least: The smallest range that is worth a thread: to wake one takes 25 µs.
     """
     if count < 2 * least:
-        function(0, count, *arguments)
+        function(0, count, *arguments, *scratch())
         return
     most = min(threads or numba.get_num_threads(), numba.get_num_threads())
     parts = max(1, min(most, count // least))
@@ -281,7 +281,7 @@ def share_out(
                 first, last = ranges.popleft()
             except IndexError:
                 return
-            function(first, last, *arguments)
+            function(first, last, *arguments, *scratch())
 
     others: list[Future[None]] = []
     with suppress(RuntimeError):  # no thread starts while the interpreter ends

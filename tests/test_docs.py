@@ -15,7 +15,7 @@ from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
-from khepera_forage.task.decision_text import decision_table, markdown_table
+from khepera_forage.task.decisions import decision_table, markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md"))}
@@ -227,7 +227,7 @@ def test_learner_page_lists_all_learners() -> None:
 
 def test_decisions_page_has_the_current_table() -> None:
     assert PAGES["decisions.md"].endswith(f"\n\n{markdown_table()}"), (
-        "replace the table by what python -m khepera_forage.task.decision_text prints"
+        "replace the table by what python -m khepera_forage.task.decisions prints"
     )
 
 

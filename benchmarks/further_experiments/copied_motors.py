@@ -4,13 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
-from khepera_forage.task.states import BEHAVIOURS, behaviour_number
 
 
 class CopiedMotorsEnv(TrainingEnv):
@@ -46,7 +44,11 @@ class LearnedBehavioursEnv(BehavioursEnv):
         super().__init__(**kwargs)
         self.command = command
 
-    def _motors(self, action: int, forager: Forager) -> Motors:
-        behaviour = behaviour_number(action, 10)
-        self._executed = BEHAVIOURS[behaviour]
-        return self.command(behaviour, forager.raw)
+    def reset(self, **kwargs: Any) -> Any:
+        """Start an episode, in which the robot has the learned behaviours."""
+        begun = super().reset(**kwargs)
+        setattr(self.forager, "motors_for", self._command)  # noqa: B010 (a method of this robot alone)
+        return begun
+
+    def _command(self, behaviour: int) -> Motors:
+        return self.command(behaviour, self.forager.raw)

@@ -93,7 +93,7 @@ class ObservedTraining(TrainingEnv):
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """Observe as in any training; what the learner hears is recorded and compared with the truth."""
-        observation = super().observe(agent)
+        observation: NDArray[np.int64] = super().observe(agent)
         if agent == LEARNER and observation[HEARD] != Behaviour.WAIT:
             record = self.records[-1]
             shown, behaviour = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))

@@ -14,7 +14,7 @@ import pymunk
 
 from khepera_forage.envs.forager import Forager
 from khepera_forage.policies import Teacher
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.camera import SimulatedCamera
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from timing.measures import Job, Measure, Values
@@ -27,7 +27,7 @@ _METHODS: tuple[tuple[str, type, str], ...] = (
     (_BODIES, PymunkWorld, "advance"),
     (_BODIES, Forager, "drive"),
     ("infra-reds and optical barrier", SimulatedKhepera, "sense"),
-    ("camera and tracking", OverheadCamera, "expose"),
+    ("camera and tracking", SimulatedCamera, "look"),
     ("perception, state, food tracking", Forager, "perceive"),
     ("behaviour: raw data to motors", Forager, "motors_for"),
 )

@@ -9,8 +9,7 @@ from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arena_file import read_arena
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.task.decision_text import VERSIONS, decisions_from_words
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import VERSIONS, Decisions, decisions_from_words
 from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"

@@ -2,7 +2,7 @@
 
 import argparse
 
-from khepera_forage.task.decision_text import decision_table
+from khepera_forage.task.decisions import decision_table
 
 _COLUMNS = ("decision", "default", "allowed", "thesis")
 

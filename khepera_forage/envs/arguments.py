@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.extras import require
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -17,10 +18,29 @@ from khepera_forage.sim.world import Timing, World
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
+PYMUNK, COMPILED = "pymunk", "compiled"
+BACKENDS = (PYMUNK, COMPILED)
+"""Rigid bodies of pymunk; or kernels that numba compiles, faster and for many worlds at once."""
+
 FoodOdds = str | FoodType | Mapping[Any, float] | None
 """How users give the odds of food types: one type, or odds by type; None is all PICKABLE (5.2)."""
 
 _DRAWABLE = tuple(FoodType)[1:]
+
+
+def check_backend(backend: Any) -> str:
+    """The backend that a user asked for.
+
+    Raises:
+        ValueError: Not one of `BACKENDS`.
+        ImportError: The backend "compiled" without numba.
+    """
+    if backend not in BACKENDS:
+        raise ValueError(f"backend is {backend!r}; allowed: {', '.join(map(repr, BACKENDS))}")
+    if backend == COMPILED:
+        instead = "; the backend 'pymunk' works without (in make_vec: vectorization_mode='sync' or 'async')"
+        require("the backend 'compiled'", "fast", otherwise=instead)
+    return str(backend)
 
 
 def motor_action(action: Any) -> NDArray[np.float64]:

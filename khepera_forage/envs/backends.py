@@ -8,55 +8,49 @@ from typing import Any
 import gymnasium as gym
 from gymnasium.vector import VectorEnv
 
+from khepera_forage.envs.arguments import BACKENDS, COMPILED, PYMUNK, check_backend
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.extras import require
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, FIELDS, Decisions
 
-PYMUNK, COMPILED = "pymunk", "compiled"
-BACKENDS = (PYMUNK, COMPILED)
-"""Rigid bodies of pymunk; or kernels that numba compiles, faster and for many worlds at once."""
+__all__ = [
+    "BACKENDS",
+    "COMPILED",
+    "PYMUNK",
+    "EntryPoint",
+    "VectorEntryPoint",
+    "check_backend",
+    "check_compiled",
+]
 
 VectorWrapping = Callable[[VectorEnv[Any, Any, Any]], VectorEnv[Any, Any, Any]]
 """Wraps a vector environment, such as `khepera_forage.wrappers.HoldVectorAction`."""
 
 
 class EntryPoint:
-    """What `gym.make` calls: makes an environment on one of the backends.
+    """What `gym.make` calls.
 
     Args:
-        on_pymunk: Class on pymunk.
-        compiled: Name of the class in `envs.compiled.single`, which needs numba.
+        kind: The class of environments.
         decisions: Of the environment's version, for users that give none.
     """
 
     metadata = RecallEnv.metadata
 
-    def __init__(self, on_pymunk: type[gym.Env[Any, Any]], compiled: str, decisions: Decisions) -> None:
-        self._on_pymunk = on_pymunk
-        self._compiled = compiled
+    def __init__(self, kind: type[RecallEnv[Any]], decisions: Decisions) -> None:
+        self._kind = kind
         self._decisions = decisions
 
-    def __call__(self, backend: str = PYMUNK, decisions: Any = None, **kwargs: Any) -> gym.Env[Any, Any]:
+    def __call__(self, decisions: Any = None, **kwargs: Any) -> gym.Env[Any, Any]:
         """Make the environment.
 
         Args:
-            backend: One of `BACKENDS`.
             decisions: `Decisions`, or those of a stored spec; by default those of the environment's version.
             kwargs: Other arguments of its class.
-
-        Raises:
-            ValueError: Another backend.
-            ImportError: The backend "compiled" without numba.
         """
-        arguments = _arguments(kwargs, decisions, self._decisions)
-        if check_backend(backend) == PYMUNK:
-            return self._on_pymunk(**arguments)
-        made = getattr(import_module("khepera_forage.envs.compiled.single"), self._compiled)
-        env: gym.Env[Any, Any] = made(**arguments)
-        return env
+        return self._kind(**_arguments(kwargs, decisions, self._decisions))
 
 
 class VectorEntryPoint:
@@ -105,21 +99,6 @@ class VectorEntryPoint:
                     "gymnasium.vector.VectorEnv"
                 )
         return env
-
-
-def check_backend(backend: Any) -> str:
-    """The backend that a user asked for.
-
-    Raises:
-        ValueError: Not one of `BACKENDS`.
-        ImportError: The backend "compiled" without numba.
-    """
-    if backend not in BACKENDS:
-        raise ValueError(f"backend is {backend!r}; allowed: {', '.join(map(repr, BACKENDS))}")
-    if backend == COMPILED:
-        instead = "; the backend 'pymunk' works without (in make_vec: vectorization_mode='sync' or 'async')"
-        require("the backend 'compiled'", "fast", otherwise=instead)
-    return str(backend)
 
 
 def check_compiled(backend: Any) -> None:
@@ -176,13 +155,13 @@ def _points(places: Any) -> tuple[Point, ...]:
     return tuple(Point(*place) for place in places)
 
 
-behaviours = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", Decisions.v0_1())
-wheels = EntryPoint(WheelsEnv, "CompiledWheelsEnv", Decisions.v0_1())
+behaviours = EntryPoint(BehavioursEnv, Decisions.v0_1())
+wheels = EntryPoint(WheelsEnv, Decisions.v0_1())
 behaviours_vector = VectorEntryPoint("BehavioursVectorEnv", Decisions.v0_1())
 wheels_vector = VectorEntryPoint("WheelsVectorEnv", Decisions.v0_1())
 """Of the environments v0. Stored specs contain these names, which therefore stay without a version."""
 
-behaviours_v1 = EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", DEFAULT_DECISIONS)
-wheels_v1 = EntryPoint(WheelsEnv, "CompiledWheelsEnv", DEFAULT_DECISIONS)
+behaviours_v1 = EntryPoint(BehavioursEnv, DEFAULT_DECISIONS)
+wheels_v1 = EntryPoint(WheelsEnv, DEFAULT_DECISIONS)
 behaviours_vector_v1 = VectorEntryPoint("BehavioursVectorEnv", DEFAULT_DECISIONS)
 wheels_vector_v1 = VectorEntryPoint("WheelsVectorEnv", DEFAULT_DECISIONS)

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+from khepera_forage.envs.recalls import Shown
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
@@ -60,7 +60,8 @@ class BehavioursEnv(RecallEnv[int]):
     place in one of them, drawn at random; distances are then bounded by the largest diagonal), `foods` (number of
     objects, 1 to 16), `limit` (steps), `noise` (a `Noise`, by default the laboratory's), `food_types` (one type, or
     odds by type; by default all PICKABLE), `render_mode`, `world` (another `World` than the simulated one, in whose one
-    arena everything then takes place), `decisions` (a `Decisions`: how what the thesis leaves open is read).
+    arena everything then takes place), `decisions` (a `Decisions`: how what the thesis leaves open is read), `backend`
+    ("pymunk", or "compiled", which needs numba).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
@@ -81,33 +82,18 @@ class BehavioursEnv(RecallEnv[int]):
             robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
         )
 
-    def _motors(self, action: int, forager: Forager) -> Motors:
+    def _numbers(self, action: int) -> Sequence[float]:
         behaviour = behaviour_number(action, NUM_BEHAVIOURS)
         self._executed = BEHAVIOURS[behaviour]
-        return forager.motors_for(behaviour)
+        return (behaviour,)
 
-    def _is_correct(self, motors: Motors, forager: Forager) -> bool:
-        return self._executed == forager.correct_behaviour
-
-    def _observation(self, forager: Forager) -> Observation:
-        return observation_of(forager.vector, self._map.diagonal)
-
-
-def observation_of(vector: Sequence[int], diagonal: int) -> Observation:
-    """The observation of a state vector, in fresh arrays; no distance is longer than the arena's diagonal.
-
-    Args:
-        vector: A `StateVector`.
-        diagonal: Of the arena, in pixels.
-    """
-    presence, home, food_type, arm, food = vector
-    # One fresh array for all three numbers: making an array takes longer than a slice, and `min` nearly as long.
-    home, food = home if home < diagonal else diagonal, food if food < diagonal else diagonal
-    numbers = np.array((home, arm, food))
-    return {
-        "object_presence": _WHOLE[presence],
-        "robot_home_distance": numbers[:1],
-        "food_type": _WHOLE[food_type],
-        "arms_height": numbers[1:2],
-        "robot_food_distance": numbers[2:],
-    }
+    def _observation(self, shown: Shown) -> Observation:
+        # One fresh array for all three numbers: making an array takes longer than a slice.
+        numbers = np.array((shown.robot_home_distance, shown.arms_height, shown.robot_food_distance))
+        return {
+            "object_presence": _WHOLE[shown.object_presence],
+            "robot_home_distance": numbers[:1],
+            "food_type": _WHOLE[shown.food_type],
+            "arms_height": numbers[1:2],
+            "robot_food_distance": numbers[2:],
+        }

@@ -10,8 +10,7 @@ from khepera_forage.sim.ways import is_home_free, pixel_walls, way_out, ways_of
 from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, share_identified, update_food
-from khepera_forage.task.identification import explored
+from khepera_forage.task.food_tracking import FoodTracker, explored, share_identified, update_food
 from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
@@ -81,7 +80,7 @@ class Forager:
         self.vector: StateVector
         self.state: State
         self.senses: Senses = robot.sense()
-        self.applied: Motors = robot.drive(Motors(0, 0, self.senses.arm, self.senses.jaw))
+        self.applied = Motors(0, 0, self.senses.arm, self.senses.jaw)
 
     @property
     def correct_behaviour(self) -> Behaviour:

@@ -14,8 +14,7 @@ from khepera_forage.sim.layout_checks import check_apart, check_layout, check_ro
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_links import Link
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
 from khepera_forage.task.way_finding import no_memory
 from khepera_forage.vision.scene import MM_PER_PIXEL

@@ -7,13 +7,14 @@ import numpy as np
 
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import (
+    PYMUNK,
     FoodOdds,
     arenas_of,
+    check_backend,
     check_round_duration,
     food_odds,
     timing_of,
 )
-from khepera_forage.envs.backends import PYMUNK, check_backend
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.noise import Noise, checked_noise

@@ -9,7 +9,6 @@ from pettingzoo.utils.conversions import aec_to_parallel
 from pettingzoo.utils.env import AECEnv, ParallelEnv
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.task.states import Behaviour, behaviour_number
 
 
 class CheckedActions(BaseParallelWrapper[str, Any, Any]):
@@ -19,11 +18,11 @@ class CheckedActions(BaseParallelWrapper[str, Any, Any]):
         """A round of all agents.
 
         Args:
-            actions: A behaviour for every agent.
+            actions: One for every agent.
 
         Raises:
             ResetNeeded: Before the first reset, or after the end of an episode.
-            ValueError: An agent has no action or is unknown, or an action is not one of the eleven.
+            ValueError: An agent has no action or is unknown, or an action is not in its action space.
         """
         agents = getattr(
             self.env, "agents", []
@@ -32,7 +31,8 @@ class CheckedActions(BaseParallelWrapper[str, Any, Any]):
             raise ResetNeeded("no episode is under way; call reset() to start one")
         if set(actions) != set(agents):
             raise ValueError(f"actions are of {list(actions)}; allowed: one each of {', '.join(agents)}")
-        checked = {agent: behaviour_number(actions[agent], len(Behaviour), agent) for agent in agents}
+        check = self.env.unwrapped.checked_action
+        checked = {agent: check(actions[agent], agent) for agent in agents}
         return super().step(checked)
 
 

@@ -1,35 +1,31 @@
 """The recall phase: one robot forages alone (sections 4.6 and 5.4). What its two kinds of environment share."""
 
 from abc import abstractmethod
-from typing import Any, Generic, SupportsFloat, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
 
 import gymnasium as gym
 import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arena_pool import ArenaPool, Arenas
+from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import (
+    COMPILED,
+    PYMUNK,
     FoodOdds,
-    arenas_of,
-    check_round_duration,
+    check_backend,
     checked_decisions,
-    food_odds,
-    timing_of,
     whole_number,
 )
-from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.layouts import given_layout, tracker_of
+from khepera_forage.envs.forager import Forager
+from khepera_forage.envs.recalls import Shown, WorldRecalls
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import MOST_FOODS, Arena
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import LOST, World
+from khepera_forage.sim.world import LOST, Layout, World
+from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
-from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour
 
 Observation = dict[str, Any]
@@ -71,6 +67,53 @@ def episode_info(
     }
 
 
+class Recalls(Protocol):
+    """Recalls one after another in one world: `WorldRecalls`, or `CompiledRecalls`."""
+
+    largest_diagonal: int
+
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies."""
+        ...
+
+    @property
+    def arena(self) -> Arena:
+        """Where the present episode takes place."""
+        ...
+
+    @property
+    def world(self) -> World:
+        """Bodies and camera."""
+        ...
+
+    @property
+    def layout(self) -> Layout:
+        """Where everything stood when the episode began."""
+        ...
+
+    @property
+    def forager(self) -> Forager:
+        """The robot at its task, as it is now."""
+        ...
+
+    def seed(self, seed: int) -> None:
+        """Make the episodes that follow repeatable."""
+        ...
+
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
+        """Begin the next episode."""
+        ...
+
+    def step(self, action: Sequence[float]) -> Shown:
+        """One round."""
+        ...
+
+    def shown(self) -> Shown:
+        """What environments show of the last round."""
+        ...
+
+
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     """What both kinds of recall environment share: the episode, its score and its pictures."""
 
@@ -89,30 +132,27 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         render_mode: str | None = None,
         world: World | None = None,
         decisions: Decisions | None = None,
+        backend: str = PYMUNK,
     ) -> None:
         self.decisions = checked_decisions(decisions)
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
-        self._noise = noise
-        self.world: World
-        if world is None:
-            self._pool: ArenaPool | None = ArenaPool(arena, self.decisions)
-            self._enter(self._pool[0])
-        else:
-            check_round_duration(world, self.decisions)
-            self._pool, self.world = None, world
-            (self.arena,) = arenas_of(self.world, 1)
-            self._map = arena_map_of(self.arena)
         self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
+        settings = arena, foods, limit, noise, food_types, self.decisions
+        self._recalls: Recalls
+        if check_backend(backend) == PYMUNK:
+            self._recalls = WorldRecalls(*settings, world)
+        elif world is not None:
+            raise ValueError(f"world is {world!r}; allowed with backend={COMPILED!r}: None")
+        else:
+            from khepera_forage.envs.compiled.recalls import CompiledRecalls  # needs numba
+
+            self._recalls = CompiledRecalls(*settings)
+        self.largest_diagonal = self._recalls.largest_diagonal
+        """Of all arenas in which an episode may take place, in pixels."""
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        self._odds = food_odds(food_types)
-        self._values = self.decisions.values()
-        self._key: int | None = None
-        self._episodes = 0
-        self._forager: Forager | None = None
-        self._episode = Episode()
-        self._over = True
+        self._seeded, self._over = False, True
         self._executed: Behaviour | None = None
         self.confidence: tuple[float, ...] | None = None
         """Confidence level of each behaviour, shown beside the picture; a policy's owner may set it."""
@@ -120,29 +160,38 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     @property
     def backend(self) -> str:
         """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
-        return "pymunk" if isinstance(self.world, PymunkWorld) else "laboratory"
+        return self._recalls.backend
+
+    @property
+    def arena(self) -> Arena:
+        """That of the present episode; before the first reset, the first one."""
+        return self._recalls.arena
+
+    @property
+    def world(self) -> World:
+        """The bodies and the camera as they are now; only the environment resets and advances them."""
+        return self._recalls.world
+
+    @property
+    def layout(self) -> Layout:
+        """Where everything stood at the last reset."""
+        return self._recalls.layout
 
     @property
     def home_radius(self) -> int:
         """Of the home in the arena of the present episode, in pixels."""
-        return self._map.home_radius
+        return whole_pixels(self.arena.home_radius)
 
     @property
     def diagonal(self) -> int:
         """Of the arena of the present episode, in pixels."""
-        return self._map.diagonal
-
-    @property
-    def largest_diagonal(self) -> int:
-        """Of all arenas in which an episode may take place, in pixels."""
-        return self._map.diagonal if self._pool is None else self._pool.diagonal
+        return whole_pixels(self.arena.diagonal)
 
     @property
     def forager(self) -> Forager:
-        """The robot at its task."""
-        if self._forager is None:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
-        return self._forager
+        """The robot at its task, as it is now."""
+        self._require_first_reset()
+        return self._recalls.forager
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -151,34 +200,21 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
         Args:
             seed: Makes this episode and those that follow repeatable, bit for bit. The same seed has the same start,
-                food places and food types on every backend.
+                food places, food types and noise on every backend.
             options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object; what is left
                 out is random.
 
         Raises:
-            ValueError: Options that are unknown or place something off the free floor.
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
         super().reset(seed=seed)
-        if seed is not None or self._key is None:
-            self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
-            self._episodes = 0
-        key, episode = self._key, self._episodes
-        arena = self.arena if self._pool is None else self._pool[self._pool.number(key, episode)]
-        self.layout = given_layout(arena, self.foods, options or {}, layout_key(key, episode), self._values)
-        if arena is not self.arena:
-            self._enter(arena)
-        self._episodes += 1
-        self.world.reset(self.np_random.spawn(1)[0], self.layout)
-        tracker = tracker_of(self.layout.foods, self._map)
-        draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
-        self._forager = Forager(self.world.robots[0], self._map, self.world.markers[0], tracker, self._values)
-        self._forager.perceive(self.world.camera.look())
-        begin_episode(self._episode, tracker)
-        self._over = False
-        self._executed = None
+        if seed is not None or not self._seeded:
+            self._recalls.seed(int(self.np_random.integers(2**62)) if seed is None else seed)
+        shown = self._recalls.begin(self.np_random, options)
+        self._seeded, self._over, self._executed = True, False, None
         if self.render_mode == "human":
             self.render()
-        return self._observation(self._forager), self._info(self._forager)
+        return self._observation(shown), _info(shown)
 
     def step(self, action: ActionT) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """One round.
@@ -187,42 +223,40 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ResetNeeded: Before the first reset, or after the end of an episode.
             ValueError: An action that is not in the action space.
         """
-        forager, episode = self._forager or self.forager, self._episode
         if self._over:
-            raise ResetNeeded(f"the episode ended after {episode.steps} steps; call reset() to start another")
-        motors = self._motors(action, forager)
-        correct = self._is_correct(motors, forager)
+            self._require_first_reset()
+            steps = self._recalls.shown().steps
+            raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
+        numbers = self._numbers(action)
         try:
-            forager.drive(motors)
-            self.world.advance()
-            forager.perceive(self.world.camera.look())
+            shown = self._recalls.step(numbers)
         except LOST as lost:
-            self._over = True
-            end_step(episode, forager.tracker, correct, self.limit)
-            info = {**self._info(forager), "robot_lost": str(lost)}
-            return self._observation(forager), episode.reward, False, True, info
-        end_step(episode, forager.tracker, correct, self.limit)
-        self._over = episode.terminated or episode.truncated
+            self._over, shown = True, self._recalls.shown()
+            return (
+                self._observation(shown),
+                shown.reward,
+                False,
+                True,
+                _info(shown) | {"robot_lost": str(lost)},
+            )
+        self._over = shown.terminated or shown.truncated
         if self._over:
             self.world.stop()
         if self.render_mode == "human":
             self.render()
-        return (
-            self._observation(forager),
-            episode.reward,
-            episode.terminated,
-            episode.truncated,
-            self._info(forager),
-        )
+        return self._observation(shown), shown.reward, shown.terminated, shown.truncated, _info(shown)
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
         return self._screen.show(self.view)
 
     def view(self) -> View:
-        """What a picture of the present round shows."""
-        forager = self.forager
-        info = self._info(forager)
+        """What a picture of the present round shows.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+        """
+        forager, info = self.forager, _info(self._recalls.shown())
         return recall_view(self.arena, self.world, forager, info, self.limit, self._executed, self.confidence)
 
     def close(self) -> None:
@@ -230,37 +264,27 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.world.close()
         self._screen.close()
 
-    def _enter(self, arena: Arena) -> None:
-        """Let the coming episode take place in an arena, in a world of its own."""
-        self.arena, self._map = arena, arena_map_of(arena)
-        self.world = PymunkWorld(
-            [arena], (self.decisions.recall_marker,), self._noise, timing=timing_of(self.decisions)
-        )
+    @abstractmethod
+    def _numbers(self, action: ActionT) -> Sequence[float]:
+        """An action as `Recalls.step` takes it.
+
+        Raises:
+            ValueError: It is not in the action space.
+        """
 
     @abstractmethod
-    def _motors(self, action: ActionT, forager: Forager) -> Motors:
-        """What an action commands."""
-
-    @abstractmethod
-    def _is_correct(self, motors: Motors, forager: Forager) -> bool:
-        """Whether the teacher would have done the same on the same perception."""
-
-    @abstractmethod
-    def _observation(self, forager: Forager) -> Observation:
+    def _observation(self, shown: Shown) -> Observation:
         """What the policy gets to know, in fresh arrays."""
 
-    def _info(self, forager: Forager) -> dict[str, Any]:
-        raw = forager.raw
-        pose = np.array((raw.x, raw.y, raw.orientation))
-        episode, tracker = self._episode, forager.tracker
-        lost = penalty(tracker.delivered, tracker.deliverable)
-        return episode_info(
-            int(forager.state),
-            pose,
-            score(episode.correct, episode.steps, lost),
-            lost,
-            episode.correct,
-            episode.steps,
-            tracker.delivered,
-            tracker.poison_home,
-        )
+    def _require_first_reset(self) -> None:
+        if not self._seeded:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+
+
+def _info(shown: Shown) -> dict[str, Any]:
+    """The info of one round."""
+    pose = np.array((shown.x, shown.y, shown.orientation))
+    return episode_info(
+        *(shown.state, pose, shown.score, shown.penalty, shown.correct, shown.steps),
+        *(shown.delivered, shown.poison_home),
+    )

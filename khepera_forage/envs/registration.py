@@ -30,6 +30,7 @@ def register_all() -> None:
 
     for version in VERSIONS:
         _register_training("PairedCorridors", version, f"paired_corridors_{version}", {})
+    _register_training("PairedCorridorsWheels", "v1", "paired_corridors_wheels_v1", {})
     for arena in FAMILY:
         _register_training(f"Paired{environment_name(arena)}", "v1", "paired_arenas_v1", {"arena": arena})
     _register_training("PairedProcedural", "v1", "paired_procedural_v1", _LEVELS)

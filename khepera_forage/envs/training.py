@@ -11,8 +11,7 @@ from pettingzoo.utils.env import AECEnv
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import Arenas
-from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.backends import PYMUNK
+from khepera_forage.envs.arguments import PYMUNK, FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.paired_arenas import PairedArenas
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
@@ -28,7 +27,7 @@ __all__ = ["TEACHER", "TrainingEnv"]
 TEACHER = "teacher_0"
 
 
-class PairedRobotsEnv(AECEnv[str, NDArray[np.int64], int | None]):
+class PairedRobotsEnv(AECEnv[str, Any, Any]):
     """A teacher and its learners, each in its own copy of an arena; `TrainingEnv` adds what happens in a round.
 
     Its arguments are described there.
@@ -68,15 +67,21 @@ class PairedRobotsEnv(AECEnv[str, NDArray[np.int64], int | None]):
         self._episode = -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
-        self.observation_spaces = {a: observation_box(self._paired.diagonal) for a in self.possible_agents}
-        self.action_spaces = {a: spaces.Discrete(len(Behaviour)) for a in self.possible_agents}
+        self.observation_spaces = {a: self._observation_space() for a in self.possible_agents}
+        self.action_spaces = {a: self._action_space() for a in self.possible_agents}
         self._attempt: TrainingEpisode | None = None
 
-    def observation_space(self, agent: str) -> spaces.Box:
+    def _observation_space(self) -> spaces.Space[Any]:
+        return observation_box(self._paired.diagonal)
+
+    def _action_space(self) -> spaces.Space[Any]:
+        return spaces.Discrete(len(Behaviour))
+
+    def observation_space(self, agent: str) -> Any:
         """The space of every agent's observations."""
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> spaces.Discrete[np.int64]:
+    def action_space(self, agent: str) -> Any:
         """The space of every agent's actions."""
         return self.action_spaces[agent]
 
@@ -207,16 +212,16 @@ class TrainingEnv(PairedRobotsEnv):
         if self.render_mode == "human":
             self.render()
 
-    def observe(self, agent: str) -> NDArray[np.int64]:
+    def observe(self, agent: str) -> Any:
         """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
         return self._begun.observe(self.possible_agents.index(agent))
 
-    def step(self, action: int | None) -> None:
+    def step(self, action: Any) -> None:
         """The selected agent's step; the last agent's ends the round.
 
         Raises:
             ResetNeeded: Before the first reset.
-            ValueError: An action that is not one of the eleven.
+            ValueError: An action that is not in the agent's action space.
         """
         attempt = self._begun
         if not self.agents:
@@ -228,7 +233,7 @@ class TrainingEnv(PairedRobotsEnv):
             self._was_dead_step(action)
             return
         i = self.possible_agents.index(agent)
-        attempt.actions[i] = behaviour_number(action, len(Behaviour), agent)
+        self._take(attempt, i, self.checked_action(action, agent))
         self._cumulative_rewards[agent] = 0.0
         if i < len(attempt.foragers) - 1:
             self._clear_rewards()
@@ -237,6 +242,18 @@ class TrainingEnv(PairedRobotsEnv):
             self._round(attempt)
             self.agent_selection = self.agents[0]
         self._accumulate_rewards()
+
+    def checked_action(self, action: Any, agent: str) -> Any:
+        """An action, once it is known to be in the agent's action space.
+
+        Raises:
+            ValueError: It is not.
+        """
+        return behaviour_number(action, len(Behaviour), agent)
+
+    def _take(self, attempt: TrainingEpisode, i: int, action: Any) -> None:
+        """Take down what a robot decided on."""
+        attempt.actions[i] = action
 
     def resume_beside(self, agent: str) -> None:
         """Pause and resume (5.3.1): put a learner where the teacher is, in its own arena, and go on.

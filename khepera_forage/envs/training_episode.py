@@ -9,7 +9,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import Forager, perceive_all
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
+from khepera_forage.envs.recalls import Shown, shown_of
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors, applicable
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
@@ -24,6 +25,9 @@ from khepera_forage.task.pairing import (
 )
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+
+HEARD = 5
+"""Where the behaviour heard is in an observation; whether the robot is separated follows it."""
 
 
 def observation_box(diagonal: int) -> spaces.Box:
@@ -51,6 +55,7 @@ class TrainingEpisode:
         foragers: As given.
         pairings: Each robot and its teacher; the teacher's own means nothing.
         actions: What each robot decided on last; WAIT before its first decision.
+        motors: What each robot commands itself; None where its behaviour commands the motors.
         steps: Rounds that are over.
     """
 
@@ -62,6 +67,7 @@ class TrainingEpisode:
         self.foragers = list(foragers)
         self.pairings = [Pairing() for _ in self.foragers]
         self.actions = [int(Behaviour.WAIT)] * len(self.foragers)
+        self.motors: list[Motors | None] = [None] * len(self.foragers)
         self.steps = 0
         self._since_done = 0
         self._episodes = [Episode() for _ in self.foragers]
@@ -130,6 +136,20 @@ class TrainingEpisode:
         self._world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(degrees)))
         pairing.separated_rounds = 0
 
+    def shown(self, i: int) -> Shown:
+        """What environments show of a robot."""
+        return shown_of(self.foragers[i], self._episodes[i])
+
+    def command(self, i: int, motors: Motors) -> None:
+        """Let a robot command its own motors in this round.
+
+        Its behaviour is then the teacher's for its state if they are what that would command, and WAIT otherwise.
+        """
+        forager = self.foragers[i]
+        right = applicable(motors) == applicable(forager.motors_for(forager.correct_behaviour))
+        self.motors[i] = motors
+        self.actions[i] = int(forager.correct_behaviour if right else Behaviour.WAIT)
+
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:
         """A robot's info, in plain numbers."""
         forager, episode, pairing = self.foragers[i], self._episodes[i], self.pairings[i]
@@ -168,8 +188,11 @@ class TrainingEpisode:
             )
 
     def _motors_of(self, i: int, forager: Forager) -> Motors:
-        behaviour, raw = self.actions[i], forager.raw
-        motors = forager.motors_for(behaviour)
+        behaviour, raw, motors = self.actions[i], forager.raw, self.motors[i]
+        if motors is None:
+            motors = forager.motors_for(behaviour)
+        elif i > 0:
+            behaviour = self.actions[0]  # what it hears decides how it is led
         if i == 0:
             return motors
         return lead(self.pairings[i], motors, behaviour, raw.x, raw.y, raw.orientation, self._decisions)

@@ -1,5 +1,6 @@
 """`CorridorWheels-v1` and `RectangleWheels-v1`: forage alone by commanding motors."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -7,17 +8,9 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import motor_action
-from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_RAISED,
-    JAW_CLOSED,
-    JAW_OPEN,
-    Motors,
-    applicable,
-)
-from khepera_forage.task.behaviours import decode_motors
+from khepera_forage.envs.recalls import Shown
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.task.states import FoodType
 
 
@@ -62,43 +55,46 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.action_space = spaces.Box(-1.0, 1.0, (4,), np.float32)  # type: ignore[assignment]
-        flag = 2
-        place = 2000.0  # pixels: further than any camera sees
-        self.observation_space = spaces.Dict(
-            proximity=spaces.Box(0, 1023, (6,), np.int64),
-            arm=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
-            jaw=spaces.Box(JAW_CLOSED, JAW_OPEN, (1,), np.int64),
-            object_presence=spaces.Discrete(flag),
-            pose=spaces.Box(
-                np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64
-            ),
-            tracked=spaces.Discrete(flag),
-            food_seen=spaces.Discrete(flag),
-            food=spaces.Box(-place, place, (2,), np.float64),
-            food_type=spaces.Discrete(len(FoodType)),
-            home=spaces.Box(-place, place, (3,), np.float64),
-            wall=spaces.Box(np.array((0.0, -180.0)), np.array((place, 180.0)), (2,), np.float64),
-        )
+        self.observation_space = raw_data_space()
 
-    def _motors(self, action: NDArray[np.float64], forager: Forager) -> Motors:
-        self._executed = None
-        return decode_motors(*motor_action(action).tolist())
+    def _numbers(self, action: NDArray[np.float64]) -> Sequence[float]:
+        numbers: list[float] = motor_action(action).tolist()
+        return numbers
 
-    def _is_correct(self, motors: Motors, forager: Forager) -> bool:
-        return applicable(motors) == applicable(forager.motors_for(forager.correct_behaviour))
+    def _observation(self, shown: Shown) -> Observation:
+        return raw_data_of(shown)
 
-    def _observation(self, forager: Forager) -> Observation:
-        raw = forager.raw
-        return {
-            "proximity": np.array(raw.proximity),
-            "arm": np.array((raw.arm,)),
-            "jaw": np.array((raw.jaw,)),
-            "object_presence": np.int64(raw.object_presence != 0),
-            "pose": np.array((raw.x, raw.y, float(raw.orientation))),
-            "tracked": np.int64(raw.tracked),
-            "food_seen": np.int64(raw.food_seen),
-            "food": np.array((raw.food_x, raw.food_y)),
-            "food_type": np.int64(raw.food_type),
-            "home": np.array((raw.home_x, raw.home_y, float(raw.home_radius))),
-            "wall": np.array((raw.wall_distance, raw.wall_bearing)),
-        }
+
+def raw_data_space() -> spaces.Dict:
+    """The space of raw data (4.2.2)."""
+    place = 2000.0  # pixels: further than any camera sees
+    return spaces.Dict(
+        proximity=spaces.Box(0, 1023, (6,), np.int64),
+        arm=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
+        jaw=spaces.Box(JAW_CLOSED, JAW_OPEN, (1,), np.int64),
+        object_presence=spaces.Discrete(2),
+        pose=spaces.Box(np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64),
+        tracked=spaces.Discrete(2),
+        food_seen=spaces.Discrete(2),
+        food=spaces.Box(-place, place, (2,), np.float64),
+        food_type=spaces.Discrete(len(FoodType)),
+        home=spaces.Box(-place, place, (3,), np.float64),
+        wall=spaces.Box(np.array((0.0, -180.0)), np.array((place, 180.0)), (2,), np.float64),
+    )
+
+
+def raw_data_of(shown: Shown) -> Observation:
+    """Raw data as observations have them, in fresh arrays."""
+    return {
+        "proximity": np.array(shown.proximity),
+        "arm": np.array((shown.arm,)),
+        "jaw": np.array((shown.jaw,)),
+        "object_presence": np.int64(shown.object_presence != 0),
+        "pose": np.array((shown.x, shown.y, shown.orientation)),
+        "tracked": np.int64(shown.tracked),
+        "food_seen": np.int64(shown.food_seen),
+        "food": np.array((shown.food_x, shown.food_y)),
+        "food_type": np.int64(shown.type_in_gripper),
+        "home": np.array((shown.home_x, shown.home_y, shown.home_radius)),
+        "wall": np.array((shown.wall_distance, shown.wall_bearing)),
+    }

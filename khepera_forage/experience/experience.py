@@ -21,8 +21,7 @@ from khepera_forage.experience.text_format import (
     row_text,
 )
 from khepera_forage.files import NamingFile
-from khepera_forage.task.decision_text import differences
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, differences
 from khepera_forage.task.states import Behaviour, StateVector
 
 

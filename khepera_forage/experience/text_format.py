@@ -21,8 +21,7 @@ from operator import index
 from typing import Any, NamedTuple
 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
-from khepera_forage.task.decision_text import decisions_from_text, decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_from_text, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 VERSION = 1

@@ -15,7 +15,7 @@ from khepera_forage.policies import Policy
 from khepera_forage.policies.nearest_neighbour.neighbours import HasNeighbours
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import decisions_text
 from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.food_tracking import is_collected
 from khepera_forage.task.states import Behaviour

@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-from khepera_forage.task.decision_text import decisions_from_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_from_text
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"
@@ -56,7 +55,7 @@ class RecallRow:
         ties: Rounds in which several experience vectors were equally near.
         conflicts: Rounds with a tie between different behaviours.
         experience_size: Number of the learner's experience vectors.
-        decisions: Those of the environment, as in `v1;next_to_food=17`; empty for version 0.1 (`task.decision_text`).
+        decisions: Those of the environment, as in `v1;next_to_food=17`; empty for version 0.1 (`task.decisions`).
 
     Raises:
         ValueError: Fields that contradict each other.
@@ -199,7 +198,7 @@ def row_decisions(text: str) -> Decisions:
     """The decisions that the column `decisions` of a row describes.
 
     Raises:
-        ValueError: Not of the form of `task.decision_text.decisions_text`.
+        ValueError: Not of the form of `task.decisions.decisions_text`.
     """
     return decisions_from_text(text)
 

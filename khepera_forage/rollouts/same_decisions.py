@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from khepera_forage.rollouts.rows import row_decisions
-from khepera_forage.task.decision_text import decisions_text, differences
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text, differences
 
 
 class _Row(Protocol):

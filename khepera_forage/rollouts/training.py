@@ -1,7 +1,11 @@
 """The training phase (4.5, 5.3): attempts at a training episode, until one is complete."""
 
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+import logging
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,15 +15,111 @@ from pettingzoo.utils.env import AECEnv
 
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experience import Experience
+from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.rollouts.experience_recorder import ExperienceRecorder
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
+
+
+@contextmanager
+def delayed_interrupts() -> Iterator[None]:
+    """Raise an interrupt (Ctrl-C) that arrives within the block at the end of the block.
+
+    Python may otherwise raise the interrupt after any call, for example between opening a file and storing the open
+    file in a variable, so that nothing can close the file.
+    """
+    usual_handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(usual_handler):
+        yield  # Python raises interrupts only in the main thread, and only with a callable handler.
+        return
+    received: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: received.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual_handler)
+        if received:
+            signal.raise_signal(signal.SIGINT)
+
+
+_log = logging.getLogger(__name__)
+
+
+class ExperienceRecorder:
+    """The experience of one attempt, in memory and, with a path, in a file that grows with every vector.
+
+    Args:
+        path: The experience file; None records in memory only.
+
+    Attributes:
+        vectors: The state vectors so far.
+        behaviours: The behaviours so far.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self.vectors: list[StateVector] = []
+        self.behaviours: list[Behaviour] = []
+        self._path = path
+        self._writer: ExperienceWriter | None = None
+
+    def open(self, arena: str, seed: int, decisions: Decisions) -> None:
+        """Create the file.
+
+        Raises:
+            FileExistsError: There is a file at the path.
+        """
+        if self._path is not None:
+            with delayed_interrupts():
+                self._writer = ExperienceWriter(self._path, arena, seed, decisions=decisions)
+
+    def record(self, vector: StateVector, behaviour: Behaviour) -> None:
+        """Append an experience vector."""
+        self.vectors.append(vector)
+        self.behaviours.append(behaviour)
+        if self._writer is not None:
+            self._writer.append(vector, behaviour)
+
+    def close(self, complete: bool) -> None:
+        """Close the file, with the closing line of a complete file or without it."""
+        if self._writer is not None:
+            self._writer.close(complete)
+
+    def abort(self) -> None:
+        """Close the file without a closing line after an exception; delete it if it has no vector.
+
+        An operator may stop before anything happens; an empty file would prevent the next training at this path.
+        """
+        if self._writer is not None:
+            self._writer.close(complete=False)
+            if not self.vectors:
+                self._writer.path.unlink()
+
+    def discard(self) -> None:
+        """Delete the closed file of an incomplete attempt (5.2)."""
+        if self._path is not None:
+            self._path.unlink()
+
+    def keep(self, number: int, lost: str) -> None:
+        """Rename the closed file of an attempt in which a robot was lost, and log the new name.
+
+        Args:
+            number: Of the attempt; part of the new name, `g1.lost-2.csv` for the second attempt at `g1.csv`.
+            lost: What was lost, for the log.
+        """
+        where = "not kept: training has no experience file"
+        if self._path is not None:
+            path = self._path
+            names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
+            kept = next(name for name in names if not name.exists())
+            path.rename(kept)
+            where = f"kept in {kept}"
+        vectors = len(self.vectors)
+        _log.warning("attempt %d ended: %s; its %d experience vectors are %s", number, lost, vectors, where)
+
 
 ROBOT_LOST = "robot lost"
 """The reason of an attempt in which a real robot or the camera was lost."""

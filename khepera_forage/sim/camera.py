@@ -216,7 +216,7 @@ class SimulatedCamera:
 
     def look(self) -> Scene:
         """The regions of the last frame; none before the first reset."""
-        regions = [_marker_region(i, robot) for i, robot in enumerate(self._robots)]
+        regions = [marker_region(i, robot) for i, robot in enumerate(self._robots)]
         foods = []
         for number, enclosure in enumerate(self._enclosures):
             for track in enclosure.tracks:
@@ -281,7 +281,8 @@ class OverheadCamera(SimulatedCamera):
         look(*enclosure[:4], *self._anchor, self._constants)
 
 
-def _marker_region(label: int, robot: Any) -> Region:
+def marker_region(label: int, robot: Any) -> Region:
+    """The region of a robot's marker, as last shown."""
     x, y, holes = float(robot.marker_x), float(robot.marker_y), int(robot.holes)
     heading, found = int(robot.marker_heading), bool(robot.marker_found)
     turned = math.radians(heading)

@@ -150,13 +150,30 @@ class Simulation(ABC):
         Raises:
             ValueError: Another number of starts or food objects, or something that does not stand on the free floor.
         """
+        self.begin(int(rng.spawn(1)[0].integers(2**64, dtype=np.uint64)), 0, layout)
+
+    @property
+    def rounds(self) -> int:
+        """Rounds since the random numbers began."""
+        return int(self.robots[0].record.round) if self.robots else 0
+
+    def begin(self, key: int, rounds: int, layout: Layout) -> None:
+        """Put everything in its place, with given random numbers.
+
+        Args:
+            key: Of the random numbers.
+            rounds: After how many rounds of that key it begins.
+            layout: As for `reset`.
+
+        Raises:
+            ValueError: As `reset`.
+        """
         check_starts(layout, len(self.markers))
         homes = [arena_of(self.arenas, "robot", start, RADIUS) for start in layout.starts]
         for home, start in zip(homes, layout.starts, strict=True):
             check_robot(home, start)
         plates = [arena_of(self.arenas, "food", food, FOOD_RADIUS) for food in layout.foods]
         check_apart(layout)
-        key = int(rng.spawn(1)[0].integers(2**64, dtype=np.uint64))
         enclosures = []
         for arena in self.arenas:
             places = [food for food, plate in zip(layout.foods, plates, strict=True) if plate is arena]
@@ -165,7 +182,8 @@ class Simulation(ABC):
             numbers = [i for i, home in enumerate(homes) if home is arena]
             enclosure = self._empty(arena, len(numbers), len(places))
             for i, robot in zip(numbers, enclosure.robots, strict=True):
-                robot.key, robot.holes = random_bits(key, i) if i else key, self.markers[i]
+                robot.key, robot.round = random_bits(key, i) if i else key, rounds
+                robot.holes = self.markers[i]
                 deviations = self.robot_parameters[i]
                 robot.left_wheel_error = deviations.left_wheel_error
                 robot.infra_red_error = deviations.infra_red_gain - 1.0

@@ -12,15 +12,97 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.geometry.angles import heading_of, length
-from khepera_forage.robots.khepera import BARRIER
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
-from khepera_forage.task.decisions import LAST_DISTANCE, SEEN_AT_LAST_PLACE, DecisionValues
-from khepera_forage.task.food_links import Link, count_lost_rounds, is_shown, link_of, link_track
-from khepera_forage.task.identification import at_home
-from khepera_forage.task.nearest_food import find_nearest
+from khepera_forage.task.decisions import (
+    HIDES_ALL_FOOD,
+    IN_GRIPPER,
+    LAST_DISTANCE,
+    NO_CANDIDATE,
+    SEEN_AT_LAST_PLACE,
+    UNSEEN_UNTIL_ARM_DOWN,
+    DecisionValues,
+)
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import WayMemory, no_memory
+from khepera_forage.task.way_finding import WayMemory, drivable, no_memory, way_to_food
 from khepera_forage.vision.scene import MM_PER_PIXEL
+
+
+@dataclass(slots=True)
+class Link:
+    """Which food object a track shows.
+
+    Attributes:
+        label: Of the track; -1 in a free slot.
+        food: Number of the food object.
+        lost_rounds: For how many rounds the track has been lost; counted if lost food becomes unseen.
+    """
+
+    label: int = -1
+    food: int = -1
+    lost_rounds: int = 0
+
+
+def link_of(label: int, links: Any) -> int:
+    """Number of the link of a track; -1 if it is not linked."""
+    for k in range(len(links)):
+        if links[k].label == label:
+            return k
+    return -1
+
+
+def link_track(track: Any, foods: Any, held: int, links: Any, tracks: Any, arena: ArenaMap) -> int:
+    """Link a new track to the nearest food object that no other track shows, or that was carried since.
+
+    Food in the gripper is hidden under the robot's marker: what turns up beside it is other food.
+    """
+    for link in links:
+        if link.label >= 0 and not _is_watched(link.label, tracks, arena):
+            link.label = -1
+    nearest, best = -1, math.inf
+    for k in range(len(foods)):
+        food = foods[k]
+        free = True
+        for link in links:
+            if link.label >= 0 and link.food == k:
+                free = False
+        dx, dy = food.x - track.x, food.y - track.y
+        squared = dx * dx + dy * dy
+        if k != held and (free or food.carried) and squared < best:
+            nearest, best = k, squared
+    if nearest >= 0:
+        for link in links:
+            if link.label < 0:
+                link.label, link.food, link.lost_rounds = track.label, nearest, 0
+                break
+    return nearest
+
+
+def is_shown(number: int, links: Any, tracks: Any) -> bool:
+    """Whether the camera sees a food object in this frame, by its number."""
+    for track in tracks:
+        if track.found and track.label >= 0 and track.holes == 0:
+            k = link_of(track.label, links)
+            if k >= 0 and links[k].food == number:
+                return True
+    return False
+
+
+def count_lost_rounds(links: Any, tracks: Any) -> None:
+    """Count for how many rounds each linked track has been lost."""
+    for track in tracks:
+        k = link_of(track.label, links) if track.label >= 0 else -1
+        if k >= 0:
+            links[k].lost_rounds = 0 if track.found else links[k].lost_rounds + 1
+
+
+def _is_watched(label: int, tracks: Any, arena: ArenaMap) -> bool:
+    """Whether there still is a track with this label in the arena."""
+    for track in tracks:
+        if track.label == label:
+            return is_within(track.x, track.y, arena)
+    return False
+
 
 _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
@@ -220,3 +302,134 @@ def _count(tracker: Any, foods: Any) -> None:
             delivered += 1 if food.delivered else 0
     tracker.delivered, tracker.poison_home, tracker.deliverable = delivered, poison_home, deliverable
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
+
+
+_POISONOUS = FoodType.POISONOUS.value
+_NO_PATH = 1e6
+"""Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
+
+
+def find_nearest(
+    tracker: Any,
+    foods: Any,
+    memory: WayMemory,
+    links: Any,
+    tracks: Any,
+    arena: ArenaMap,
+    x: float,
+    y: float,
+    arm: int,
+    decisions: DecisionValues,
+) -> None:
+    """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
+
+    Nearest is what has the shortest path: a robot that went round a wall for the food beyond it could otherwise find
+    other food nearer on its way, and the first one again on its way there.
+
+    Args:
+        tracker: The `FoodTracker` record; changed in place.
+        foods: Its `FoodObject` records.
+        memory: What the robot remembers of its ways; changed in place.
+        links: Its `Link` records.
+        tracks: Regions or tracks of the camera.
+        arena: The arena of this robot.
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        arm: Position of its arm.
+        decisions: `DecisionValues`.
+    """
+    seen, nearest, food_x, food_y = False, -1, 0.0, 0.0
+    way_x = way_y = path = 0.0
+    held, excluded, looks = tracker.held, -1, True
+    if held >= 0:
+        held_food = decisions.held_food
+        looks = held_food != HIDES_ALL_FOOD and held_food != IN_GRIPPER
+        if held_food == IN_GRIPPER:
+            seen, food_x, food_y = True, foods[held].x, foods[held].y
+            way_x, way_y = food_x, food_y
+        if held_food == NO_CANDIDATE:
+            excluded = held
+    best, at_last_place = math.inf, decisions.food_beside_robot == SEEN_AT_LAST_PLACE
+    for track in tracks:
+        if track.holes != 0 or track.label < 0 or not looks:
+            continue
+        dx, dy = track.x - x, track.y - y
+        squared = dx * dx + dy * dy
+        if squared < best and is_within(track.x, track.y, arena):
+            k, number = link_of(track.label, links), -1
+            to_x, to_y, length = track.x, track.y, 0.0
+            if k >= 0:
+                number = links[k].food
+                if number == excluded or not is_candidate(foods[number], number == held):
+                    continue
+                if len(arena.ways.corners) > 0:
+                    to_x, to_y, length = way_to_food(
+                        x, y, track.x, track.y, foods[number], number, memory, arena
+                    )
+                    squared = min(length, _NO_PATH) ** 2
+                    if squared >= best:
+                        continue
+            if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
+                best, way_x, way_y, path = squared, to_x, to_y, length
+                seen, nearest, food_x, food_y = True, number, track.x, track.y
+    if path > 0.0:
+        way_x, way_y, path = drivable((way_x, way_y, path), food_x, food_y)
+    tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
+    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way_x, way_y, path
+
+
+def is_candidate(food: Any, held: bool) -> bool:
+    """Whether food may be the nearest food: not delivered, and not known to be poisonous unless it is held."""
+    return not food.delivered and (food.known != _POISONOUS or held)
+
+
+def _is_still_seen(links: Any, k: int, arm: int, decisions: DecisionValues) -> bool:
+    """Whether lost food that becomes unseen is still seen at its last place (4.2.2); `k` is its link, -1 without."""
+    if decisions.food_beside_robot == UNSEEN_UNTIL_ARM_DOWN and arm >= ARM_ON_FLOOR:
+        return True
+    return k < 0 or links[k].lost_rounds * decisions.round_duration <= decisions.redetection_time
+
+
+_DOWN = ARM_DOWN - 3
+_OPEN = JAW_OPEN - 5
+
+
+def explored(before: Senses, after: Senses, applied: Motors) -> bool:
+    """Whether food was in the barrier, arm down, jaw open and wheels still, for one whole round.
+
+    Args:
+        before: What the robot sensed when the round began.
+        after: What it senses now.
+        applied: What its motors did in between.
+    """
+    return (
+        before.object_presence != 0
+        and after.object_presence != 0
+        and before.arm >= _DOWN
+        and after.arm >= _DOWN
+        and before.jaw >= _OPEN
+        and after.jaw >= _OPEN
+        and applied.left == 0
+        and applied.right == 0
+    )
+
+
+def drawn_type(draw: float, odds: Any) -> int:
+    """The type of food that a uniform draw stands for (3.7, 4.2.3).
+
+    Args:
+        draw: Uniform in [0, 1).
+        odds: Of each `FoodType` but UNKNOWN, in their order; adding up to 1.
+    """
+    left = draw
+    for k in range(len(odds)):
+        left -= odds[k]
+        if left < 0.0:
+            return k + 1
+    return len(odds)
+
+
+def at_home(x: float, y: float, arena: ArenaMap) -> bool:
+    """Whether a food object's centre, in pixels, is inside the home."""
+    dx, dy = x - arena.home_x, y - arena.home_y
+    return dx * dx + dy * dy <= arena.home_radius * arena.home_radius

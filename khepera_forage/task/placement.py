@@ -14,7 +14,7 @@ from khepera_forage.robots.footprint import body_is_free, discs_are_apart, gripp
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.arena_map import ArenaMap, Floor
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.identification import drawn_type
+from khepera_forage.task.food_tracking import drawn_type
 from khepera_forage.task.states import FoodType
 from khepera_forage.task.way_finding import can_be_reached
 from khepera_forage.vision.scene import MM_PER_PIXEL

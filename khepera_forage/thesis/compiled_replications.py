@@ -22,8 +22,7 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis.design import (
     LABORATORY,
     LABORATORY_NOISE,

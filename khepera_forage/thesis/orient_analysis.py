@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from khepera_forage.estimates import Column, Table, Value, bootstrap, ratio, replications, sums_by_replication
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 from khepera_forage.thesis.design import training_distance
 

@@ -11,8 +11,7 @@ from khepera_forage.figures import save
 from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
-from khepera_forage.task.decision_text import decisions_text, differences
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text, differences
 from khepera_forage.thesis import figures, measured_tables, thesis_tables
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims import claims

@@ -12,8 +12,7 @@ from khepera_forage.extras import require
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import refuse_other_decisions
 from khepera_forage.study import Arguments, Rows, Tables, collect, done, in_processes
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.jobs import JobCounts, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow

@@ -9,8 +9,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
-from khepera_forage.task.decision_text import decisions_from_text, decisions_text
-from khepera_forage.task.decisions import FIELDS, Decisions
+from khepera_forage.task.decisions import FIELDS, Decisions, decisions_from_text, decisions_text
 
 COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
 

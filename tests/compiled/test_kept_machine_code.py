@@ -33,6 +33,9 @@ class Compiled(event.Listener):
         pass
 
 event.register("numba:compile", Compiled())
+
+from khepera_forage import compilation
+compilation._SLOW = 1e9  # on a busy machine every compilation is a long one
 """
 KERNEL = """
 import numpy as np

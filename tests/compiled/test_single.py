@@ -13,7 +13,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.compiled.single import CompiledBehavioursEnv, CompiledWheelsEnv
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
@@ -35,7 +35,7 @@ def _same(one: Any, two: Any) -> bool:
 @pytest.mark.parametrize("name", NAMES)
 def test_gymnasium_checker_passes(name: Any) -> None:
     env = _make(name)
-    assert isinstance(env.unwrapped, CompiledBehavioursEnv | CompiledWheelsEnv)
+    assert env.unwrapped.backend == "compiled"
     check_env(env.unwrapped)
     env.close()
 
@@ -60,6 +60,19 @@ def test_spaces_types_and_infos_are_those_on_pymunk(name: Any) -> None:
         plain_obs, *rest, plain_info = plain.step(action)
         assert [type(v) for v in (reward, terminated, truncated)] == [type(v) for v in rest]
     plain.close()
+
+
+@pytest.mark.parametrize("name", ["Corridor", "RectangleWheels"])
+def test_an_episode_is_that_on_pymunk_bit_for_bit_until_something_is_touched(name: Any) -> None:
+    envs = [gym.make(f"khepera_forage/{name}-v1", backend=backend) for backend in ("pymunk", "compiled")]
+    options = {"start": (90, 115, 0), "foods": [(400, 115)]} if name == "Corridor" else None
+    for reset in ({"seed": 3, "options": options}, {"options": options}):
+        (obs, info), (other, other_info) = (env.reset(**reset) for env in envs)
+        for _ in range(15 if options else 1):
+            assert _same(obs, other)
+            assert _same(info, other_info)
+            action = info["correct_behaviour"] if options else np.zeros(4)
+            (obs, *_, info), (other, *_, other_info) = (env.step(action) for env in envs)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -185,7 +198,7 @@ def test_bad_input_is_quoted() -> None:
     with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
         wheels.step(np.full(4, 1.5))
     with pytest.raises(ValueError, match="render_mode is 'ascii'"):
-        CompiledBehavioursEnv(render_mode="ascii")
+        BehavioursEnv(render_mode="ascii", backend="compiled")
     with pytest.raises(ValueError, match="foods is 17"):
         _make(foods=17)
     corners = (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180))
@@ -215,7 +228,7 @@ def test_robots_that_do_not_go_straight_home_are_commanded_by_the_rules(
             around += abs(turn_to(straight, known.raw.orientation) - known.raw.home_bearing) > 1.0
             motors = applicable(known.motors_for(behaviour))
             _, _, terminated, _, info = env.step(behaviour)
-            robot = env._batch.worlds.robots[0, 0]
+            robot = env._recalls._batch.worlds.robots[0, 0]
             given = [float(robot[name]) for name in ("left", "right", "arm_target", "jaw_target")]
             assert given == pytest.approx(list(motors))
             if terminated:

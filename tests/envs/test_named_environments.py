@@ -50,7 +50,7 @@ def test_names_of_environments_are_those_of_arenas() -> None:
             expected |= {f"khepera_forage/{name}{kind}-{version}" for version in ("v0", "v1")}
     assert own == expected
     paired = {f"khepera_forage/Paired{name}-v1" for name in (*families, "Corridors")}
-    paired.add("khepera_forage/PairedCorridors-v0")
+    paired |= {"khepera_forage/PairedCorridors-v0", "khepera_forage/PairedCorridorsWheels-v1"}
     for registry in (pettingzoo.aec_registry, pettingzoo.parallel_registry):
         assert {env_id for env_id in registry if env_id.startswith("khepera_forage/")} == paired
 

@@ -29,7 +29,7 @@ BOTH = pytest.mark.parametrize("backend", [PYMUNK, COMPILED])
 @pytest.fixture(autouse=True)
 def other_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, kind in (("Behaviours", BehavioursEnv), ("Wheels", WheelsEnv)):
-        entry_point = EntryPoint(kind, f"Compiled{name}Env", DEFAULTS)
+        entry_point = EntryPoint(kind, DEFAULTS)
         monkeypatch.setattr(backends, f"{name.lower()}_v1", entry_point)
         vector = VectorEntryPoint(f"{name}VectorEnv", DEFAULTS)
         monkeypatch.setattr(backends, f"{name.lower()}_vector_v1", vector)

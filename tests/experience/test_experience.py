@@ -16,8 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 DISTANCES = st.one_of(st.integers(0, 177), st.integers(0, 2**31 - 1))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning, ExperienceWriter
-from khepera_forage.task import decision_text
+from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions
 
 VECTOR = (0, 52, 0, 215, 28)
@@ -50,7 +50,7 @@ def test_file_of_the_default_decisions_is_read_back(tmp_path: Path) -> None:
 def test_older_file_has_the_decisions_of_version_0_1_and_what_differs(
     line: str, decisions: Decisions | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(decision_text.VERSIONS, "v1", replace(V0_1, patience=7, home_radius=90))
+    monkeypatch.setitem(decisions_module.VERSIONS, "v1", replace(V0_1, patience=7, home_radius=90))
     path = tmp_path / "g1.csv"
     path.write_text(
         "# khepera_forage experience, version 1\n# package: 0.1.0\n# arena: corridor\n# seed: 7\n# episodes: 1\n"

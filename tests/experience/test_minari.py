@@ -113,7 +113,7 @@ def test_recovered_environment_of_different_decisions_has_the_defaults() -> None
 
 def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     v1 = Decisions(patience=7)
-    monkeypatch.setattr(backends, "behaviours_v1", EntryPoint(BehavioursEnv, "CompiledBehavioursEnv", v1))
+    monkeypatch.setattr(backends, "behaviours_v1", EntryPoint(BehavioursEnv, v1))
     dataset = to_minari([SOME], "khepera/plain-v0")
     options = {"options": {"arena": "corridor"}}
     monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [options])

@@ -29,8 +29,7 @@ from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout, Timing
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from tests.version_0_1 import CORRIDOR, SET_UP, TIMING, V0_1

@@ -10,8 +10,7 @@ import pytest
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import writer
-from khepera_forage.rollouts.interrupts import delayed_interrupts
-from khepera_forage.rollouts.training import train
+from khepera_forage.rollouts.training import delayed_interrupts, train
 
 
 def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(

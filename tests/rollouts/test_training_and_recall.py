@@ -13,8 +13,7 @@ from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import TEACHER, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 
 
 def test_training_writes_the_experience_that_it_returns(tmp_path: Path) -> None:

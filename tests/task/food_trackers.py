@@ -1,7 +1,6 @@
 """What tests read from a food tracker."""
 
-from khepera_forage.task.food_tracking import FoodTracker
-from khepera_forage.task.nearest_food import is_candidate
+from khepera_forage.task.food_tracking import FoodTracker, is_candidate
 
 
 def linked_food(tracker: FoodTracker, label: int) -> int | None:

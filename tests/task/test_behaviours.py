@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from khepera_forage.geometry.angles import heading_of, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
-from khepera_forage.task.behaviours import command
+from khepera_forage.task.behaviours import command, detour, is_home_across
 from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from khepera_forage.task.steering import detour, is_home_across
 from tests.task.raw_data import OPEN_FLOOR, placed, raw_data
 from tests.version_0_1 import VALUES
 

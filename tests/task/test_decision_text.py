@@ -4,14 +4,16 @@ from dataclasses import replace
 
 import pytest
 
-from khepera_forage.task import decision_text
-from khepera_forage.task.decision_text import (
+from khepera_forage.task import decisions as decisions_module
+from khepera_forage.task.decisions import (
+    FIELDS,
+    Decisions,
+    Field,
     decisions_from_text,
     decisions_from_words,
     decisions_text,
     differences,
 )
-from khepera_forage.task.decisions import FIELDS, Decisions, Field
 
 V0_1 = Decisions.v0_1()
 OTHER_DEFAULTS = replace(V0_1, next_to_food=17, patience=7, orienting="lowered over food")
@@ -20,7 +22,7 @@ OTHER_DEFAULTS = replace(V0_1, next_to_food=17, patience=7, orienting="lowered o
 @pytest.fixture
 def other_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
     """The defaults are other ones than those of version 0.1."""
-    monkeypatch.setitem(decision_text.VERSIONS, "v1", OTHER_DEFAULTS)
+    monkeypatch.setitem(decisions_module.VERSIONS, "v1", OTHER_DEFAULTS)
 
 
 TEXTS = [

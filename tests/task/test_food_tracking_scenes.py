@@ -12,12 +12,12 @@ from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
+    explored,
     is_collected,
     is_finished,
     share_identified,
     update_food,
 )
-from khepera_forage.task.identification import explored
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food

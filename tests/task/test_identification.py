@@ -4,7 +4,7 @@ import pytest
 
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.task.identification import at_home, drawn_type, explored
+from khepera_forage.task.food_tracking import at_home, drawn_type, explored
 from khepera_forage.task.states import FoodType
 from tests.version_0_1 import CORRIDOR
 

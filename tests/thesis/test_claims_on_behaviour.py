@@ -4,8 +4,7 @@ from itertools import product
 
 import pytest
 
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims import Verdict
 from khepera_forage.thesis.design import training_distance

@@ -12,9 +12,8 @@ from khepera_forage.envs.backends import COMPILED, PYMUNK
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
-from khepera_forage.task import decision_text
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task import decisions as decisions_module
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.design import Cell, Subset, training_distance
@@ -151,7 +150,7 @@ def test_rows_of_an_older_version_are_of_its_decisions(tmp_path: Path) -> None:
 def test_rows_keep_their_decisions_under_other_defaults(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(decision_text.VERSIONS, "v1", OTHER)
+    monkeypatch.setitem(decisions_module.VERSIONS, "v1", OTHER)
     write_rows(tmp_path / "recalls.csv", RecallRow, [recall(decisions=text)])
     with pytest.raises(ValueError, match="food_to_home is 180, not 200") as error:
         reproduce(tmp_path, OTHER)

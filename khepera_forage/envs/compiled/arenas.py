@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.compilation import array_rule
+from khepera_forage.compilation import rule
 from khepera_forage.envs.arena_pool import ArenaPool
 from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
 from khepera_forage.envs.forager import arena_map_of, floor_of
@@ -90,7 +90,7 @@ class ArenaRecords(NamedTuple):
     home_lengths: Any
 
 
-@array_rule
+@rule
 def arena_at(blocks: Any, place: int) -> ArenaRecords:
     """The arena whose block begins at this place."""
     a = place + _ARENA
@@ -117,7 +117,7 @@ def arena_at(blocks: Any, place: int) -> ArenaRecords:
     )
 
 
-@array_rule
+@rule
 def map_of(arena: ArenaRecords) -> ArenaMap:
     """What a robot knows of the arena."""
     numbers = arena.numbers[0]
@@ -149,7 +149,7 @@ def map_of(arena: ArenaRecords) -> ArenaMap:
     )
 
 
-@array_rule
+@rule
 def ground_of(arena: ArenaRecords) -> Floor:
     """The floor of the arena, on which everything is placed."""
     numbers = arena.numbers[0]

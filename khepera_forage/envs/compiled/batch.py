@@ -1,7 +1,7 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from khepera_forage.envs.compiled.worlds import (
     world_of,
 )
 from khepera_forage.envs.layouts import given_places, no_room
+from khepera_forage.envs.recalls import Shown
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.sim.arena import Arena
@@ -28,47 +29,6 @@ from khepera_forage.task.episode import penalty, score
 
 _LEAST = 512
 """Worlds for which another thread pays."""
-
-
-class Shown(NamedTuple):
-    """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
-
-    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`;
-    `type_in_gripper` is the food type of the raw data.
-    """
-
-    reward: float
-    terminated: bool
-    truncated: bool
-    score: float
-    penalty: float
-    correct: int
-    steps: int
-    delivered: int
-    poison_home: int
-    state: int
-    x: float
-    y: float
-    orientation: float
-    object_presence: int
-    robot_home_distance: int
-    food_type: int
-    arms_height: int
-    robot_food_distance: int
-    arm: int
-    jaw: int
-    tracked: int
-    food_seen: int
-    food_x: float
-    food_y: float
-    type_in_gripper: int
-    home_x: float
-    home_y: float
-    home_radius: float
-    wall_distance: float
-    wall_bearing: float
-    diagonal: int
-    proximity: tuple[int, int, int, int, int, int]
 
 
 shown_dtype = dtype_of(Shown)
@@ -88,6 +48,7 @@ class CompiledBatch:
 
     Attributes:
         worlds: Their records.
+        largest_diagonal: Of all arenas in which an episode may take place, in pixels.
         shown: `Shown` records, one a world, as of the last step or restart.
 
     Raises:
@@ -110,7 +71,9 @@ class CompiledBatch:
         self._settings = settings_of(
             foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker
         )
-        self._arenas = PreparedArenas(ArenaPool(arena, self.decisions))
+        pool = ArenaPool(arena, self.decisions)
+        self.largest_diagonal = pool.diagonal
+        self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods, self._arenas.waypoints)
         self.shown = np.zeros(self.num_worlds, shown_dtype)
@@ -185,7 +148,11 @@ class CompiledBatch:
         new = waits.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        self._run(self.worlds, self._places, given, waits, self._random, self.shown)
+        return self.go_on(given, waits)
+
+    def go_on(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> NDArray[Any]:
+        """`step` for arrays of the right form, where no world waits that was not in its next arena yet."""
+        self._run(self.worlds, self._places, actions, waiting, self._random, self.shown)
         return self.shown
 
     def _run(

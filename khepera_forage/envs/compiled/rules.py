@@ -8,20 +8,16 @@ from khepera_forage.task import (
     arena_map,
     behaviours,
     episode,
-    food_links,
     food_tracking,
-    identification,
-    nearest_food,
     pairing,
     past_poison,
     perception,
     placement,
     states,
-    steering,
     way_finding,
 )
 
 rule(khepera.applicable)
 register(paths, footprint)
-register(arena_map, behaviours, episode, food_links, food_tracking, identification, nearest_food, pairing)
-register(past_poison, perception, placement, states, steering, way_finding)
+register(arena_map, behaviours, episode, food_tracking, pairing)
+register(past_poison, perception, placement, states, way_finding)

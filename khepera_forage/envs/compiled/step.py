@@ -22,8 +22,7 @@ from khepera_forage.sim.records import Enclosure
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command, decode_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
-from khepera_forage.task.food_tracking import NOWHERE, update_food
-from khepera_forage.task.identification import explored
+from khepera_forage.task.food_tracking import NOWHERE, explored, update_food
 from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, FoodType, classify

@@ -11,11 +11,11 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.envs.arena_pool import Arenas
-from khepera_forage.envs.arguments import FoodOdds, whole_number
-from khepera_forage.envs.backends import COMPILED, check_compiled
+from khepera_forage.envs.arguments import COMPILED, FoodOdds, whole_number
+from khepera_forage.envs.backends import check_compiled
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.forager import CompiledForager, world_of_records
+from khepera_forage.envs.compiled.recalls import bodies_of, forager_of
 from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
@@ -188,8 +188,8 @@ class RecallVectorEnv(VectorEnv):
         """What a picture of one world shows."""
         batch = self.batch
         records, arena, decisions = batch.world(world), batch.arenas[world], batch.decisions
-        bodies = world_of_records(records, arena, self._noise, decisions)
-        forager = CompiledForager(records, arena, decisions)
+        bodies = bodies_of(records, arena, self._noise, decisions)
+        forager = forager_of(records, arena, decisions)
         info = {name: batch.shown[name][world].item() for name in ("steps", "score", "delivered")}
         return recall_view(arena, bodies, forager, info, batch.limit, None, None)
 

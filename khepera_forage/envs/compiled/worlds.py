@@ -8,13 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.compilation import array_rule
+from khepera_forage.compilation import rule
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import dtype_of
 from khepera_forage.sim.compiled.world import detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.task.episode import Episode
-from khepera_forage.task.food_links import Link
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.placement import Place, Start
 from khepera_forage.task.states import StateVector
@@ -88,7 +87,6 @@ class World(NamedTuple):
     lengths: Any
 
 
-@array_rule
 def new_worlds(count: int, foods: int, waypoints: int) -> World:
     """Worlds without an episode, with room for this many food objects and waypoints."""
     return World(
@@ -106,7 +104,7 @@ def new_worlds(count: int, foods: int, waypoints: int) -> World:
     )
 
 
-@array_rule
+@rule
 def world_of(worlds: World, i: int) -> World:
     """The records of one world."""
     return World(

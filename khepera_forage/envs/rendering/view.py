@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
+from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training_episode import TrainingEpisode
-from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Arena, Pose
 from khepera_forage.sim.world import World
-from khepera_forage.task.food_tracking import FoodTracker
-from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import Region
 
@@ -95,21 +93,10 @@ class View(NamedTuple):
     title: str = ""
 
 
-class ForagingRobot(Protocol):
-    """What a picture shows of a robot at its task, on either backend."""
-
-    holes: int
-    senses: Senses
-    raw: RawData
-    vector: StateVector
-    state: State
-    tracker: FoodTracker
-
-
 def recall_view(
     arena: Arena,
     world: World,
-    forager: ForagingRobot,
+    forager: Forager,
     info: Mapping[str, Any],
     limit: int,
     executed: Behaviour | None,
@@ -172,7 +159,7 @@ def training_view(
     )
 
 
-def _robot_view(name: str, forager: ForagingRobot, pose: Pose) -> RobotView:
+def _robot_view(name: str, forager: Forager, pose: Pose) -> RobotView:
     senses = forager.senses
     return RobotView(
         pose=pose,
@@ -187,7 +174,7 @@ def _robot_view(name: str, forager: ForagingRobot, pose: Pose) -> RobotView:
     )
 
 
-def _food_views(world: World, foragers: Sequence[ForagingRobot]) -> tuple[FoodView, ...]:
+def _food_views(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ...]:
     """The views of all food, with the type and delivery status in the food tracker of its arena's robot."""
     known = [food for forager in foragers for food in forager.tracker.foods]
     return tuple(

@@ -7,8 +7,7 @@ import numpy as np
 from khepera_forage.rollouts.compiled.recalls import Episodes
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.decision_text import decisions_text
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _NUMBERS = (

@@ -184,8 +184,9 @@ class Recalls:
         share_out(
             _run_recalls,
             count,
-            *(foods, arenas.waypoints, arenas.blocks, places, self._settings, memories),
+            *(arenas.blocks, places, self._settings, memories),
             *(keys, policies, *given_records(None, None, foods), outcomes, food_places, collected, free),
+            scratch=lambda: (new_worlds(1, foods, arenas.waypoints), np.zeros(1, _policy_dtype)),
             least=_LEAST,
         )
         if not free[0]:
@@ -243,8 +244,6 @@ def run_teacher(arena: Arenas = "corridor", episodes: int = 4096, seed: int = 0,
 def _run_recalls(
     first: int,
     last: int,
-    foods: int,
-    waypoints: int,
     blocks: Any,
     places: Any,
     settings: Any,
@@ -257,10 +256,12 @@ def _run_recalls(
     food_places: Any,
     collected: Any,
     free: Any,
+    worlds: World,
+    policy_records: Any,
 ) -> None:
-    """Run the recalls from `first` to `last`, one after the other in one world."""
-    world = world_of(new_worlds(1, foods, waypoints), 0)
-    policy, episode = np.zeros(1, _policy_dtype)[0], world.foragers[0].episode
+    """Run the recalls from `first` to `last`, one after the other in the only one of `worlds`."""
+    world, policy = world_of(worlds, 0), policy_records[0]
+    episode = world.foragers[0].episode
     for number in range(first, last):
         arena = arena_at(blocks, places[number])
         world.robots[0].key, world.robots[0].round = keys[number], 0
@@ -269,7 +270,7 @@ def _run_recalls(
             free[0] = False
         outcome, start = outcomes[number], world.starts[0]
         outcome.start[0], outcome.start[1], outcome.start[2] = start.x, start.y, start.heading
-        for k in range(foods):
+        for k in range(len(world.places)):
             food_places[number, k, 0], food_places[number, k, 1] = world.places[k].x, world.places[k].y
         _reset(policy, policies[number])
         begun, diagonal = False, arena.numbers[0].map_diagonal
@@ -280,7 +281,7 @@ def _run_recalls(
             carry_out(world, arena, settings[0])
             begun = True
         _record(world, policy, outcome)
-        for k in range(foods):
+        for k in range(len(world.places)):
             collected[number, k] = is_collected(world.objects[k])
 
 

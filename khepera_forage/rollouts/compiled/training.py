@@ -150,7 +150,8 @@ def train_learners(
         share_out(
             _train,
             some.size,
-            *(foods, waypoints, *sides, terms, some, rows, records, made, free),
+            *(*sides, some, rows, records, made, free),
+            scratch=lambda: (new_worlds(2, foods, waypoints), terms.copy()),
             least=_LEAST,
         )
         if not free.all():
@@ -185,8 +186,6 @@ def _check(arenas: Any) -> None:
 def _train(
     first: int,
     last: int,
-    foods: int,
-    waypoints: int,
     teacher_block: Any,
     teacher_settings: Any,
     teacher_mark: Any,
@@ -195,20 +194,19 @@ def _train(
     learner_settings: Any,
     learner_mark: Any,
     learner_food_marks: Any,
-    terms: Any,
     keys: Any,
     rows: Any,
     records: Any,
     made: Any,
     free: Any,
+    worlds: World,
+    attempts: Any,
 ) -> None:
     """Train the episodes from `first` to `last`, attempt by attempt until one is complete.
 
     Args:
         first: Number of an episode.
         last: Number after the last one.
-        foods: Food objects of each robot.
-        waypoints: Of the arena.
         teacher_block: The teacher's arena; likewise its settings, the robot's mark and the food's.
         teacher_settings: Likewise.
         teacher_mark: Likewise.
@@ -217,18 +215,18 @@ def _train(
         learner_settings: Likewise.
         learner_mark: Likewise.
         learner_food_marks: Likewise.
-        terms: One `_Attempt` record, with how an operator goes about it.
         keys: Of the random numbers of each episode.
         rows: Experience vectors of the last attempt at each episode, shape (episodes, rounds, 6).
         records: `attempt_dtype`, shape (episodes, attempts).
         made: How many attempts at each episode there were.
         free: Whether robots and food found room on their marks.
+        worlds: Two of them, the teacher's and the learner's.
+        attempts: One `_Attempt` record, with how an operator goes about it.
     """
-    worlds = new_worlds(2, foods, waypoints)
     teacher, learner = world_of(worlds, 0), world_of(worlds, 1)
     teacher_arena, learner_arena = arena_at(teacher_block, 0), arena_at(learner_block, 0)
     diagonal = int(learner_arena.numbers[0].map_diagonal)
-    attempt = terms.copy()[0]
+    attempt = attempts[0]
     for number in range(first, last):
         attempt.complete = False
         for k in range(attempt.attempts):

@@ -11,7 +11,7 @@ from khepera_forage.estimates import Column, Table, Value, percent
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Rows, collect
-from khepera_forage.task.decision_text import decisions_text
+from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.posterior import Floats, sample

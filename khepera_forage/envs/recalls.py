@@ -1,0 +1,221 @@
+"""Recalls one after another in a `World`, with the rules of the task called from Python; and what environments show."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from khepera_forage.counter_rng import key_of
+from khepera_forage.envs.arena_pool import ArenaPool, Arenas
+from khepera_forage.envs.arguments import FoodOdds, arenas_of, check_round_duration, food_odds, timing_of
+from khepera_forage.envs.forager import Forager, arena_map_of
+from khepera_forage.envs.layouts import given_layout, tracker_of
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import applicable
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.simulation import Simulation
+from khepera_forage.sim.world import Layout, World
+from khepera_forage.task.behaviours import decode_motors
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
+from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
+
+
+class Shown(NamedTuple):
+    """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
+
+    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`;
+    `type_in_gripper` is the food type of the raw data. No distance of the state vector is longer than the diagonal.
+    """
+
+    reward: float
+    terminated: bool
+    truncated: bool
+    score: float
+    penalty: float
+    correct: int
+    steps: int
+    delivered: int
+    poison_home: int
+    state: int
+    x: float
+    y: float
+    orientation: float
+    object_presence: int
+    robot_home_distance: int
+    food_type: int
+    arms_height: int
+    robot_food_distance: int
+    arm: int
+    jaw: int
+    tracked: int
+    food_seen: int
+    food_x: float
+    food_y: float
+    type_in_gripper: int
+    home_x: float
+    home_y: float
+    home_radius: float
+    wall_distance: float
+    wall_bearing: float
+    diagonal: int
+    proximity: tuple[int, int, int, int, int, int]
+
+
+class WorldRecalls:
+    """Recalls one after another in a `World`.
+
+    Args:
+        arena: As for the environments; so are the next five.
+        foods: Food objects.
+        limit: Steps after which an episode ends.
+        noise: The laboratory's troubles by default.
+        food_types: One type, or odds by type.
+        decisions: Of the task.
+        world: In which everything takes place; by default simulated on pymunk.
+
+    Attributes:
+        arena: That of the present episode; before the first, the first one.
+        world: Bodies and camera of the present episode.
+        layout: Where everything stood when the episode began.
+        largest_diagonal: Of all arenas in which an episode may take place, in pixels.
+
+    Raises:
+        ValueError: An argument out of range, or a world that does not fit.
+    """
+
+    layout: Layout
+
+    def __init__(
+        self,
+        arena: Arenas,
+        foods: int,
+        limit: int,
+        noise: Noise | str | None,
+        food_types: FoodOdds,
+        decisions: Decisions,
+        world: World | None = None,
+    ) -> None:
+        self._foods, self._limit, self._noise, self._decisions = foods, limit, noise, decisions
+        self._odds, self._values = food_odds(food_types), decisions.values()
+        self.world: World
+        if world is None:
+            self._pool: ArenaPool | None = ArenaPool(arena, decisions)
+            self._enter(self._pool[0])
+            self.largest_diagonal = self._pool.diagonal
+        else:
+            check_round_duration(world, decisions)
+            self._pool, self.world = None, world
+            (self.arena,) = arenas_of(world, 1)
+            self.largest_diagonal = arena_map_of(self.arena).diagonal
+        self._key, self._episodes, self._fresh = 0, 0, True
+        self._episode = Episode()
+        self._forager: Forager | None = None
+
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies: "pymunk", or "laboratory" for real or virtual robots."""
+        return "pymunk" if isinstance(self.world, PymunkWorld) else "laboratory"
+
+    @property
+    def forager(self) -> Forager:
+        """The robot at its task, once an episode has begun."""
+        assert self._forager is not None
+        return self._forager
+
+    def seed(self, seed: int) -> None:
+        """Make the episodes that follow repeatable, bit for bit."""
+        self._key, self._episodes, self._fresh = key_of(seed), 0, True
+
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
+        """Begin the next episode.
+
+        Args:
+            rng: Spawned for a world that draws random numbers of its own.
+            options: `start` and `foods` as for the environments; what is left out is random.
+
+        Raises:
+            ValueError: Options that are unknown or place something off the free floor.
+        """
+        key, number = self._key, self._episodes
+        arena = self.arena if self._pool is None else self._pool[self._pool.number(key, number)]
+        layout = given_layout(arena, self._foods, options or {}, layout_key(key, number), self._values)
+        # Noise goes on from episode to episode, as in compiled worlds.
+        rounds = 0 if self._fresh or not isinstance(self.world, Simulation) else self.world.rounds
+        if arena is not self.arena:
+            self._enter(arena)
+        self.layout, self._episodes, self._fresh = layout, number + 1, False
+        if isinstance(self.world, Simulation):
+            self.world.begin(key, rounds, layout)
+        else:
+            self.world.reset(rng.spawn(1)[0], layout)
+        arena_map = arena_map_of(self.arena)
+        tracker = tracker_of(layout.foods, arena_map)
+        draw_food_types(tracker.foods, food_type_key(key, number), self._odds)
+        self._forager = Forager(self.world.robots[0], arena_map, self.world.markers[0], tracker, self._values)
+        self._forager.perceive(self.world.camera.look())
+        begin_episode(self._episode, tracker)
+        return self.shown()
+
+    def step(self, action: Sequence[float]) -> Shown:
+        """One round.
+
+        Args:
+            action: The number of a behaviour, or four numbers in -1..1.
+
+        Raises:
+            RobotLost: A real robot is gone, and with `CameraLost`, the camera. The round counts.
+        """
+        forager = self.forager
+        right = forager.correct_behaviour
+        if len(action) == 1:
+            motors = forager.motors_for(int(action[0]))
+            correct = int(action[0]) == right
+        else:
+            motors = decode_motors(*action)
+            correct = applicable(motors) == applicable(forager.motors_for(right))
+        try:
+            forager.drive(motors)
+            self.world.advance()
+            forager.perceive(self.world.camera.look())
+        finally:
+            end_step(self._episode, forager.tracker, correct, self._limit)
+        return self.shown()
+
+    def shown(self) -> Shown:
+        """What environments show of the last round."""
+        return shown_of(self.forager, self._episode)
+
+    def _enter(self, arena: Arena) -> None:
+        """Let the coming episode take place in an arena, in a world of its own."""
+        self.arena = arena
+        markers = (self._decisions.recall_marker,)
+        self.world = PymunkWorld([arena], markers, self._noise, timing=timing_of(self._decisions))
+
+
+def shown_of(forager: Forager, episode: Episode) -> Shown:
+    """What environments show of a robot at its task.
+
+    Args:
+        forager: The robot.
+        episode: The account of its episode.
+    """
+    raw, tracker, diagonal = forager.raw, forager.tracker, forager.arena.diagonal
+    presence, home, food_type, arm, food = forager.vector
+    lost = penalty(tracker.delivered, tracker.deliverable)
+    account = episode.reward, episode.terminated, episode.truncated
+    info = score(episode.correct, episode.steps, lost), lost, episode.correct, episode.steps
+    vector = presence, min(home, diagonal), food_type, arm, min(food, diagonal)
+    return Shown._make(
+        (
+            *account,
+            *info,
+            *(tracker.delivered, tracker.poison_home, int(forager.state)),
+            *(raw.x, raw.y, float(raw.orientation)),
+            *vector,
+            *(raw.arm, raw.jaw, int(raw.tracked), int(raw.food_seen), raw.food_x, raw.food_y),
+            *(int(raw.food_type), raw.home_x, raw.home_y, float(raw.home_radius)),
+            *(raw.wall_distance, raw.wall_bearing, diagonal, raw.proximity),
+        )
+    )
