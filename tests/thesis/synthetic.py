@@ -8,13 +8,8 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.rollouts.rows import IMITATOR, STATES, TEACHER, RecallRow, TrainingRow
-<<<<<<< HEAD
 from khepera_forage.study import Unit
-from khepera_forage.task.decisions import decisions_text
-from khepera_forage.task.decisions import Decisions
-=======
 from khepera_forage.task.decisions import Decisions, decisions_text
->>>>>>> main
 from khepera_forage.task.states import State
 from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
 from khepera_forage.thesis.jobs import JobCounts
