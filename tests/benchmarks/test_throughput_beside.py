@@ -72,7 +72,8 @@ def test_comparison_of_a_commit_is_written_and_printed(quick_run: QuickRun) -> N
     ]
     assert all(float(row["value"]) > 0 for row in rows)
     text = (out / "beside.md").read_text(encoding="utf-8")
-    assert f"python benchmarks/throughput.py --beside {head} --only pymunk --repeats 2 --seed 1" in text
+    assert f"beside commit {head}" in text
+    assert " --beside HEAD --only pymunk\n" in text
     line = next(line for line in text.splitlines() if line.startswith("| Corridor-v0 on pymunk"))
     assert "at least 0.60" in line
     assert line in (out.parent / "printed").read_text(encoding="utf-8")
