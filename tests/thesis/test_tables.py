@@ -16,14 +16,15 @@ from khepera_forage.thesis.design import (
     NO_NOISE,
     noise_conditions,
 )
-from khepera_forage.thesis.measured_tables import (
+from khepera_forage.thesis.tables import (
+    cell_table,
+    errata_table,
     noise_table,
     state_table,
     teacher_table,
     ties_table,
     training_table,
 )
-from khepera_forage.thesis.thesis_tables import cell_table, errata_table
 from tests.thesis.conftest import REPLICATIONS
 from tests.thesis.synthetic import counts, failed, recall, training
 
