@@ -62,7 +62,7 @@ class Replicated(Protocol):
 
 
 RowT = TypeVar("RowT", bound=Replicated)
-OneRow = TypeVar("OneRow")
+T = TypeVar("T")
 
 
 def replications(*groups: Iterable[Replicated]) -> list[int]:
@@ -327,7 +327,7 @@ def _parts(value: Value) -> tuple[str | int, ...]:
     return (value,)
 
 
-class Measure(NamedTuple, Generic[OneRow]):
+class Measure(NamedTuple, Generic[T]):
     """A ratio of sums over rows: a mean, or a share.
 
     Attributes:
@@ -338,8 +338,8 @@ class Measure(NamedTuple, Generic[OneRow]):
     """
 
     name: str
-    value: Callable[[OneRow], float]
-    weight: Callable[[OneRow], float] = lambda _: 1.0
+    value: Callable[[T], float]
+    weight: Callable[[T], float] = lambda _: 1.0
     digits: int = 1
 
 
@@ -374,7 +374,7 @@ def difference(
     return combined([(1.0, rows), (-1.0, others)], measure, rng)
 
 
-def pick(rows: Iterable[OneRow], **fields: object) -> list[OneRow]:
+def pick(rows: Iterable[T], **fields: object) -> list[T]:
     """The rows whose fields have these values."""
     return [row for row in rows if all(getattr(row, name) == value for name, value in fields.items())]
 
