@@ -46,7 +46,7 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         num_learners: int = 1,
         max_cycles: int = 600,
         arena: Arenas = "corridor",
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         patience: int | None = None,
         render_mode: str | None = None,
@@ -63,8 +63,10 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
         self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions, backend)
-        self._key: int | None = None
-        self._episode = -1
+        self.np_random: np.random.Generator | None = None
+        self._generator: np.random.Generator | None = None
+        """The `np_random` that the attempts follow from."""
+        self._key, self._episode = 0, -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
         self.observation_spaces = {a: self._observation_space() for a in self.possible_agents}
@@ -188,15 +190,18 @@ class TrainingEnv(PairedRobotsEnv):
         """Start an attempt at a training episode.
 
         Args:
-            seed: Makes the attempt repeatable, bit for bit.
+            seed: Makes the attempt repeatable, bit for bit. Without a seed, attempts go on, or follow from an
+                `np_random` that was set meanwhile.
             options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object, in the teacher's
                 arena; what is left out stays on the marks of figure 5.1.
 
         Raises:
             ValueError: Options that are unknown or place something off the free floor.
         """
-        if seed is not None or self._key is None:
+        if seed is not None or self.np_random is None:
             self.np_random, _ = seeding.np_random(seed)
+        if self.np_random is not self._generator:
+            self._generator = self.np_random
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
             self._episode = -1
         self._episode += 1

@@ -30,7 +30,7 @@ class RecallInterruptedError(ConnectionError):
 
 
 def recall_env(
-    arena: str | Arena, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
+    arena: str | Arena, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
     """The recall environment of an arena.
 

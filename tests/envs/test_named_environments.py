@@ -187,18 +187,6 @@ def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> Non
     assert settings_of(wide)["limit"] == step_limit(1, 1200)
 
 
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_spec_with_arenas_of_ones_own_survives_json(backend: str) -> None:
-    several: list[Any] = [BLOCKS, [BLOCKS, "corridor", HALL]]
-    for arena in several:
-        env = gym.make("khepera_forage/Corridor-v1", backend=backend, arena=arena)
-        assert env.spec is not None
-        again = gym.make(EnvSpec.from_json(env.spec.to_json()))
-        for seed in range(3):
-            assert again.reset(seed=seed)[0] == env.reset(seed=seed)[0]
-            assert again.unwrapped.arena == env.unwrapped.arena  # type: ignore[attr-defined]
-
-
 def test_stored_arena_that_is_not_allowed_is_an_error() -> None:
     fields = asdict(BLOCKS)
     with pytest.raises(ValueError, match="foods has 0 places"):

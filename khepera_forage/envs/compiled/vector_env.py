@@ -5,6 +5,7 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -47,12 +48,14 @@ class RecallVectorEnv(VectorEnv):
         render_mode: None, or "rgb_array": `render` then returns pictures.
         decisions: As for the single environment.
         backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
+        max_episode_steps: Truncates episodes without another effect, as Gymnasium's `TimeLimit` does; none by default.
 
     Raises:
         ValueError: An argument out of range.
     """
 
     backend = COMPILED
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -60,12 +63,13 @@ class RecallVectorEnv(VectorEnv):
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         decisions: Decisions | None = None,
         backend: str = COMPILED,
+        max_episode_steps: int | None = None,
     ) -> None:
         check_compiled(backend)
         if render_mode not in (None, "rgb_array"):
@@ -88,8 +92,12 @@ class RecallVectorEnv(VectorEnv):
         )
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
+        longest = -1 if max_episode_steps is None else max_episode_steps
+        self._longest = None if longest == -1 else whole_number("max_episode_steps", longest, 1)
         self._over = np.ones(self.num_envs, np.bool_)
         self._seeded = False
+        self._generator: np.random.Generator | None = None
+        """The `np_random` that the worlds were seeded from."""
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -99,7 +107,7 @@ class RecallVectorEnv(VectorEnv):
         Args:
             seed: World i has the episodes of a single environment with seed + i, as in Gymnasium's own vector
                 environments; or one seed a world. Without a seed, worlds go on with their random numbers; at the
-                first reset they are seeded at random.
+                first reset, and after `np_random` was set, they are seeded by that.
             options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
 
         Raises:
@@ -114,10 +122,12 @@ class RecallVectorEnv(VectorEnv):
             given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
         elif seed is not None:
             super().reset(seed=seed)
+            self._generator = self.np_random
             given = [(world, seed + world) for world in worlds.tolist()]
         else:
             given = []
-        if not self._seeded:
+        if self.np_random is not self._generator:
+            self._generator = self.np_random
             first = int(self.np_random.integers(2**62))
             self.batch.seed([first + world for world in worlds.tolist()], worlds)
         if given:
@@ -148,6 +158,8 @@ class RecallVectorEnv(VectorEnv):
         rewards, terminated, truncated = (
             shown[name].copy() for name in ("reward", "terminated", "truncated")
         )
+        if self._longest is not None:
+            truncated |= shown["steps"] >= self._longest
         self._over = terminated | truncated
         observation = self._observation(shown)
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
@@ -180,6 +192,17 @@ class RecallVectorEnv(VectorEnv):
             return None
         drawn = [first, *map(self._picture, range(1, min(self.num_envs, _DRAWN)))]
         return (*drawn, *[np.zeros_like(first)] * (self.num_envs - len(drawn)))  # type: ignore[arg-type]
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What `gym.make_vec` made the environment of."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+        if spec is not None and "autoreset_mode" in spec.kwargs:
+            spec.kwargs["autoreset_mode"] = self.autoreset_mode.value  # which JSON can store
 
     def _picture(self, world: int) -> NDArray[np.uint8] | None:
         return self._screen.show(lambda: self.view(world))
