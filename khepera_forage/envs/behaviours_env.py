@@ -1,18 +1,44 @@
 """`Corridor-v1` and `Rectangle-v1`: forage alone by choosing behaviours."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
+from khepera_forage.policies.model_observations import state_vector_space
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
-from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
+from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.states import (
+    BEHAVIOURS,
+    NUM_BEHAVIOURS,
+    FoodType,
+    StateVector,
+    behaviour_number,
+    classify,
+)
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
 """The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""
+
+
+def _applicable() -> NDArray[np.bool_]:
+    """Which behaviours the tree of figure 4.2 can choose, by object presence and food type."""
+    found = np.zeros((2, len(FoodType), NUM_BEHAVIOURS), np.bool_)
+    foods = (0, round(DEFAULT_VALUES.close_to_food) - 1, 999)
+    for presence, home, food_type, arm, food in product(
+        (0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods
+    ):
+        vector = StateVector(presence, home, food_type, arm, food)
+        found[presence, food_type, classify(vector, 1.0, DEFAULT_VALUES)] = True
+    return found
+
+
+APPLICABLE = _applicable()
 
 
 class BehavioursEnv(RecallEnv[int]):
@@ -71,16 +97,21 @@ class BehavioursEnv(RecallEnv[int]):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        diagonal = self.largest_diagonal
-        distance = spaces.Box(0, diagonal, (1,), np.int64)
         self.action_space = spaces.Discrete(NUM_BEHAVIOURS)  # type: ignore[assignment]
-        self.observation_space = spaces.Dict(
-            object_presence=spaces.Discrete(2),
-            robot_home_distance=distance,
-            food_type=spaces.Discrete(len(FoodType)),
-            arms_height=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
-            robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
-        )
+        self.observation_space = state_vector_space(self.largest_diagonal)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Which behaviours apply now, for learners that mask actions, such as sb3-contrib's MaskablePPO.
+
+        A behaviour applies if the tree of figure 4.2 can choose it with this object presence and food type, whatever
+        the distances and the height of the arm.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+        """
+        vector = self.forager.vector
+        masks: NDArray[np.bool_] = APPLICABLE[vector.object_presence, vector.food_type].copy()
+        return masks
 
     def _numbers(self, action: int) -> Sequence[float]:
         behaviour = behaviour_number(action, NUM_BEHAVIOURS)

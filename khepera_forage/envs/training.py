@@ -71,6 +71,9 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         self.agents: list[str] = []
         self.observation_spaces = {a: self._observation_space() for a in self.possible_agents}
         self.action_spaces = {a: self._action_space() for a in self.possible_agents}
+        boxes: list[Any] = list(self.observation_spaces.values())
+        low, high = (np.concatenate([getattr(box, end) for box in boxes]) for end in ("low", "high"))
+        self.state_space = spaces.Box(low, high, dtype=boxes[0].dtype)
         self._attempt: TrainingEpisode | None = None
 
     def _observation_space(self) -> spaces.Space[Any]:
@@ -154,7 +157,7 @@ class TrainingEnv(PairedRobotsEnv):
     ## Observation space
     `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
     robot_food_distance (pixels of 5 mm, as in `Corridor-v1`), heard (a behaviour; 10 is silence), separated 0/1 (for
-    the teacher: any of its learners).
+    the teacher: any of its learners). `state()` has the observations of all agents in a row.
 
     ## Rewards
     +1 for food delivered, -1 for poison brought home, -1/max_cycles a round, each agent its own.
@@ -171,8 +174,9 @@ class TrainingEnv(PairedRobotsEnv):
 
     ## Info
     Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
-    them), `score`, `correct`, `steps`, `delivered`, `poison_home`, `complete`, `separated_rounds`, `separations`;
-    when a real robot or camera was lost also `robot_lost`, the reason.
+    them), the three as `pose`, as in the recall environments, `score`, `correct`, `steps`, `delivered`,
+    `poison_home`, `complete`, `separated_rounds`, `separations`; when a real robot or camera was lost also
+    `robot_lost`, the reason.
 
     ## Arguments
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
@@ -220,6 +224,10 @@ class TrainingEnv(PairedRobotsEnv):
     def observe(self, agent: str) -> Any:
         """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
         return self._begun.observe(self.possible_agents.index(agent))
+
+    def state(self) -> NDArray[Any]:
+        """The observations of all agents in a row, for learners with a critic of all agents; a fresh array."""
+        return np.concatenate([self.observe(agent) for agent in self.possible_agents])
 
     def step(self, action: Any) -> None:
         """The selected agent's step; the last agent's ends the round.

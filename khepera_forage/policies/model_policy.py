@@ -45,7 +45,7 @@ class ModelPolicy:
     """
 
     model: Model
-    features: Callable[[Any], NDArray[np.float32]] | None = None
+    features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
     deterministic: bool = True

@@ -22,7 +22,7 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.ways import longest_path
-from tests.arenas import BLOCKS, HALL
+from tests.arenas import BLOCKS
 
 with warnings.catch_warnings():
     # PettingZoo's own test module imports one of its deprecated environments.

@@ -1,6 +1,7 @@
 """`Corridor-v1` and the other recall environments, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -14,13 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import COMPILED, FoodOdds, whole_number
 from khepera_forage.envs.backends import check_compiled
-from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.behaviours_env import APPLICABLE, BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.compiled.recalls import bodies_of, forager_of
 from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import Decisions
 
 Observation = dict[str, NDArray[Any]]
@@ -147,8 +150,7 @@ class RecallVectorEnv(VectorEnv):
             ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.
             ValueError: Actions that are not in the action space.
         """
-        if not self._seeded:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        self._require_first_reset()
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             raise ResetNeeded(
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
@@ -185,8 +187,7 @@ class RecallVectorEnv(VectorEnv):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        if not self._seeded:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        self._require_first_reset()
         first = self._picture(0)
         if first is None:
             return None
@@ -216,6 +217,39 @@ class RecallVectorEnv(VectorEnv):
         info = {name: batch.shown[name][world].item() for name in ("steps", "score", "delivered")}
         return recall_view(arena, bodies, forager, info, batch.limit, None, None)
 
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """An attribute of the single environment, one value a world; see `call`."""
+        return self.call(name)
+
+    def call(self, name: str) -> tuple[Any, ...]:
+        """What an attribute or a method of the single environment would give, one value a world.
+
+        Raises:
+            AttributeError: A batch of compiled worlds does not know it.
+        """
+        of_arenas: dict[str, Callable[[Arena], Any]] = {
+            "arena": lambda arena: arena,
+            "home_radius": lambda arena: whole_pixels(arena.home_radius),
+            "diagonal": lambda arena: whole_pixels(arena.diagonal),
+        }
+        of_all = {
+            "action_space": self.single_action_space,
+            "observation_space": self.single_observation_space,
+            **{
+                name: getattr(self.batch, name)
+                for name in ("foods", "limit", "decisions", "largest_diagonal")
+            },
+            **{name: getattr(self, name) for name in ("backend", "metadata", "render_mode", "spec")},
+        }
+        if name in of_arenas:
+            return tuple(map(of_arenas[name], self.batch.arenas))
+        if name not in of_all:
+            known = ", ".join([*of_arenas, *of_all])
+            raise AttributeError(
+                f"compiled worlds have no {name!r}; allowed: {known}, and action_masks of behaviours"
+            )
+        return (of_all[name],) * self.num_envs
+
     @abstractmethod
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
         """The environment that this stands for."""
@@ -231,6 +265,10 @@ class RecallVectorEnv(VectorEnv):
     @abstractmethod
     def _observation(self, shown: NDArray[Any]) -> Observation:
         """What the policy gets to know, from `Shown` records, in fresh arrays."""
+
+    def _require_first_reset(self) -> None:
+        if not self._seeded:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
@@ -287,6 +325,20 @@ class BehavioursVectorEnv(RecallVectorEnv):
                 "behaviour each"
             )
         return given.astype(np.float64)[:, None]
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Which behaviours apply now, one row a world; see `BehavioursEnv.action_masks`.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+        """
+        self._require_first_reset()
+        shown = self.batch.shown
+        masks: NDArray[np.bool_] = APPLICABLE[shown["object_presence"], shown["food_type"]]
+        return masks
+
+    def call(self, name: str) -> tuple[Any, ...]:  # noqa: D102 (that of the class above)
+        return tuple(self.action_masks()) if name == "action_masks" else super().call(name)
 
     def _observation(self, shown: NDArray[Any]) -> Observation:
         observation = {name: shown[name].copy() for name in self.single_observation_space}  # type: ignore[attr-defined]
