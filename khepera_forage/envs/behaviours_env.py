@@ -1,7 +1,6 @@
 """`Corridor-v1` and `Rectangle-v1`: forage alone by choosing behaviours."""
 
 from collections.abc import Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,34 +10,11 @@ from numpy.typing import NDArray
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
 from khepera_forage.policies.model_observations import state_vector_space
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
-from khepera_forage.task.decisions import DEFAULT_VALUES
-from khepera_forage.task.states import (
-    BEHAVIOURS,
-    NUM_BEHAVIOURS,
-    FoodType,
-    StateVector,
-    behaviour_number,
-    classify,
-)
+from khepera_forage.policies.teacher import APPLICABLE
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
 """The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""
-
-
-def _applicable() -> NDArray[np.bool_]:
-    """Which behaviours the tree of figure 4.2 can choose, by object presence and food type."""
-    found = np.zeros((2, len(FoodType), NUM_BEHAVIOURS), np.bool_)
-    foods = (0, round(DEFAULT_VALUES.close_to_food) - 1, 999)
-    for presence, home, food_type, arm, food in product(
-        (0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods
-    ):
-        vector = StateVector(presence, home, food_type, arm, food)
-        found[presence, food_type, classify(vector, 1.0, DEFAULT_VALUES)] = True
-    return found
-
-
-APPLICABLE = _applicable()
 
 
 class BehavioursEnv(RecallEnv[int]):

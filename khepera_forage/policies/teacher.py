@@ -1,14 +1,24 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.policies.policy import SEPARATED, Observation, Policy, is_training, state_vector_of
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, DecisionValues
-from khepera_forage.task.states import Behaviour, behaviour_for, classify
+from khepera_forage.task.states import (
+    NUM_BEHAVIOURS,
+    Behaviour,
+    FoodType,
+    StateVector,
+    behaviour_for,
+    classify,
+)
 
 
 @dataclass(frozen=True, init=False)
@@ -88,3 +98,20 @@ def completed(policy: Policy, env: Any) -> Policy:
         return policy
     env = env.unwrapped
     return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)
+
+
+def _applicable() -> NDArray[np.bool_]:
+    """Which behaviours the tree of figure 4.2 can choose, by object presence and food type."""
+    decisions = DEFAULT_DECISIONS.values()
+    found = np.zeros((2, len(FoodType), NUM_BEHAVIOURS), np.bool_)
+    foods = (0, round(decisions.close_to_food) - 1, 999)
+    for presence, home, food_type, arm, food in product(
+        (0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods
+    ):
+        vector = StateVector(presence, home, food_type, arm, food)
+        found[presence, food_type, classify(vector, 1.0, decisions)] = True
+    return found
+
+
+APPLICABLE = _applicable()
+"""By object presence, food type and behaviour: whether the tree can choose it, whatever distances and arm are."""

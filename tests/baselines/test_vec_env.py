@@ -198,6 +198,10 @@ def test_attributes_are_those_of_the_vector_environment(mode: str) -> None:
     assert env.get_attr("limit", [0, 2]) == [LIMIT] * 2
     assert {arena.name for arena in env.get_attr("arena")} == {"corridor"}
     assert env.env_is_wrapped(Monitor, [0, 1]) == [True, True], "infos have the episode, as those of Monitor"
+    env.reset()
+    masks = [mask.tolist() for mask in env.env_method("action_masks")]
+    assert masks == [[behaviour in (0, 1, 2, 8) for behaviour in range(10)]] * 3
+    assert env.has_attr("action_masks")
     assert env.env_is_wrapped(VecNormalize) == [False] * 3
     env.close()
 
