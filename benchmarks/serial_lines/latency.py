@@ -11,7 +11,7 @@ from khepera_forage.experiments.statistics import UNKNOWN
 from khepera_forage.experiments.tables import Column, Table
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.robots.serial.errors import LineTooSlow
+from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from serial_lines.virtual_fleet import TIMING, virtual_fleet

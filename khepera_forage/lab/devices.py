@@ -5,7 +5,7 @@ from contextlib import ExitStack, closing
 
 from khepera_forage.lab.fresh_frames import FreshFrames
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.tracked_camera import TrackedCamera

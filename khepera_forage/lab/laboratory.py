@@ -13,10 +13,10 @@ from khepera_forage.lab.localisation import find_marker, pose_of
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
+from khepera_forage.robots import emergency_stop
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.serial import emergency_stop
-from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
@@ -78,7 +78,7 @@ class Laboratory:
         self._devices = Devices(settings, source, calibration)
 
     @property
-    def robots(self) -> Sequence[SerialKhepera]:
+    def robots(self) -> Sequence[RealRobot]:
         """The robots, the teacher first."""
         return self._fleet.robots
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.tracker_settings import TrackerSettings
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from khepera_forage.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
 from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, arena_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena

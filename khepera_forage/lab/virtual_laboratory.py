@@ -15,7 +15,7 @@ from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettin
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera

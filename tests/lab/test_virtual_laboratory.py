@@ -336,6 +336,6 @@ def test_simulation_advances_by_the_period(period: float) -> None:
         for _ in range(5):
             lab.advance()
         assert lab.simulation.poses()[0].x == pytest.approx(start.x + 5 * 5 * 8 * period)
-        assert lab.robots[0].request("E") == (5, 5)
+        assert b"".join(lab.firmwares[0].handle(b"E").split()) == b"e,5,5"
     with pytest.raises(ValueError, match="2 faults for 1 robots"):
         quiet(file, faults=[None, None])

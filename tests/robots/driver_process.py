@@ -3,11 +3,15 @@
 import subprocess
 import sys
 import textwrap
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+
+_PATIENCE = 20.0
+"""Seconds after which an expected event counts as missing: a busy machine takes long."""
 
 DRIVE = """
 import os, signal, sys, time
-from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 robots = [SerialKhepera(port, {options}) for port in sys.argv[1:]]
@@ -48,6 +52,14 @@ def start_driver(
     assert child.stdout is not None
     assert child.stdout.readline() == "driving\n", child.communicate()[1]
     return child
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Wait until something happens."""
+    end = time.monotonic() + _PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
 
 
 def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:

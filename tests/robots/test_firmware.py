@@ -6,15 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.command_table import COMMANDS, RESTART
-from khepera_forage.robots.serial.framing import LineSplitter
-from khepera_forage.robots.serial.protocol import (
-    ErrorReply,
-    Reply,
-    TextLine,
-    decode_reply,
-    decode_request,
-)
+from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
+from khepera_forage.robots.serial.protocol import RESTART, ErrorReply, LineSplitter, Reply, TextLine
 from khepera_forage.sim.arena import Pose
 from tests.robots.stage import Stage, make_stage
 
@@ -56,7 +49,7 @@ def test_every_reply_matches_byte_for_byte(stage: Stage, line: str) -> None:
 
 
 def test_every_command_has_an_expected_reply() -> None:
-    commands = {decode_request(line.encode()).command for line in AT_POWER_ON}
+    commands = {KHEPERA.decode_request(line.encode()).command for line in AT_POWER_ON}
     assert commands | {RESTART} == set(COMMANDS)
 
 
@@ -78,7 +71,7 @@ def test_any_bytes_get_a_reply_that_decodes(line: bytes) -> None:
     replies = _FUZZED.firmware.handle(line)
     assert replies.endswith(b"\r\n")
     for reply in LineSplitter().feed(replies):
-        assert isinstance(decode_reply(reply), Reply | ErrorReply | TextLine)
+        assert isinstance(KHEPERA.decode_reply(reply), Reply | ErrorReply | TextLine)
 
 
 _FUZZED = make_stage()

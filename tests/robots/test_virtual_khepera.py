@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 import serial
 
-from khepera_forage.robots.serial.protocol import BANNER, Reply, decode_reply
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.serial.protocol import Reply
 from khepera_forage.robots.virtual.faults import FaultCounts
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -35,7 +36,7 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
             b"z,Command not found\r\n",
         ]
         host.write(b"restart\n")
-        assert [host.readline().decode().rstrip() for _ in BANNER] == list(BANNER)
+        assert [host.readline().decode().rstrip() for _ in KHEPERA.banner] == list(KHEPERA.banner)
         assert khepera.fault_counts == FaultCounts(replies=7)
 
 
@@ -168,7 +169,7 @@ def test_several_virtual_kheperas_run_in_parallel(tcp: int | None) -> None:
             host.write(f"G,{number},{number}\nH\n".encode())
         for number, host in enumerate(hosts):
             assert host.readline() == b"g\r\n"
-            assert decode_reply(host.readline()) == Reply("H", (number, number))
+            assert KHEPERA.decode_reply(host.readline()) == Reply("H", (number, number))
 
 
 def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
@@ -190,7 +191,7 @@ def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
             assert host.readline() == b"d\r\n"
             for _ in range(200):
                 host.write(b"H\n")
-                reply = decode_reply(host.readline())
+                reply = KHEPERA.decode_reply(host.readline())
                 assert isinstance(reply, Reply)
                 left, right = reply.values
                 assert isinstance(left, int)

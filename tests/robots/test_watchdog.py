@@ -6,31 +6,20 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable
 
 import pytest
 
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
-from tests.robots.driver_process import start_driver, wait_for_exit
+from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rfc2217_server import rfc2217_server
 from tests.robots.rig import FORWARD, make_rig
 from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
-
-LIMIT = 1.0
-"""Seconds that wheels may turn after the end of a process."""
 
 
 def last_speeds(robot: ScriptedRobot) -> bytes:
     """The last speed command that a robot has received."""
     return next(request for request in reversed(robot.requests) if request.startswith(b"D,"))
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.005)
 
 
 @pytest.mark.parametrize(

@@ -43,14 +43,19 @@ def drive(arguments: argparse.Namespace) -> int:
         OSError: The port cannot be opened, or the robot is lost.
     """
     with open_robot(arguments) as robot:
-        left, right = counters(robot)
-        robot.request("D", arguments.left, arguments.right)
+        before = robot.sense()
         end = time.monotonic() + arguments.seconds
         while (rest := end - time.monotonic()) > 0:
-            time.sleep(min(rest, CONTROL_PERIOD))
-            counters(robot)  # raises an error if the robot was lost
+            # Again and again: a robot that restarts meanwhile drives on, and one that is lost raises an error.
+            robot.request("D", arguments.left, arguments.right)
+            robot.receive()
+            time.sleep(max(0.0, min(rest, CONTROL_PERIOD)))
         robot.stop()
-        left, right = (after - before for after, before in zip(counters(robot), (left, right), strict=True))
+        robot.receive()
+        after, restarts = robot.sense(), robot.statistics.restarts
+        left, right = after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+    if restarts:
+        print(f"the robot restarted {restarts} time{'s' * (restarts > 1)}: check its power supply")
     print(f"left {left} pulses, {left * PULSE:.0f} mm; right {right} pulses, {right * PULSE:.0f} mm")
     return 0
 

@@ -3,9 +3,8 @@
 import argparse
 
 from khepera_forage.option_values import real_number
-from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 
@@ -20,8 +19,8 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--baud",
         type=int,
-        default=DEFAULT_BAUD,
-        help=f"as set by the robot's mode switch: {bauds} ({DEFAULT_BAUD})",
+        default=SerialKhepera.default_baud,
+        help=f"as set by the robot's mode switch: {bauds} ({SerialKhepera.default_baud})",
     )
     parser.add_argument(
         "--timeout",
@@ -38,22 +37,17 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_robot(arguments: argparse.Namespace, period: float | None = CONTROL_PERIOD) -> SerialKhepera:
-    """The driver of the robot at the port.
-
-    Args:
-        arguments: Of the command.
-        period: Seconds of a round, which the line must keep; None accepts any line.
+def open_robot(arguments: argparse.Namespace) -> SerialKhepera:
+    """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep.
 
     Raises:
         ValueError: A baud rate or a time-out that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
-            line does not keep the period.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
     """
     return SerialKhepera(
         arguments.port,
         baud=arguments.baud,
         timeout=arguments.timeout,
         watchdog=arguments.watchdog,
-        period=period,
+        period=None,
     )

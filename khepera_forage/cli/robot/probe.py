@@ -5,7 +5,7 @@ import statistics
 import time
 
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
-from khepera_forage.robots.serial.errors import RequestRejected
+from khepera_forage.robots.serial.line import RequestRejected
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 _ROUND_TRIPS = 10
@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, or no robot answers.
     """
-    with open_robot(arguments, period=None) as robot:
+    with open_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         bios, protocol = robot.request("B")
         print(f"robot      BIOS {bios}, protocol {protocol}")
@@ -42,8 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
         timing, counts = robot.timing, robot.statistics
         print(
             f"latency    {1000 * timing.latency:.1f} ms in addition to the transmission; a round takes "
-            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second, requests "
-            f"{'pipelined' if timing.pipelined else 'one by one'}"
+            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second"
+            f"{'' if timing.pipelined else ', because the robot answers only one request at a time'}"
         )
         print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
     return 0

@@ -19,7 +19,7 @@ from khepera_forage.robots.khepera import (
     Motors,
 )
 from khepera_forage.robots.proximity import MAX_READING
-from khepera_forage.robots.serial.errors import RequestRejected
+from khepera_forage.robots.serial.line import RequestRejected
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 
 _SPEED, _SECONDS = 4, 0.5

@@ -13,7 +13,7 @@ from khepera_forage.cli.arguments import add_seed_argument
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera

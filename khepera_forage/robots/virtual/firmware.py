@@ -18,17 +18,16 @@ from khepera_forage.robots.khepera import (
     Motors,
     Robot,
 )
-from khepera_forage.robots.serial.command_table import PWM, RESTART, SPEED, wrap_counter
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA, PWM, SPEED
 from khepera_forage.robots.serial.protocol import (
-    BANNER,
     NOT_FOUND_TEXT,
     PROTOCOL_ERROR_TEXT,
+    RESTART,
     ArgumentError,
     ErrorReply,
     ProtocolError,
     Reply,
-    decode_request,
-    encode_reply,
+    wrap_counter,
 )
 from khepera_forage.robots.virtual import sensor_replies
 from khepera_forage.robots.virtual.position_control import WheelPositionController
@@ -60,8 +59,11 @@ class Firmware:
         period: Seconds of a control period, from one `tick` to the next.
 
     Attributes:
+        protocol: That of the robot.
         registers: Settings that have no effect here: the simulated motors need no gains.
     """
+
+    protocol = KHEPERA
 
     def __init__(
         self,
@@ -95,16 +97,16 @@ class Firmware:
             The whole reply with its ending: several lines for `restart`.
         """
         try:
-            request = decode_request(line)
+            request = KHEPERA.decode_request(line)
         except ArgumentError:
-            return encode_reply(ErrorReply(PROTOCOL_ERROR_TEXT))
+            return KHEPERA.encode_reply(ErrorReply(PROTOCOL_ERROR_TEXT))
         except ProtocolError:
-            return encode_reply(ErrorReply(NOT_FOUND_TEXT))
+            return KHEPERA.encode_reply(ErrorReply(NOT_FOUND_TEXT))
         if request.command == RESTART:
             return self.power_on()
         with self._lock:
             values = self._handler(request.command)(*request.values)
-        return encode_reply(Reply(request.command, values))
+        return KHEPERA.encode_reply(Reply(request.command, values))
 
     def tick(self) -> None:
         """End a control period: measure the speeds, and control the wheels that move to a target position.
@@ -133,7 +135,7 @@ class Firmware:
         with self._lock:
             self._robot.stop()
             self._initialise()
-        return b"".join(f"{line}\r\n".encode() for line in BANNER)
+        return b"".join(f"{line}\r\n".encode() for line in KHEPERA.banner)
 
     def attach(self, robot: Robot) -> None:
         """Connect another simulated body: a reset of a simulated world builds new bodies.

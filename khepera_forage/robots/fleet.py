@@ -6,15 +6,13 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
+from khepera_forage.robots import emergency_stop
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.serial import emergency_stop
-from khepera_forage.robots.serial.line_timing import MAX_ROUND_BYTES, MAX_ROUND_REQUESTS
-from khepera_forage.robots.serial.port_thread import Task
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.real_robot import RealRobot, Task
 
 _STOP_TIMEOUT = 4.0
 """Seconds to wait for a robot to confirm its stop."""
-_Begin = Callable[[SerialKhepera, "SimpleQueue[Task[Any]]"], Task[None]]
+_Begin = Callable[[RealRobot, "SimpleQueue[Task[Any]]"], Task[None]]
 
 
 class Fleet:
@@ -31,15 +29,12 @@ class Fleet:
         ValueError: No robot, or two on one port.
     """
 
-    def __init__(self, robots: Sequence[SerialKhepera]) -> None:
+    def __init__(self, robots: Sequence[RealRobot]) -> None:
         ports = [robot.port for robot in robots]
         if not ports or len(set(ports)) < len(ports):
             raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
         self.robots = tuple(robots)
-        # On the slowest line.
-        self._hold_after = max(
-            robot.timeout + robot.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES) for robot in robots
-        )
+        self._hold_after = max(robot.longest_exchange for robot in robots)
 
     def transmit(self) -> None:
         """Send every robot its command.
@@ -47,7 +42,7 @@ class Fleet:
         Raises:
             RobotLost: One or more robots do not reply; the others have been stopped.
         """
-        self._run(SerialKhepera.begin_transmit)
+        self._run(RealRobot.begin_transmit)
 
     def receive(self) -> None:
         """Read the sensors of all robots.
@@ -55,7 +50,7 @@ class Fleet:
         Raises:
             RobotLost: One or more robots do not reply; the others have been stopped.
         """
-        self._run(SerialKhepera.begin_receive)
+        self._run(RealRobot.begin_receive)
 
     def stop(self) -> None:
         """Stop all wheels.
@@ -101,7 +96,7 @@ class Fleet:
         _raise_any(errors)
 
     def _wait(
-        self, pending: dict[Task[None], SerialKhepera], done_queue: "SimpleQueue[Task[Any]]"
+        self, pending: dict[Task[None], RealRobot], done_queue: "SimpleQueue[Task[Any]]"
     ) -> list[Exception]:
         """Wait for all tasks; after the first failure, stop the other robots. Returns the errors."""
         errors: list[Exception] = []

@@ -1,35 +1,9 @@
-"""The command table of a Khepera with a gripper: arguments, results and meaning of every command.
+"""The K-Team protocol: every command of a Khepera with a gripper.
 
-Taken from the K-Team protocol as its manuals and drivers describe it. "Assumption" marks a range without a source.
+As K-Team's manuals and drivers describe it. "Assumption" marks a range without a source.
 """
 
-from typing import NamedTuple
-
-
-class Range(NamedTuple):
-    """Whole numbers from `low` to `high`, both allowed."""
-
-    low: int
-    high: int
-
-
-class Version(NamedTuple):
-    """A version number in dotted decimals, such as 5.02."""
-
-
-class Command(NamedTuple):
-    """One command.
-
-    Attributes:
-        arguments: Ranges of the values in the request.
-        results: Ranges of the values in the reply.
-        meaning: Short description.
-    """
-
-    arguments: tuple[Range, ...]
-    results: tuple[Range | Version, ...]
-    meaning: str
-
+from khepera_forage.robots.serial.protocol import RESTART, VERSION, Command, Protocol, Range, Request
 
 SPEED = Range(-127, 127)
 """Speed units, pulses in 10 ms: 8 mm/s (K-Team)."""
@@ -48,11 +22,12 @@ ADDRESS = Range(0, 63)
 CHANNEL = Range(0, 5)
 SWITCH = Range(0, 1)
 
-RESTART = "restart"
-"""The only command that is a word; the robot replies with its banner (WEP)."""
+BAUD_RATES = (9600, 19200, 38400, 57600, 115200)
+"""Settings of a Khepera's mode switch."""
+
 COMMANDS: dict[str, Command] = {
     "A": Command((GAIN,) * 3, (), "set the speed controller's Kp, Ki, Kd"),
-    "B": Command((), (Version(), Version()), "versions of the BIOS and of the protocol"),
+    "B": Command((), (VERSION, VERSION), "versions of the BIOS and of the protocol"),
     "C": Command((TARGET,) * 2, (), "set the target counts, left and right (position control)"),
     "D": Command((SPEED,) * 2, (), "set the speeds, left and right (speed control)"),
     "E": Command((), (SPEED,) * 2, "measured speeds"),
@@ -84,7 +59,22 @@ COMMANDS: dict[str, Command] = {
 }
 """By the command name of a `Request`: a letter, a gripper message, or the word restart."""
 
+BANNER = (
+    "ROM of minirobot KHEPERA, Edoardo Franzi",
+    "K-Team S.A.",
+    "October 22, 1998",
+    "Rev. 5.01",
+    "Serial Communication Protocol",
+)
+"""The text is K-Team's; the line breaks are an assumption."""
 
-def wrap_counter(count: int) -> int:
-    """A count as a signed 32-bit counter holds it; also the difference of two readings across a wrap-around."""
-    return (count + 2**31) % 2**32 - 2**31
+KHEPERA = Protocol(
+    COMMANDS,
+    BANNER,
+    identity=Request("B"),
+    queries=tuple(
+        Request(*request) for request in (("E",), ("B",), ("K",), ("I", (0,)), ("H",), ("O",), ("N",))
+    ),
+    baud_rates=BAUD_RATES,
+    stop_bits=2,
+)
