@@ -8,8 +8,8 @@ Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at 
 import math
 import sys
 import time
-from contextlib import closing
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 

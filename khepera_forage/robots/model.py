@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from khepera_forage.robots.khepera import MAX_SPEED, PULSE, RADIUS, SPEED_UNIT, WHEEL_BASE
+from khepera_forage.robots.khepera import FOOD_RADIUS, MAX_SPEED, PULSE, RADIUS, SPEED_UNIT, WHEEL_BASE
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,8 @@ class RobotModel:
         pulse: Millimetres of real wheel travel for one count; 0 for a robot without counters.
         infra_reds: Direction of each sensor in degrees, counter-clockwise from straight ahead, in the robot's order;
             none for a robot that has no such sensors.
+        reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
+            without a gripper.
         has_gripper: Whether it can pick up food. Without a gripper the arm counts as lowered.
     """
 
@@ -34,6 +36,7 @@ class RobotModel:
     unit: float
     pulse: float
     infra_reds: tuple[float, ...]
+    reach: float
     has_gripper: bool
 
 
@@ -46,6 +49,7 @@ KHEPERA = RobotModel(
     unit=1.0,
     pulse=PULSE,
     infra_reds=(90.0, 45.0, 10.0, -10.0, -45.0, -90.0, 180.0, 180.0),
+    reach=0.0,
     has_gripper=True,
 )
 _STEP = 128.8 / 1000
@@ -59,6 +63,7 @@ E_PUCK = RobotModel(
     unit=SPEED_UNIT * _E_PUCK_SCALE / _STEP,
     pulse=_STEP,
     infra_reds=(-17.0, -49.0, -90.0, -150.0, 150.0, 90.0, 49.0, 17.0),
+    reach=RADIUS + FOOD_RADIUS + 10.0,
     has_gripper=False,
 )
 """GCtronic: 70 mm across, 1,000 steps or 128.8 mm a turn of a wheel, at most 1,100 steps/s."""
@@ -74,6 +79,7 @@ TOIO = RobotModel(
     unit=SPEED_UNIT * _TOIO_SCALE / _TOIO_SPEED,
     pulse=0.0,
     infra_reds=(),
+    reach=2 * RADIUS + 7.0,
     has_gripper=False,
 )
 """Sony: cubes of 31.8 mm, which know their place on a printed mat."""

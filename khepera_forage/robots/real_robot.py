@@ -101,6 +101,8 @@ class RealRobot(ABC):
     Attributes:
         model: What this kind of robot can do.
         port: Name of the connection.
+        food_ahead: Whether the camera, or the mat, shows food before a robot without a gripper, which then reports an
+            object if its own sensors do.
         stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
 
     Raises:
@@ -113,7 +115,7 @@ class RealRobot(ABC):
         if not 1 <= max_speed <= self.model.max_speed:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{self.model.max_speed} speed units")
         self.port = port
-        self.stop_confirmed = False
+        self.stop_confirmed = self.food_ahead = False
         self._max_speed = max_speed
         self._command: Motors | None = None
         self._senses: Senses | None = None
@@ -156,7 +158,9 @@ class RealRobot(ABC):
         if self._senses is None:
             self.receive()
         assert self._senses is not None
-        return self._senses
+        if self.model.has_gripper or self.food_ahead:
+            return self._senses
+        return self._senses._replace(object_presence=0)
 
     def transmit(self) -> None:
         """Send the last command.

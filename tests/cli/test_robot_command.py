@@ -155,9 +155,9 @@ def test_no_watchdog_starts_none(
     started: list[str] = []
     original = Watchdog.__init__
 
-    def recorded(self: Watchdog, port: str, descriptor: int) -> None:
+    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
         started.append(port)
-        original(self, port, descriptor)
+        original(self, port, descriptor, stop)
 
     monkeypatch.setattr(Watchdog, "__init__", recorded)
     output(capsys, "grip", "open", "--port", port, *option)

@@ -128,8 +128,8 @@ def test_watchdog_ends_with_the_driver(no_leaks: None, monkeypatch: pytest.Monke
     pids: list[int] = []
     original = Watchdog.__init__
 
-    def recorded(self: Watchdog, port: str, descriptor: int) -> None:
-        original(self, port, descriptor)
+    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
+        original(self, port, descriptor, stop)
         pids.append(self.pid)
 
     monkeypatch.setattr(Watchdog, "__init__", recorded)
@@ -148,7 +148,7 @@ def test_watchdog_ends_with_the_driver(no_leaks: None, monkeypatch: pytest.Monke
 
 def test_lost_watchdog_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     reader, writer = os.pipe()
-    watchdog = Watchdog("somewhere", writer)
+    watchdog = Watchdog("somewhere", writer, b"D,0,0\n")
     os.kill(watchdog.pid, signal.SIGKILL)
     wait_for(lambda: "the watchdog of somewhere has ended" in caplog.text)
     watchdog.end()
@@ -158,5 +158,5 @@ def test_lost_watchdog_is_reported(caplog: pytest.LogCaptureFixture) -> None:
 
 def test_port_without_a_descriptor_has_no_watchdog(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING):
-        assert start_watchdog("loop://", None) is None
+        assert start_watchdog("loop://", None, b"") is None
     assert "loop:// has no watchdog" in caplog.text

@@ -122,6 +122,7 @@ class Protocol:
         stop_bits: 1 or 2.
         remark: Beginning of a line of text that follows a reply, and has no meaning.
         end: End of a request.
+        hint: What to check if no such robot replies.
     """
 
     commands: Mapping[str, Command]
@@ -132,6 +133,7 @@ class Protocol:
     stop_bits: int
     remark: str = "\n"
     end: bytes = b"\n"
+    hint: str = ""
 
     @cached_property
     def _names(self) -> dict[str, str]:

@@ -103,7 +103,7 @@ class SerialRobot(RealRobot):
         self._prepare()
         self._open(self._begin_session)
         if watchdog:
-            self._watchdog = start_watchdog(port, self._line.descriptor)
+            self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
 
     @property
     def timing(self) -> LineTiming:
@@ -164,7 +164,14 @@ class SerialRobot(RealRobot):
         The identity comes first: it is sent again if the robot rejects it because another program left an unfinished
         request on the line.
         """
-        self.stop_confirmed = self._line.measure(STOP, self._period)
+        try:
+            self.stop_confirmed = self._line.measure(STOP, self._period)
+        except RobotLost as lost:
+            if not self.protocol.hint:
+                raise
+            raise RobotLost(
+                self.port, lost.command, lost.tries, f"{lost.reason}; {self.protocol.hint}"
+            ) from lost
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
