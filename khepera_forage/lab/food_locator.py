@@ -38,15 +38,16 @@ class FoodLocator:
         """Number of the object in a robot's gripper."""
         return self._held.get(robot)
 
-    def update(self, scene: Scene, robots: Sequence[tuple[Pose, Senses]]) -> None:
+    def update(self, scene: Scene, robots: Sequence[tuple[Pose, Senses, bool]]) -> None:
         """Update the positions after a round.
 
         Args:
             scene: Regions reported by the camera.
-            robots: Pose and senses of each robot.
+            robots: Pose and senses of each robot, and whether it has a gripper.
         """
-        for number, (pose, senses) in enumerate(robots):
-            self._update_held(number, pose, senses)
+        for number, (pose, senses, has_gripper) in enumerate(robots):
+            if has_gripper:
+                self._update_held(number, pose, senses)
         food = [r for r in scene.regions if not r.holes and any(is_in(a, r) for a in self._arenas)]
         labels = {region.label for region in food}
         self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}

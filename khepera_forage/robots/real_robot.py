@@ -27,6 +27,8 @@ from khepera_forage.robots.model import RobotModel
 
 T = TypeVar("T")
 
+Proximity = tuple[int, int, int, int, int, int, int, int]
+
 _STOP_TIMEOUT = 10.0
 """Seconds that `stop` waits for the robot's thread."""
 
@@ -101,8 +103,6 @@ class RealRobot(ABC):
     Attributes:
         model: What this kind of robot can do.
         port: Name of the connection.
-        food_ahead: Whether the camera, or the mat, shows food before a robot without a gripper, which then reports an
-            object if its own sensors do.
         stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
 
     Raises:
@@ -115,7 +115,8 @@ class RealRobot(ABC):
         if not 1 <= max_speed <= self.model.max_speed:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{self.model.max_speed} speed units")
         self.port = port
-        self.stop_confirmed = self.food_ahead = False
+        self.stop_confirmed = self._food_ahead = False
+        self._proximity: Proximity | None = None
         self._max_speed = max_speed
         self._command: Motors | None = None
         self._senses: Senses | None = None
@@ -158,9 +159,19 @@ class RealRobot(ABC):
         if self._senses is None:
             self.receive()
         assert self._senses is not None
-        if self.model.has_gripper or self.food_ahead:
-            return self._senses
-        return self._senses._replace(object_presence=0)
+        senses = self._senses
+        if not (self.model.has_gripper or self._food_ahead):
+            senses = senses._replace(object_presence=0)
+        return senses if self._proximity is None else senses._replace(proximity=self._proximity)
+
+    def note_surroundings(self, food_ahead: bool, proximity: Proximity | None) -> None:
+        """Complete the senses of a robot that has fewer sensors than a Khepera, once a round.
+
+        Args:
+            food_ahead: Whether food is before the robot. Without a gripper, it reports an object only then.
+            proximity: Infra-red readings as they follow from the map, for a robot without infra-reds.
+        """
+        self._food_ahead, self._proximity = food_ahead, proximity
 
     def transmit(self) -> None:
         """Send the last command.

@@ -1,14 +1,14 @@
 """Virtual cubes on a virtual mat, below toio-py's `CubeInterface`.
 
-A cube is a disc on the plan of an arena that drives as commanded, pushes other cubes, and stops at walls. A table keeps
-real time by default; a clock of its own makes it independent of the machine's load.
+A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls. A
+table keeps real time by default; a clock of its own makes it independent of the machine's load.
 """
 
 import asyncio
 import math
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 from uuid import UUID
 
@@ -30,23 +30,20 @@ _NOTIFY = 0.01
 """Seconds of a step, and from one notification to the next."""
 _VERSION = b"\x81\x002.4.0"
 
-Wall = tuple[float, float, float, float]
-
 
 class Table:
-    """A mat with cubes and walls.
+    """A mat with cubes.
 
     Args:
         mat: The mat.
         clock: Seconds since any fixed moment.
 
     Attributes:
-        walls: Segments (x1, y1, x2, y2) that no cube crosses, in mm on the plan.
         unplugged: Names of cubes that have lost their connection.
     """
 
     def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic) -> None:
-        self.mat, self.walls = mat, list[Wall]()
+        self.mat = mat
         self.unplugged: set[str] = set()
         self._clock = clock
         self._now = clock()
@@ -81,7 +78,7 @@ class Table:
         return CubePose(1.5 * RADIUS * (2 * column + 1), height - 1.5 * RADIUS * (2 * row + 1), 0.0)
 
     def _separate(self) -> None:
-        """Push cubes apart that overlap; a cube that drives moves one that stands. Then keep all off the walls."""
+        """Push cubes apart that overlap; a cube that drives moves one that stands."""
         cubes = list(self._cubes.values())
         for i, first in enumerate(cubes):
             for second in cubes[i + 1 :]:
@@ -93,16 +90,9 @@ class Table:
                     first.shift(-dx / distance * overlap * share, -dy / distance * overlap * share)
                     rest = 1.0 - share
                     second.shift(dx / distance * overlap * rest, dy / distance * overlap * rest)
-        for cube in cubes:
-            for wall in self.walls:
-                x, y = _nearest(wall, cube.pose)
-                distance = math.hypot(cube.pose.x - x, cube.pose.y - y) or 1e-6
-                overlap = RADIUS - distance
-                if overlap > 0:
-                    cube.shift((cube.pose.x - x) / distance * overlap, (cube.pose.y - y) / distance * overlap)
 
 
-class VirtualCube(CubeInterface):  # type: ignore[misc] # toio-py has no type information
+class VirtualCube(CubeInterface):
     """One cube, as toio-py sees it.
 
     Args:
@@ -168,7 +158,9 @@ class VirtualCube(CubeInterface):  # type: ignore[misc] # toio-py has no type in
         """The answer to the last configuration request."""
         return self._answer
 
-    async def write(self, char_uuid: UUID, data: bytes, response: bool = False) -> None:
+    async def write(
+        self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
+    ) -> None:
         """Execute a motor command; everything else is accepted and has no effect.
 
         Raises:
@@ -222,15 +214,6 @@ def _effective(direction: int, unit: int) -> int:
     return -speed if direction == 2 else speed
 
 
-def _nearest(wall: Wall, pose: CubePose) -> tuple[float, float]:
-    """The point of a wall nearest to a place."""
-    x1, y1, x2, y2 = wall
-    ex, ey = x2 - x1, y2 - y1
-    length = ex * ex + ey * ey
-    t = 0.0 if length == 0 else max(0.0, min(1.0, ((pose.x - x1) * ex + (pose.y - y1) * ey) / length))
-    return x1 + t * ex, y1 + t * ey
-
-
 _TABLES: dict[Mat, Table] = {}
 
 
@@ -239,7 +222,6 @@ def table(mat: Mat) -> Table:
     return _TABLES.setdefault(mat, Table(mat))
 
 
-def use_table(table: Table, walls: Sequence[Wall] = ()) -> None:
+def use_table(table: Table) -> None:
     """Let drivers find their virtual cubes on a table."""
-    table.walls = [*walls]
     _TABLES[table.mat] = table
