@@ -101,6 +101,7 @@ def _laboratory(lab: str, arena: str | Arena, robots: int, decisions: Decisions)
     elif len(settings.robots) < 2:
         raise ValueError(f"{lab}: robots has one entry; allowed: a teacher and at least one learner")
     for robot in settings.robots:
-        print(f"robot {robot.name} at {robot.port}, {robot.baud} baud")
-    print(f"camera {settings.camera.source}; arena {settings.arena.name}")
+        print(f"robot {robot.name} at {robot.port}" + (f", {robot.baud} baud" if robot.baud else ""))
+    seen = "a mat" if settings.has_mat else f"camera {settings.camera.source}"
+    print(f"{seen}; arena {settings.arena.name}")
     return Laboratory(settings)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -118,6 +119,8 @@ class Laboratory:
                 self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
+            for cube in self._devices.cubes:
+                cube.clearance = None  # the operator may drive it anywhere
             for robot in self.robots:
                 robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
             self._fleet.transmit()
@@ -126,6 +129,8 @@ class Laboratory:
             self._place(OperatorRequest("start of an episode", marks, layout.foods))
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
+            for cube, arena in zip(self._devices.cubes, self.arenas, strict=False):
+                cube.clearance = partial(_clearance, arena)
         self._ready = True
         self.clock.start()
 
@@ -280,3 +285,7 @@ class Laboratory:
 
     def _senses(self) -> list[Senses]:
         return [robot.sense() for robot in self.robots]
+
+
+def _clearance(arena: Arena, x: float, y: float) -> float:
+    return arena.clearance(Point(x, y))

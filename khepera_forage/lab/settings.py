@@ -30,12 +30,12 @@ class RobotSettings:
 
     port: str
     name: str
-    type: str = KHEPERA.name
     baud: int | None = None
     holes: int = 2
     offset: Point = ORIGIN
     timeout: float = DEFAULT_TIMEOUT
     watchdog: bool = True
+    type: str = KHEPERA.name
 
     @property
     def model(self) -> RobotModel:

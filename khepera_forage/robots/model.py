@@ -2,7 +2,15 @@
 
 from dataclasses import dataclass
 
-from khepera_forage.robots.khepera import FOOD_RADIUS, MAX_SPEED, PULSE, RADIUS, SPEED_UNIT, WHEEL_BASE
+from khepera_forage.robots.khepera import (
+    BARRIER,
+    FOOD_RADIUS,
+    MAX_SPEED,
+    PULSE,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +33,8 @@ class RobotModel:
             none for a robot that has no such sensors.
         reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
             without a gripper.
-        has_gripper: Whether it can pick up food. Without a gripper the arm counts as lowered.
+        has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw
+            as open.
     """
 
     name: str
@@ -63,7 +72,7 @@ E_PUCK = RobotModel(
     unit=SPEED_UNIT * _E_PUCK_SCALE / _STEP,
     pulse=_STEP,
     infra_reds=(-17.0, -49.0, -90.0, -150.0, 150.0, 90.0, 49.0, 17.0),
-    reach=RADIUS + FOOD_RADIUS + 10.0,
+    reach=BARRIER + FOOD_RADIUS,
     has_gripper=False,
 )
 """GCtronic: 70 mm across, 1,000 steps or 128.8 mm a turn of a wheel, at most 1,100 steps/s."""
@@ -79,7 +88,7 @@ TOIO = RobotModel(
     unit=SPEED_UNIT * _TOIO_SCALE / _TOIO_SPEED,
     pulse=0.0,
     infra_reds=(),
-    reach=2 * RADIUS + 7.0,
+    reach=BARRIER + FOOD_RADIUS,
     has_gripper=False,
 )
 """Sony: cubes of 31.8 mm, which know their place on a printed mat."""

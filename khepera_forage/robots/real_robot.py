@@ -150,6 +150,23 @@ class RealRobot(ABC):
         self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
         return self._command
 
+    def flash(self) -> None:
+        """Switch its lamps on for a moment, so that a person sees which robot this is.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self._begin(self._flash).result()
+
+    def turn_wheels(self, left: int, right: int) -> None:
+        """Turn the wheels at speeds in speed units, and move nothing else.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self.drive(Motors(left, right, ARM_DOWN, JAW_OPEN))
+        self.transmit()
+
     def sense(self) -> Senses:
         """The senses of the last `receive`; calls it if there was none.
 
@@ -343,6 +360,10 @@ class RealRobot(ABC):
     @abstractmethod
     def _stop_wheels(self) -> None:
         """Stop the wheels until the next `_transmit`, and confirm it."""
+
+    @abstractmethod
+    def _flash(self) -> None:
+        """See `flash`."""
 
     @abstractmethod
     def _disconnect(self) -> None:

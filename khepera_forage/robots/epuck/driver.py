@@ -10,9 +10,9 @@ from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
 _KHEPERA_ORDER = (5, 6, 7, 0, 1, 2, 3, 4)
 """The e-puck's sensors in the order of `Senses.proximity`: left 90, 49, 17, right 17, 49, 90, back right, back left."""
 _FULL_READING = 4096
-TOUCHED = 1000
-"""Reading of the two front sensors before which an object touches the robot; they read more from about 10 mm on.
-Assumption: the response of each sensor differs."""
+TOUCHED = 300
+"""Reading of the two front sensors from which an object is before the robot, about 30 mm away. Assumption: the response
+of each sensor differs."""
 
 
 class SerialEPuck(SerialRobot):
@@ -27,6 +27,7 @@ class SerialEPuck(SerialRobot):
     protocol = protocol.E_PUCK
     default_baud = 115200
     motion_commands = ("D",)
+    lamps = (8,)
 
     def _prepare(self) -> None:
         self._counters = Counters(bits=16)

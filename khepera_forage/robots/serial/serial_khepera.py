@@ -40,6 +40,11 @@ class SerialKhepera(SerialRobot):
     protocol = khepera_protocol.KHEPERA
     default_baud = 38400
     motion_commands = ("C", "D", "P")
+    lamps = (0, 1)
+
+    def turn_wheels(self, left: int, right: int) -> None:
+        """See `RealRobot`."""
+        self.request("D", left, right)
 
     def _prepare(self) -> None:
         self._arm = Reading(max_change=8, can_stall=False, phase=0)

@@ -1,5 +1,6 @@
 """A robot at a serial port: what the drivers of Khepera and e-puck share."""
 
+import time
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
@@ -32,6 +33,8 @@ _MAX_TIMEOUTS = 40
 """The same in timeouts, for a user who has chosen a long one."""
 _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
+_FLASH = 0.3
+"""Seconds."""
 _SHORT_EXCHANGE = 20
 """Bytes of a request and its reply with one number."""
 _RESTART_JUMP = 1000
@@ -69,6 +72,8 @@ class SerialRobot(RealRobot):
     default_baud: ClassVar[int]
     motion_commands: ClassVar[tuple[str, ...]]
     """Requests that set the wheels in motion."""
+    lamps: ClassVar[tuple[int, ...]]
+    """Arguments of request L that switch all lamps."""
 
     def __init__(
         self,
@@ -271,6 +276,12 @@ class SerialRobot(RealRobot):
                 self._restarts = 0
                 self._speeds, self.stop_confirmed = (0, 0), True
                 return
+
+    def _flash(self) -> None:
+        for action in (1, 0, 1, 0):
+            for lamp in self.lamps:
+                self._request(Request("L", (lamp, action)))
+            time.sleep(_FLASH)
 
     def _disconnect(self) -> None:
         self._line.close()

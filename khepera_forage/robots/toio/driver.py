@@ -7,11 +7,11 @@ import asyncio
 import math
 import threading
 import time
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from khepera_forage.extras import require
-from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, RobotLost, Senses
+from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, RADIUS, RobotLost, Senses
 from khepera_forage.robots.model import TOIO
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose, Mat
@@ -32,6 +32,10 @@ _MAX_SILENCE = 0.5
 _SCAN_TIMEOUT = 10.0
 _WRITE_TIMEOUT = 2.0
 _POLL = 0.002
+_FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
+"""Light for one second, white."""
+_LOOK_AHEAD = 8.0
+"""mm on the plan in which a wall before the cube stops it."""
 _POSITION, _POSITION_MISSED = 0x01, 0x03
 """First bytes of a notification."""
 
@@ -51,6 +55,8 @@ class ToioRobot(RealRobot):
     Attributes:
         pose: Its last place on the plan.
         on_mat: Whether it sees the mat.
+        clearance: Distance in mm from a place on the plan to the nearest wall, negative behind it; None without walls.
+            A mat has no walls, so that the driver itself keeps the cube within them: it turns, and does not advance.
 
     Raises:
         ValueError: A speed that is not allowed.
@@ -65,6 +71,7 @@ class ToioRobot(RealRobot):
         require("a toio cube", "toio")
         self.pose = CubePose(0.0, 0.0, 0.0)
         self.on_mat = False
+        self.clearance: Callable[[float, float], float] | None = None
         self._mat = mat
         self._cube: Any = None
         self._notifications = 0
@@ -156,7 +163,15 @@ class ToioRobot(RealRobot):
 
     def _transmit(self) -> None:
         if self._command is not None:
-            self._write_motors(self._command.left, self._command.right, COMMAND_DURATION)
+            left, right, _, _ = self._command
+            forward = (left + right) / 2
+            if forward and self.clearance is not None:
+                x, y, heading = self.pose
+                ahead = math.copysign(_LOOK_AHEAD, forward)
+                after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
+                if after < min(RADIUS, self.clearance(x, y)):
+                    left, right = left - forward, right - forward
+            self._write_motors(left, right, COMMAND_DURATION)
 
     def _receive(self) -> None:
         self._wait_for_position()
@@ -181,6 +196,9 @@ class ToioRobot(RealRobot):
             ) from error
         if not any(units):
             self.stop_confirmed = True
+
+    def _flash(self) -> None:
+        _wait(self._cube.api.indicator._write(_FLASH), _WRITE_TIMEOUT)
 
     def _disconnect(self) -> None:
         if self._cube is not None and self._cube.is_connect():

@@ -7,6 +7,7 @@ more. Like the real firmware, this one confirms any value that the protocol allo
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from typing import Protocol
 
 from khepera_forage.robots.khepera import (
     CONTROL_PERIOD,
@@ -18,6 +19,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     Robot,
 )
+from khepera_forage.robots.serial import protocol as serial_protocol
 from khepera_forage.robots.serial.khepera_protocol import KHEPERA, PWM, SPEED
 from khepera_forage.robots.serial.protocol import (
     NOT_FOUND_TEXT,
@@ -44,6 +46,37 @@ _SPEED_MODE, _POSITION_MODE = 0, 1
 """The mode in the reply to K, as KIKS has it."""
 
 Values = tuple[int | str, ...]
+
+
+class VirtualFirmware(Protocol):
+    """The robot's end of a serial line, for any kind of robot.
+
+    Attributes:
+        protocol: That of the robot.
+    """
+
+    protocol: serial_protocol.Protocol
+
+    @property
+    def turning(self) -> bool:
+        """Whether a wheel is commanded to turn."""
+        ...
+
+    def handle(self, line: bytes) -> bytes:
+        """Execute one request; returns the whole reply with its ending."""
+        ...
+
+    def tick(self) -> None:
+        """End a control period; call once after each `World.advance`."""
+        ...
+
+    def power_on(self) -> bytes:
+        """Start after a power failure; returns the banner."""
+        ...
+
+    def attach(self, robot: Robot) -> None:
+        """Connect another simulated body: a reset of a simulated world builds new bodies."""
+        ...
 
 
 class Firmware:
