@@ -28,7 +28,13 @@ def drive_and_receive():
 
 
 def start_driver(
-    ports: Sequence[str], body: str, *, before: str = "", options: str = "", stdin: int | None = None
+    ports: Sequence[str],
+    body: str,
+    *,
+    before: str = "",
+    options: str = "",
+    stdin: int | None = None,
+    definitions: str = DRIVE,
 ) -> "subprocess.Popen[str]":
     """Start a process that drives robots, and wait until they drive.
 
@@ -37,9 +43,10 @@ def start_driver(
         body: Program after the definitions above; calls `drive()`.
         before: Program before them.
         options: Further arguments of `SerialKhepera`.
+        definitions: Program between them.
         stdin: Standard input, as for `subprocess.Popen`.
     """
-    program = "\n".join((before, DRIVE.format(options=options), textwrap.dedent(body)))
+    program = "\n".join((before, definitions.format(options=options), textwrap.dedent(body)))
     child = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", program, *ports],
         stdin=stdin,

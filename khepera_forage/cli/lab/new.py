@@ -30,12 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("lab.toml"), help="the file to write (lab.toml)")
 
 
-def run(arguments: argparse.Namespace, ask: Callable[[str], str] = input) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Ask for what is missing, check each device, write the file, and say what to do next.
-
-    Args:
-        arguments: Of the command.
-        ask: Shows a question and returns the answer.
 
     Returns:
         0 if all devices work, otherwise 1; the file is written in any case.
@@ -44,6 +40,7 @@ def run(arguments: argparse.Namespace, ask: Callable[[str], str] = input) -> int
         FileExistsError: The file is there already.
         ValueError: An answer that is not allowed.
     """
+    ask = input
     if arguments.out.exists():
         raise FileExistsError(f"{arguments.out} is there already; allowed: another --out")
     kind = arguments.robot or _answer(ask, f"Kind of robots ({', '.join(MODELS)}): ")

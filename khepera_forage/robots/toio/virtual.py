@@ -26,8 +26,7 @@ _BASE = TOIO.wheel_base / TOIO.scale
 _SPEED = SPEED_UNIT / TOIO.unit
 """mm/s on the plan for one unit of the motor speed."""
 _STEP = 0.01
-_NOTIFY = 0.01
-"""Seconds of a step, and from one notification to the next."""
+"""Seconds."""
 _VERSION = b"\x81\x002.4.0"
 
 
@@ -37,15 +36,16 @@ class Table:
     Args:
         mat: The mat.
         clock: Seconds since any fixed moment.
+        interval: Seconds of the computer from one position of a cube to the next.
 
     Attributes:
         unplugged: Names of cubes that have lost their connection.
     """
 
-    def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
         self.mat = mat
         self.unplugged: set[str] = set()
-        self._clock = clock
+        self._clock, self.interval = clock, interval
         self._now = clock()
         self._lock = threading.RLock()
         self._cubes: dict[str, VirtualCube] = {}
@@ -192,7 +192,7 @@ class VirtualCube(CubeInterface):
     async def _notify(self) -> None:
         """Send positions until it is disconnected."""
         while self.is_connect():
-            await asyncio.sleep(_NOTIFY)
+            await asyncio.sleep(self._table.interval)
             handler = self._handlers.get(ToioUuid.Id.value)
             if handler is not None:
                 self._table.advance()
