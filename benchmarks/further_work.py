@@ -26,9 +26,7 @@ from further_experiments.analysis import Analysis
 from further_experiments.experiment import Size
 from further_experiments.rows import TABLES, RecallEpisode, TrainingEpisode
 
-from khepera_forage.experiments import page
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.processes import collect
+from khepera_forage.study import Count, collect, parse, write
 
 EXPERIMENTS = {
     module.EXPERIMENT.name: module.EXPERIMENT
@@ -74,7 +72,7 @@ def main() -> int:
         rng = np.random.default_rng(given.seed)
         report = experiment.report(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), rng))
         written = experiment.page(report)
-        page.write(given.out, name, written, given.command_line(f"--only {name}"))
+        write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")
         print("\n".join(table.markdown() for table in written.tables))
     print(f"Pages, pictures, tables and rows are in {results}")

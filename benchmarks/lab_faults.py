@@ -15,10 +15,8 @@ from laboratory_faults.injector import PAUSE, QUICK_PAUSE
 from laboratory_faults.kinds import KINDS
 from laboratory_faults.rows import FaultRow, TrainingResult
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import collect
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import Table
+from khepera_forage.study import Count, Page, Picture, collect, finish, parse
 
 COUNT = Count("series", 34, 1, f"series of trainings, each with {len(KINDS)} faults", adds_units=True)
 QUICK = 3

@@ -1,135 +1,399 @@
-"""Speed of environments, policies and compiled worlds, compared with goals and with bare pymunk.
+"""Speed of environments, policies and compiled worlds: against goals, or also beside another commit.
 
-    python benchmarks/throughput.py --help
-
-Goals on one core: 15,000 steps a second of Corridor-v1 under the teacher, 4,000 rounds a second of the paired
-corridors, 40,000 decisions a second of an imitator with 1,000 experience vectors, half a second for the import, 1 GB
-for the main job. With `--compiled`: 4 million steps a second in the kernel, 2 million and 100 times pymunk through
-`gym.make_vec`, 60,000 of one world, and half the corridor's rate in 10,000 arenas; there is then a second picture, of
-the cost of a step against worlds and food.
-
-`--beside COMMIT` measures something else: the speed of this checkout beside that of a commit, such as a0e33ed (the
-last with blocks of worlds), with a target for each ratio. It needs git, and numba for all cases but `--only pymunk`.
-About 25 minutes on two cores; with --quick ten minutes, nearly all of them compilation.
+With --beside, this checkout and the commit run the same cases alternately; targets are of the ratio to a0e33ed, the
+last commit whose kernels worked on blocks of worlds. Each measurement has a process of its own. All cases but pymunk,
+import and paired need numba. With --quick some minutes, nearly all of them compilation.
 """
 
 import argparse
+import compileall
+import os
+import shutil
+import signal
+import subprocess
 import sys
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from timeit import repeat
+from typing import Any, NamedTuple, NoReturn
 
-from timing import (
-    bare_pymunk,
-    beside,
-    compiled,
-    compiling,
-    environments,
-    fresh_processes,
-    imitator,
-    parts,
-    pools,
-    scaling,
+import gymnasium as gym
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+ROOT, PACKAGE = Path(__file__).resolve().parents[1], "khepera_forage"
+CORRIDOR = "khepera_forage:khepera_forage/Corridor-v1"
+WORLDS, IMITATORS = 4096, 64
+MEDIUM: Any = {"foods": 2, "limit": 1900}  # medium procedural arenas, and the corridor beside them
+
+
+def pymunk(steps: int, seed: int, act: Any = None, **settings: Any) -> float:
+    """Steps a second of Corridor-v1 of gym.make, resets included, after a tenth of as many; under the teacher."""
+    env: Any = gym.make(CORRIDOR, **settings)
+    from khepera_forage.policies import Teacher
+
+    teacher = Teacher.of(env).act
+    act = act or (lambda observation, _: teacher(observation))
+    for count in (steps // 10, steps):
+        start = perf_counter()
+        observation, info = env.reset(seed=seed)
+        for _ in range(count):
+            observation, _, terminated, truncated, info = env.step(act(observation, info))
+            if terminated or truncated:
+                observation, info = env.reset()
+    return steps / (perf_counter() - start)
+
+
+def paired(rounds: int, seed: int) -> float:
+    """Rounds a second of the paired corridors, resets included."""
+    from khepera_forage.envs import paired_corridors_v1
+    from khepera_forage.policies import Teacher
+    from khepera_forage.policies.listener import Listener
+
+    env = paired_corridors_v1.env()
+    policies: Any = {"teacher_0": Teacher.of(env), "learner_0": Listener()}
+    done, start = 0, perf_counter()
+    env.reset(seed=seed)
+    while done < rounds:
+        for agent in env.agent_iter():
+            observation, _, terminated, truncated, _ = env.last()
+            over = terminated or truncated
+            env.step(None if over else int(policies[agent].act(observation)))
+            done += agent == "teacher_0" and not over
+        env.reset()
+    return done / (perf_counter() - start)
+
+
+def decisions(count: int, seed: int) -> float:
+    """Decisions a second of an imitator in Python, while it forages in the corridor."""
+    from khepera_forage.policies import NearestNeighbourImitator
+
+    imitator, rng = NearestNeighbourImitator().fit(*experience(1, seed)[0]), np.random.default_rng(seed)
+    seconds = []
+
+    def act(observation: Any, _: Any) -> int:
+        start = perf_counter()
+        behaviour = imitator.act(observation, rng)
+        seconds.append(perf_counter() - start)
+        return behaviour
+
+    pymunk(count, seed, act)
+    return len(seconds) / sum(seconds)
+
+
+def make_vec(rounds: int, seed: int, name: str = CORRIDOR, resets: int = 1, **settings: Any) -> float:
+    """Steps a second of all worlds of make_vec under the teacher: the median round, once episodes end in turn."""
+    env: Any = gym.make_vec(name, num_envs=WORLDS, **settings)
+    for reset in range(resets):
+        _, infos = env.reset(seed=seed + reset * WORLDS)
+    seconds = []
+    for _ in range(2 * rounds):
+        actions = infos["correct_behaviour"]
+        start = perf_counter()
+        infos = env.step(actions)[4]
+        seconds.append(perf_counter() - start)
+    return WORLDS / median(seconds[rounds:])
+
+
+def procedural_make_vec(arenas: int, seed: int) -> float:
+    """Rate of make_vec in medium arenas, all entered before, as a share of that in the corridor with as much food."""
+    corridor = make_vec(100, seed, resets=5, foods=MEDIUM["foods"])
+    return make_vec(100, seed, "khepera_forage/Procedural-v1", resets=5, num_levels=arenas) / corridor
+
+
+def kernel(episodes: int, seed: int) -> float:
+    """Steps a second of whole recalls under the teacher in the kernel."""
+    from khepera_forage.rollouts.compiled.recalls import run_teacher
+
+    return of_calls(lambda: run_teacher("corridor", episodes, seed=seed).steps.sum())
+
+
+def imitators(episodes: int, seed: int) -> float:
+    """The same under imitators with ten training episodes each."""
+    from khepera_forage.policies.nearest_neighbour.memories import memories_of
+    from khepera_forage.rollouts.compiled.recalls import run_recalls
+
+    memories = memories_of(experience(IMITATORS, seed))
+    which = [episode % IMITATORS for episode in range(episodes)]
+    return of_calls(lambda: run_recalls("corridor", memories, which, seed).steps.sum())
+
+
+def trainings(learners: int, seed: int) -> float:
+    """Rounds a second of whole training episodes in the kernel, failed attempts included."""
+    from khepera_forage.rollouts.compiled.training import train_learners
+
+    return of_calls(lambda: train_learners(learners, seed=seed).attempts.rounds.sum())
+
+
+def procedural_recalls(arenas: int, seed: int) -> float:
+    """Rate of recalls, nearly all in an arena of their own, as a share of that in the corridor with as much food."""
+    from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls
+    from khepera_forage.sim.arenas.procedural import ProceduralArenas
+
+    def rate(arena: Any) -> float:
+        recalls = Recalls(arena, **MEDIUM)  # the first call prepares the arenas
+        return of_calls(lambda: recalls.run(None, [TEACHER] * arenas, seed).steps.sum())
+
+    return rate(ProceduralArenas("medium")) / rate("corridor")
+
+
+def design(replications: int, seed: int) -> float:
+    """Seconds of replications of the thesis's design: training and recalls as rows, without the report."""
+    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, CompiledReplications
+
+    CompiledReplications(seed, 0, 1).run()  # compiles, or loads the kernels
+    start = perf_counter()
+    for first in range(0, replications, GROUP_SIZE):
+        CompiledReplications(seed, first, min(GROUP_SIZE, replications - first)).run()
+    return perf_counter() - start
+
+
+def import_alone(_: int, __: int) -> float:
+    """Seconds of the import in a process that has imported nothing else."""
+    code = "from time import time; start = time(); import khepera_forage; print(time() - start)"
+    return float(subprocess.check_output([sys.executable, "-P", "-c", code]))
+
+
+def memory(worlds: int, _: int) -> float:
+    """Bytes of a world with one food object."""
+    env: Any = gym.make_vec(CORRIDOR, num_envs=worlds)
+    return float(env.unwrapped.batch.bytes_per_world)
+
+
+def of_calls(call: Callable[[], Any]) -> float:
+    """Steps or rounds a second in the median of five calls that do the same work, after one that compiles."""
+    return int(call()) / median(repeat(call, number=1, repeat=5))
+
+
+def experience(learners: int, seed: int) -> list[tuple[Any, Any]]:
+    """State vectors and behaviours of ten training episodes of each learner."""
+    from khepera_forage.rollouts.compiled.training import train_learners
+
+    trained = train_learners(learners, seed=seed, episodes=10)
+    return [(own[:, :5], own[:, 5]) for own in map(trained.vectors_of, range(learners))]
+
+
+class Case(NamedTuple):
+    """Something to measure; of seconds and bytes less is better."""
+
+    name: str
+    measure: Callable[[int, int], float]  # of the size and a seed
+    label: str
+    unit: str
+    size: int
+    quick: int
+    goal: float  # of this checkout
+    target: float | None = None  # of the ratio to a0e33ed; without, the commit is not measured
+    first_call: bool = False  # the value is the time of it all, import and compilation included
+    one_core: bool = False  # one thread, so that both processes of a pair can run on the same core
+
+    def factor(self, value: float, bound: float) -> float:
+        """How many times as good as a goal or target a value is."""
+        return bound / value if self.unit in ("s", "bytes") else value / bound
+
+
+one_world = partial(pymunk, act=lambda _, info: info["correct_behaviour"], backend="compiled")
+CASES = (
+    Case("pymunk", pymunk, "Corridor-v1 on pymunk", "steps/s", 30_000, 400, 1e4, 0.6, one_core=True),
+    Case("make_vec", make_vec, f"make_vec, {WORLDS:,} worlds", "steps/s", 200, 5, 2e6, 0.35),
+    Case("kernel", kernel, "teacher in the kernel", "steps/s", 32_768, 128, 4e6, 0.3),
+    Case("imitators", imitators, "imitators in the kernel", "steps/s", 32_768, 128, 1e6, 0.3),
+    Case("trainings", trainings, "trainings in the kernel", "rounds/s", 8_192, 128, 1e6, 0.3),
+    Case("one_world", one_world, "one compiled world", "steps/s", 100_000, 1_000, 6e4, 0.6, one_core=True),
+    Case("procedural_recalls", procedural_recalls, "recalls, procedural/corridor", "", 2_000, 50, 0.5),
+    Case("procedural_make_vec", procedural_make_vec, "make_vec, procedural/corridor", "", 2_000, 50, 0.5),
+    Case("first_make_vec", make_vec, "first make_vec", "s", 1, 1, 45, 0.8, first_call=True),
+    Case("first_run_teacher", kernel, "first run_teacher", "s", 128, 128, 45, 0.8, first_call=True),
+    Case("first_train_learners", trainings, "first train_learners", "s", 128, 128, 45, 0.8, first_call=True),
+    Case("design", design, "{:,} replications of the design", "s", 1_000, 2, 60, 4.0),
+    Case("import", import_alone, "import khepera_forage", "s", 1, 1, 0.5),
+    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000, one_core=True),
+    Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4, one_core=True),
+    Case("memory", memory, "memory of a world", "bytes", 128, 128, 2_000),
 )
-from timing.checkouts import checkouts
-from timing.measures import Job, Measured, Repeat, lines_of, repeats
-from timing.page import page
-
-from khepera_forage.experiments.arguments import Arguments, Count, parse
-from khepera_forage.experiments.page import finish, write
-from khepera_forage.experiments.processes import collect
-
-COUNTS = (
-    Count("steps", 10_000, 150, "steps, rounds or decisions of each measure in a repeat"),
-    Count("repeats", 7, 2, "repeats, of which the median counts"),
-)
-ROOT = Path(__file__).resolve().parents[1]
-EPISODES, QUICK_EPISODES = 16_384, 1_024
-"""Compiled episodes of a measure in each repeat."""
-COMPILED_STEPS, QUICK_COMPILED_STEPS = 100_000, 2_000
-"""Steps of each measure against the number of worlds, and of food."""
+ALONE = ("import", "paired", "decisions", "memory")  # which --beside leaves out
+Pairs = list[dict[str, float]]  # the repeats of a case: the value of each checkout
 
 
-def python_jobs(steps: int, seed: int) -> list[Job]:
-    """Everything on pymunk.
-
-    Args:
-        steps: Steps, rounds or decisions of a measure in each repeat.
-        seed: Of all episodes and trainings.
-    """
-    return [
-        *environments.jobs(steps, seed),
-        bare_pymunk.job(steps),
-        imitator.job(steps, seed),
-        fresh_processes.import_job,
-        parts.job(steps, seed),
-    ]
+def measure_here(name: str, size: str, seed: str, core: str) -> None:
+    """In a fresh process: print the value of a case, and where its package is."""
+    if core:
+        os.sched_setaffinity(0, [int(core)])
+    case = next(case for case in CASES if case.name == name)
+    start = perf_counter()
+    value = case.measure(int(size), int(seed))
+    print(perf_counter() - start if case.first_call else value, __import__(PACKAGE).__file__, sep="\n")
 
 
-def compiled_jobs(quick: bool, seed: int) -> list[Job]:
-    """Everything compiled that is repeated."""
-    episodes = QUICK_EPISODES if quick else EPISODES
-    return [
-        compiled.worlds_job(episodes, seed),
-        compiled.imitators_job(episodes, seed),
-        compiled.training_job(episodes, seed),
-        scaling.job(QUICK_COMPILED_STEPS if quick else COMPILED_STEPS, seed),
-        pools.recalls_job(pools.QUICK_ARENAS if quick else pools.ARENAS, seed),
-        pools.pool_job(pools.QUICK_ARENAS if quick else pools.ARENAS, 20 if quick else 200, seed),
-    ]
+def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
+    """The value of a case for the package in a folder."""
+    code = "import sys; sys.path.append(sys.argv[1]); import throughput as t; t.measure_here(*sys.argv[2:])"
+    command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name]
+    with TemporaryDirectory(dir=folder) as empty:
+        kernels = empty if case.first_call else str(folder / "kernels")
+        kept = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kernels, "PYTHONPATH": str(folder)}
+        command += [str(size), str(seed), core]
+        done = subprocess.run(command, env=os.environ | kept, capture_output=True, text=True)
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
+        refuse(f"case {case.name} failed in {folder.name}: {last}; --only measures other cases")
+    value, package = done.stdout.splitlines()[-2:]
+    if not Path(package).is_relative_to(folder):
+        refuse(f"case {case.name} measured the package in {package}; allowed: the one in {folder}")
+    return float(value)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The arguments of this script alone."""
-    parser.add_argument("--compiled", action="store_true", help="also the compiled backend (needs numba)")
-    parser.add_argument("--memory", action="store_true", help="also the peak memory of the main job in small")
-    text = "measure only the speed of this checkout beside that of a commit; page and rows are beside.md and beside.csv"
-    parser.add_argument("--beside", metavar="COMMIT", help=text)
-    names = [case.name for case in beside.CASES]
-    text = "a case of --beside; may be given several times (all)"
-    parser.add_argument("--only", action="append", choices=names, help=text)
+def measure_all(cases: Sequence[Case], given: argparse.Namespace, found: dict[str, Path]) -> dict[str, Pairs]:
+    """Measure all cases once, then again, each time with another seed, core and order of the checkouts."""
+    values: dict[str, Pairs] = {case.name: [] for case in cases}
+    repeats = [(n, case) for n in range(given.repeats) for case in cases if n < 3 or case.unit != "s"]
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    for number, case in tqdm(repeats, disable=None):
+        core = str(cores[number % len(cores)]) if case.one_core and cores else ""
+        size, seed = case.quick if given.quick else case.size, given.seed + number
+        names = [name for name in (found if number % 2 else reversed(found)) if case.target or name == "here"]
+        values[case.name].append({name: measure(case, found[name], size, seed, core) for name in names})
+    return values
 
 
-def compare(given: Arguments) -> int:
-    """Measure this checkout beside a commit, and write and print the ratios."""
-    cases = [case for case in beside.CASES if not given.only or case.name in given.only]
-    try:
-        with checkouts(given.beside, ROOT) as (theirs, ours):
-            units = beside.pairs(cases, (theirs, ours), given.repeats, given.quick, given.seed)
-            rows = collect(given, units, {beside.Timed: "beside"}).of(beside.Timed)
-    except (ValueError, beside.CaseError) as error:
-        given.refuse(str(error))
-    result = beside.page(rows, theirs, ours, given.repeats, given.quick)
-    del given.counts["steps"]  # the sizes of the cases are fixed
-    options = [f"--beside {theirs.version}", *(f"--only {name}" for name in given.only or ())]
-    write(given.out, "beside", result, given.command_line(*options))
-    print("\n".join(table.markdown() for table in result.tables))
-    print(f"Page, table and rows are in {given.out}: beside.md, table_beside.csv, beside.csv")
-    return 0
+def git(*arguments: str) -> str:
+    """What git prints; empty if it fails or is not installed."""
+    if not shutil.which("git"):
+        return ""
+    done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True)
+    return "" if done.returncode else done.stdout.strip()
 
 
-def main() -> int:
-    """Run the benchmark."""
-    given = parse("throughput", __doc__, *COUNTS, jobs=None, add=add_arguments)
-    if given.beside is not None:
-        if given.compiled or given.memory:
-            sys.exit(
-                "throughput.py: --beside measures nothing else; allowed: without --compiled and --memory"
-            )
-        return compare(given)
-    if given.only:
-        given.refuse("--only selects cases of --beside; allowed: with --beside COMMIT")
-    seed, quick = given.seed, given.quick
-    units = repeats("python", python_jobs(given.steps, seed), given.repeats)
-    if given.compiled:
-        units += repeats("compiled", compiled_jobs(quick, seed), given.repeats)
-        replications = compiled.QUICK_REPLICATIONS if quick else compiled.REPLICATIONS
-        units.append(Repeat("design", 0, [compiled.design_job(replications, seed)]))
-        units.append(Repeat("compiling", 0, [compiling.job]))
-    if given.memory:
-        units.append(Repeat("memory", 0, [fresh_processes.memory_job(seed)]))
-    rows = collect(given, units, {Measured: "measurements"})
-    options = [f"--{name}" for name in ("compiled", "memory") if getattr(given, name)]
-    return finish(given, page(lines_of(rows.of(Measured))), *options)
+def checkouts(commit: str | None, folder: Path) -> dict[str, Path]:
+    """Folders with a copy of this package, which edits do not change, and with that of the commit."""
+    shutil.copytree(ROOT / PACKAGE, folder / "here" / PACKAGE, ignore=shutil.ignore_patterns("__pycache__"))
+    found = {name: folder / name for name in ("here", commit) if name}
+    if commit:  # an archive, not a worktree: nothing of it has to be removed from git's own state
+        git("archive", f"--output={folder / 'commit.zip'}", commit, "--", PACKAGE)
+        shutil.unpack_archive(folder / "commit.zip", found[commit])
+    compileall.compile_dir(folder, quiet=2)  # else the first process would do it
+    return found
+
+
+def short(value: float) -> str:
+    """Three digits, with M for millions and k for thousands."""
+    value = float(f"{value:.3g}")
+    size, letter = (1e6, " M") if value >= 1e6 else (1e3, " k") if value >= 1e4 else (1, "")
+    return f"{value / size:,g}{letter}"
+
+
+def spread(values: Sequence[float], text: Callable[[float], str]) -> str:
+    """Median, lowest and highest."""
+    return f"{text(median(values))} [{text(min(values))}, {text(max(values))}]"
+
+
+def line(case: Case, size: int, pairs: Pairs, commit: str | None) -> tuple[list[str], list[float]]:
+    """The case's line in the table; how many times as good as the target, else the goal, each repeat is."""
+    now = [pair["here"] for pair in pairs]
+    cells, limits = ["", short(median(now)), ""] if commit else [spread(now, short)], [case.goal]
+    factors = [[case.factor(value, case.goal) for value in now]]
+    if commit and case.target:
+        ratios = [pair["here"] / pair[commit] for pair in pairs]
+        cells = [short(median(pair[commit] for pair in pairs)), cells[1], spread(ratios, "{:.2f}".format)]
+        limits.insert(0, case.target)
+        factors.insert(0, [case.factor(value, case.target) for value in ratios])
+    met = "yes" if all(median(each) >= 1 for each in factors) else "no"
+    label = case.label.format(size) + (case.unit and f", {case.unit}")
+    bounds = [f"{'≤' if case.unit in ('s', 'bytes') else '≥'} {short(limit)}" for limit in limits]
+    return [label, *cells, "; ".join(bounds), met], factors[0]
+
+
+def markdown(table: Sequence[Sequence[str]]) -> str:
+    """A table that can be read in a terminal, too."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    rule = ["-" * width for width in widths]
+    return "\n".join(f"| {' | '.join(map(str.ljust, row, widths))} |" for row in (table[0], rule, *table[1:]))
+
+
+def picture(labels: Sequence[str], factors: Sequence[Sequence[float]]) -> Figure:
+    """How many times as good as its target or goal each case is: median, lowest and highest."""
+    figure = Figure(figsize=(8, 1 + 0.3 * len(factors)), dpi=150, layout="constrained")
+    axes = figure.subplots()
+    for place, own in enumerate(factors):
+        axes.semilogx([min(own), median(own), max(own)], [place] * 3, "o-", markevery=[1], color="C0", base=2)
+    axes.axvline(1, color="#6E6E6E", ls="--")
+    axes.set_yticks(range(len(labels)), labels)
+    axes.invert_yaxis()
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("times as good as the target, or as the goal without one")
+    return figure
+
+
+def page(table: str, commit: str | None, name: str) -> str:
+    """The Markdown page."""
+    beside, shown = (f" beside commit {commit}", "medians, and ratio") if commit else ("", "median")
+    return f"""# Throughput{beside}
+
+Speed of this checkout ({git("describe", "--always", "--dirty") or "not in git"}){beside}: {shown} [lowest, highest].
+Targets are of the ratio, goals of this checkout. Only first calls include import and compilation.
+
+{table}
+
+![Each case against its target, or its goal.]({name}.png)
+
+## Command
+
+    python benchmarks/throughput.py {" ".join(sys.argv[1:])}
+
+{os.cpu_count()} cores, Python {sys.version.split()[0]}, numpy {np.__version__}, gymnasium {gym.__version__}.
+"""
+
+
+def refuse(reason: str) -> NoReturn:
+    """End the program with one line, and status 2."""
+    print(f"throughput.py: {reason}", file=sys.stderr)
+    sys.exit(2)
+
+
+def main() -> None:
+    """Measure, print the table, and write page, picture and rows."""
+    parser = argparse.ArgumentParser("throughput.py", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.error = refuse  # type: ignore[method-assign, assignment]
+    names, out = [case.name for case in CASES], Path("results/throughput")
+    parser.add_argument("--beside", metavar="COMMIT", help="also measure this commit, such as a0e33ed")
+    parser.add_argument("--only", action="append", choices=names, help="a case; may be given several times")
+    parser.add_argument("--repeats", type=int, metavar="N", help="(5, with --quick 1); 3 at most of seconds")
+    parser.add_argument("--quick", action="store_true", help="the same work in small")
+    parser.add_argument("--seed", type=int, default=0, help="of the first repeat (0)")
+    parser.add_argument("--out", type=Path, default=out, help=f"folder for the results ({out})")
+    given = parser.parse_args()
+    given.repeats = (1 if given.quick else 5) if given.repeats is None else given.repeats
+    if given.repeats < 1 or given.seed < 0:
+        refuse(f"--repeats {given.repeats}, --seed {given.seed}; allowed: at least 1, and at least 0")
+    commit = git("rev-parse", "--short", f"{given.beside}^{{commit}}") if given.beside is not None else None
+    if commit is not None and not git("ls-tree", commit, "--", PACKAGE):
+        refuse(f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}")
+    only = given.only or [name for name in names if commit is None or name not in ALONE]
+    cases = [case for case in CASES if case.name in only]
+    for end in {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
+        signal.signal(end, lambda number, _: sys.exit(128 + number))  # the folder below is then removed
+    with TemporaryDirectory(prefix="throughput-") as folder:
+        values = measure_all(cases, given, checkouts(commit, Path(folder).resolve()))
+    done = [line(case, case.quick if given.quick else case.size, values[case.name], commit) for case in cases]
+    columns = [commit, "here", "ratio", "target; goal"] if commit else ["measured", "goal"]
+    rows, name = [row for row, _ in done], "beside" if commit else "throughput"
+    table = markdown([["case", *columns, "met"], *rows])
+    given.out.mkdir(parents=True, exist_ok=True)
+    (given.out / f"{name}.md").write_text(page(table, commit, name), encoding="utf-8")
+    picture([row[0] for row in rows], [factors for _, factors in done]).savefig(given.out / f"{name}.png")
+    lines = ["case,unit,repeat,checkout,value"]
+    for case in cases:
+        for number, pair in enumerate(values[case.name]):
+            lines += [f"{case.name},{case.unit},{number},{each},{pair[each]}" for each in pair]
+    (given.out / f"{name}.csv").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    print(f"{table}\n\nPage, picture and rows are in {given.out}: {name}.md, {name}.png, {name}.csv")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -21,11 +21,9 @@ from tracker_accuracy.scenes import APPEARANCES, Scenes
 from tracker_accuracy.speed import Rate, Speed
 from tracker_accuracy.trainings import ObservedTraining
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import Unit, collect, in_processes
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import Table
 from khepera_forage.rollouts.rendered_training import RenderedTraining
+from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, in_processes, parse
 from khepera_forage.vision.overlay import draw_scene
 from khepera_forage.vision.tracker import Tracker
 

@@ -16,10 +16,8 @@ from lab_comparison.fault_sums import fault_sums
 from lab_comparison.faults import DisturbedAttempt, conditions
 from lab_comparison.rounds import LOCK_STEP, PACED, TimedRound, Timing
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import Unit, collect, in_processes
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import Table
+from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, in_processes, parse
 
 COUNTS = (
     Count("replications", 16, 1, "trainings and recalls, in each world", adds_units=True),

@@ -19,20 +19,15 @@ from serial_lines.endings import ENDINGS, End, Ending, ending_table
 from serial_lines.latency import LATENCIES, SlowLine, SlowRound, latency_table
 from serial_lines.virtual_fleet import DECISIONS, TIMING, virtual_fleet
 
-from khepera_forage.experiments.arguments import Count, parse
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
-from khepera_forage.experiments.measures import extremes, pick, quantiles
-from khepera_forage.experiments.page import Page, Picture, finish
-from khepera_forage.experiments.processes import collect
-from khepera_forage.experiments.row_folder import Rows
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Estimate, Table, extremes, pick, quantiles
+from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.serial.line import Traffic
 from khepera_forage.robots.serial.protocol import seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.study import Count, Page, Picture, Rows, collect, finish, parse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

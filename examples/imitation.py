@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.statistics import Estimate, bootstrap, ratio, sums_by_replication
+from khepera_forage.estimates import Estimate, bootstrap, ratio, sums_by_replication
 from khepera_forage.option_values import OneLineParser, given_path, whole_number
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.rollouts.recall import recall, recall_env

@@ -33,13 +33,12 @@ for number, usual in (
 SCRIPT_TESTS = ("tests/benchmarks/test_scripts.py", "tests/benchmarks/test_pictures.py")
 """Each of their tests has a script as parameter."""
 SAME_RUN = {
-    "tests/benchmarks/test_best_decisions.py": "tests/benchmarks/test_decisions.py",
     "tests/benchmarks/test_further_work_learning.py": "tests/benchmarks/test_further_work.py",
 }
 """Files whose tests need the quick run of another file's script."""
 FIRST = tuple(
     f"tests/benchmarks/test_{script}.py"
-    for script in ("agreement", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
+    for script in ("backends", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
 )
 """What takes longest begins. Only the first of these compiles kernels: others that need them would wait for it."""
 

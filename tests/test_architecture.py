@@ -20,7 +20,7 @@ from khepera_forage.sim.world import Timing
 from khepera_forage.task.decisions import Decisions
 
 PACKAGE = Path(khepera_forage.__file__).parent
-ABOVE_ROLLOUTS = ("experiments", "thesis", "comparison", "cli")
+ABOVE_ROLLOUTS = ("study", "thesis", "comparison", "cli")
 ABOVE_TASK = ("sim", "lab", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS)
 FORBIDDEN = {
     "geometry": ("robots", "vision", "task", "experience", *ABOVE_TASK),
@@ -39,7 +39,6 @@ FORBIDDEN = {
     "policies": ("sim", "lab", "envs", "rollouts", *ABOVE_ROLLOUTS),
     "envs": ("rollouts", *ABOVE_ROLLOUTS),
     "rollouts": ABOVE_ROLLOUTS,
-    "experiments": ("thesis", "comparison", "cli"),
     "thesis": ("comparison", "cli"),
     "comparison": ("cli",),
 }

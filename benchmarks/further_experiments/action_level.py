@@ -27,8 +27,8 @@ from further_experiments.observed_training import Observed, observe
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import RecallEpisode, Row
 from further_experiments.spatial_variety import ALL, ONE, setups
-from khepera_forage.experiments.figures import legend, panels
-from khepera_forage.experiments.measures import pick
+from khepera_forage.estimates import pick
+from khepera_forage.figures import legend, panels
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learned_behaviours import LearnedBehaviours
 from khepera_forage.rollouts.recall import recall_env

@@ -9,9 +9,8 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS
 from further_experiments.rows import RecallEpisode, Row
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.experiments.figures import legend, levels, panels
-from khepera_forage.experiments.measures import pick
-from khepera_forage.experiments.statistics import UNKNOWN
+from khepera_forage.estimates import UNKNOWN, pick
+from khepera_forage.figures import legend, levels, panels
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.policies.adapters import ClassifierPolicy
 from khepera_forage.rollouts.recall import recall_env

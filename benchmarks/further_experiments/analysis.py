@@ -8,9 +8,17 @@ from typing import TypeVar
 import numpy as np
 
 from further_experiments.rows import RecallEpisode, TrainingEpisode
-from khepera_forage.experiments.measures import Measure, difference, mean, means_table, pick
-from khepera_forage.experiments.statistics import Estimate
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import (
+    Column,
+    Estimate,
+    Measure,
+    Table,
+    Value,
+    difference,
+    mean,
+    means_table,
+    pick,
+)
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims.claim import Claim, Rule, Unit, judged
 

@@ -21,8 +21,8 @@ from further_experiments.analysis import (
 from further_experiments.episodes import ARENAS, Files, imitator, recall_all, thesis_files
 from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.rows import RecallEpisode, Row
-from khepera_forage.experiments.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
-from khepera_forage.experiments.measures import Measure, pick
+from khepera_forage.estimates import Measure, pick
+from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
 from khepera_forage.policies import Policy
 from khepera_forage.policies.adapters import ClassifierPolicy
 from khepera_forage.policies.attribute_weights import WeightedImitator

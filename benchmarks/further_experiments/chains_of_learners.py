@@ -23,9 +23,9 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.estimates import Measure, pick
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.figures import legend, panels
-from khepera_forage.experiments.measures import Measure, pick
+from khepera_forage.figures import legend, panels
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training
 from khepera_forage.rollouts.recall import recall_env

@@ -18,10 +18,9 @@ from further_experiments.pictures import INTERVALS
 from further_experiments.rows import Row
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.estimates import UNKNOWN, pick
 from khepera_forage.experience import Experience
-from khepera_forage.experiments.figures import legend, levels, panels
-from khepera_forage.experiments.measures import pick
-from khepera_forage.experiments.statistics import UNKNOWN
+from khepera_forage.figures import legend, levels, panels
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.rollouts.recall import recall_env

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from further_experiments.analysis import Analysis
 from further_experiments.rows import Row
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table
+from khepera_forage.study import Page, Picture
 from khepera_forage.thesis.claims.claim import Claim, Verdict
 
 if TYPE_CHECKING:

@@ -24,8 +24,8 @@ from further_experiments.experiment import Experiment, Report, Size, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experiments.figures import SMALL, legend, panels
-from khepera_forage.experiments.measures import pick
+from khepera_forage.estimates import pick
+from khepera_forage.figures import SMALL, legend, panels
 from khepera_forage.policies import Observation
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
 from khepera_forage.rollouts.recall import recall_env

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from further_experiments.analysis import Analysis, RowT, amounts_of, conditions_of
-from khepera_forage.experiments.figures import COLOURS, MARKERS, entry, grid, mark
-from khepera_forage.experiments.measures import Measure, pick
+from khepera_forage.estimates import Measure, pick
+from khepera_forage.figures import COLOURS, MARKERS, entry, grid, mark
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,9 +21,8 @@ from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import RecallEpisode, Row
 from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.figures import legend, panels
-from khepera_forage.experiments.measures import combined, percent, pick
-from khepera_forage.experiments.statistics import MIN_REPLICATIONS, Estimate, replications
+from khepera_forage.estimates import MIN_REPLICATIONS, Estimate, combined, percent, pick, replications
+from khepera_forage.figures import legend, panels
 from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.thesis.claims.claim import Above, AtMost, Claim, percent_change, points

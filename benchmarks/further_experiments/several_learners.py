@@ -6,8 +6,8 @@ from further_experiments.experiment import Experiment, Report, Trial
 from further_experiments.pictures import INTERVALS, curves
 from further_experiments.rows import Row, TrainingEpisode
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.figures import legend, panels
-from khepera_forage.experiments.measures import Measure, pick
+from khepera_forage.estimates import Measure, pick
+from khepera_forage.figures import legend, panels
 from khepera_forage.thesis.claims.claim import Above, Claim, Unit
 
 LEARNERS = (1, 2, 3, 4)

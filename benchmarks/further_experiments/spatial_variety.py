@@ -28,8 +28,8 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.figures import legend, panels
-from khepera_forage.experiments.measures import pick
+from khepera_forage.estimates import pick
+from khepera_forage.figures import legend, panels
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
 from khepera_forage.task.placement import layout_key

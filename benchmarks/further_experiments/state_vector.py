@@ -25,8 +25,8 @@ from further_experiments.redesigned_vector import RedesignedImitator
 from further_experiments.rows import RecallEpisode, Row
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experiments.figures import legend, levels, panels
-from khepera_forage.experiments.measures import Measure, pick
+from khepera_forage.estimates import Measure, pick
+from khepera_forage.figures import legend, levels, panels
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.task.perception import RawData
 from khepera_forage.thesis.claims.claim import Above, Claim, Within, points

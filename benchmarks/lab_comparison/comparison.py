@@ -5,8 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.experiments.measures import Measure, difference, mean, pick
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate, Measure, difference, mean, pick
 from lab_comparison.episodes import (
     ARENAS,
     LEARNERS,

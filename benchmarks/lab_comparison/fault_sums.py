@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from khepera_forage.experiments.measures import pick
+from khepera_forage.estimates import pick
 from khepera_forage.robots.virtual.faults import FAULTS
 from lab_comparison.faults import NO_FAULT, RATES, DisturbedAttempt
 

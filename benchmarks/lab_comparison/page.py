@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from khepera_forage.experiments.measures import pick, quantiles
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, pick, quantiles
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from lab_comparison.comparison import Comparison
 from lab_comparison.episodes import REPEATED, UNPLACED, Exclusion

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import pick
+from khepera_forage.figures import (
     GREY,
     OURS,
     SMALL,
@@ -16,7 +17,6 @@ from khepera_forage.experiments.figures import (
     levels,
     new_figure,
 )
-from khepera_forage.experiments.measures import pick
 from khepera_forage.robots.virtual.faults import FAULTS
 from lab_comparison.comparison import RECALL_MEASURES, Comparison
 from lab_comparison.fault_sums import FaultSums

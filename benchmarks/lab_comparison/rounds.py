@@ -10,7 +10,6 @@ from typing import NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from timing.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
@@ -20,6 +19,7 @@ from khepera_forage.robots.fleet import Fleet
 from khepera_forage.rollouts.training import train
 from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker
+from lab_comparison.stopwatch import OUTSIDE, Sheet, Stopwatch
 
 LOCK_STEP, PACED = "lock-step", "wall clock"
 """As fast as the machine allows; bytes at 38400 baud and rounds in real time."""

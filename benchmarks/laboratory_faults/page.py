@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from khepera_forage.experiments.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
-from khepera_forage.experiments.measures import extremes, pick
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, extremes, pick
+from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from laboratory_faults.campaign import EPISODES
 from laboratory_faults.injector import UNEXPECTED
 from laboratory_faults.kinds import KINDS

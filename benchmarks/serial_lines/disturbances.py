@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.experiments.measures import pick, quantiles
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table, pick, quantiles
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from khepera_forage.experiments.measures import extremes, pick
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import Column, Table, extremes, pick
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from khepera_forage.experiments.measures import pick, quantiles
-from khepera_forage.experiments.statistics import UNKNOWN
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import UNKNOWN, Column, Table, pick, quantiles
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.robots.serial.line import LineTooSlow

@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.measures import percent
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, percent
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.canvas import ImagePose, draw_shapes
 from khepera_forage.vision.rendering.frames import marker_shapes

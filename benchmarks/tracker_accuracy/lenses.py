@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.experiments.measures import pick
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, pick
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.calibration_fit import fit_calibration, root_mean_square
 from khepera_forage.vision.lens import Lens

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
-from khepera_forage.experiments.measures import percent, pick
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, percent, pick
+from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
 from tracker_accuracy.lenses import DISTORTIONS, LAYOUTS, Trial
 from tracker_accuracy.limits import SWEEPS, Point
 

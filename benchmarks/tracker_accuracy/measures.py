@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import Estimate, wilson
+from khepera_forage.estimates import Estimate, wilson
 from tracker_accuracy.observations import Observation
 
 REVERSED = 90.0

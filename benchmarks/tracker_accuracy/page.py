@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.measures import extremes, percent, pick, plain
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick, plain
 from khepera_forage.noise import Noise
 from tracker_accuracy.measures import errors, losses, swapped_labels
 from tracker_accuracy.observations import (

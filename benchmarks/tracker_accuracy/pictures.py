@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.figures import (
+from khepera_forage.estimates import Estimate, pick
+from khepera_forage.figures import (
     COLOURS,
     GREY,
     OURS,
@@ -17,8 +18,6 @@ from khepera_forage.experiments.figures import (
     mark,
     new_figure,
 )
-from khepera_forage.experiments.measures import pick
-from khepera_forage.experiments.statistics import Estimate
 from khepera_forage.vision.overlay import FOOD, MARKER
 from tracker_accuracy.measures import errors, losses
 from tracker_accuracy.observations import CAMERAS, KINDS, MODEL, THRESHOLD, TRACKER, TRAINING, Observation

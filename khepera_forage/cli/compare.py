@@ -3,8 +3,10 @@
 import argparse
 
 from khepera_forage.cli.arguments import refuse_ignored
-from khepera_forage.experiments.arguments import Count, add_experiment_arguments, completed
 from khepera_forage.extras import require
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.study import Count, add_study_arguments, completed
 
 NAME = "learners"
 """Of the folder of results and of the page."""
@@ -28,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    add_experiment_arguments(parser, NAME, *COUNTS)
+    add_study_arguments(parser, NAME, *COUNTS)
     parser.add_argument("--list", action="store_true", help="list the learners that are known here, and end")
     text = "one learner of --list; may be given several times (all)"
     parser.add_argument("--only", action="append", metavar="NAME", help=text)
@@ -36,13 +38,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--learner", action="append", metavar="PLACE", help=text)
     text = "a results.json to show beside this run's results, or 'published' for those of the package"
     parser.add_argument("--against", metavar="FILE", help=text)
+    text = (
+        "where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)"
+    )
+    parser.add_argument("--arenas", nargs="+", metavar="NAME", choices=(*ARENAS, *DIFFICULTIES), help=text)
     parser.add_argument("--tune", action="store_true", help="compare settings of each learner instead")
     text = "where the work is done: loky is this machine (loky)"
     parser.add_argument("--backend", choices=WORKERS, default="loky", help=text)
     parser.add_argument(
         "--address", help="of a Ray or Dask cluster (by default a temporary one on this machine)"
     )
-    parser.set_defaults(program="khepera-forage compare", launched="khepera-forage compare")
+    parser.set_defaults(program="khepera-forage compare")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,6 +69,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(reason)
     given = completed(arguments, *COUNTS)
     if given.tune:
-        refuse_ignored(given, ["--learner", "--against"], "without --tune")
+        refuse_ignored(given, ["--learner", "--against", "--arenas"], "without --tune")
         return tune(given)
     return compare(given)

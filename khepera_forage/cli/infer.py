@@ -2,14 +2,13 @@
 
 import argparse
 
-from khepera_forage.experiments.arguments import Count, add_experiment_arguments, completed
-from khepera_forage.experiments.page import write
 from khepera_forage.extras import require
+from khepera_forage.study import Count, add_study_arguments, completed, finish
 
 NAME = "decisions"
 """Of the folder of results."""
 COUNTS = (
-    Count("sets", 10_000, 3, "admissible sets", least=3),
+    Count("sets", 10_000, 3, "admissible sets", adds_units=True, least=3),
     Count("experiments", 20, 2, "replications of the thesis's design under each set"),
 )
 DESCRIPTION = """Approximate Bayesian computation by random forests:
@@ -19,31 +18,26 @@ DESCRIPTION = """Approximate Bayesian computation by random forests:
 2. A random forest learns from these sets what statistics of the corridor's tables say about each decision. It is first
    validated on sets that it has not seen, and then given tables A.1 to A.4. Tables A.5 to A.7 are the test set.
 
-Writes one page a question. Ten thousand sets take some hours; a run that was killed continues."""
+Writes a page with all tables and two pictures. Ten thousand sets take some hours; a run that was killed continues."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.description = DESCRIPTION
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    add_experiment_arguments(parser, NAME, *COUNTS)
-    parser.set_defaults(program="khepera-forage infer", launched="khepera-forage infer")
+    add_study_arguments(parser, NAME, *COUNTS)
+    parser.set_defaults(program="khepera-forage infer")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Infer, write the pages and print their tables.
+    """Infer, write the page and print its tables.
 
     Raises:
         ImportError: numba, SALib or matplotlib is not installed.
     """
     require("khepera-forage infer", "fast", "inference", "plots")
-    from khepera_forage.thesis.inference.draw import draw
-    from khepera_forage.thesis.inference.pages.all_pages import pages
+    from khepera_forage.thesis.inference.page import page
+    from khepera_forage.thesis.inference.simulate import draw
 
     given = completed(arguments, *COUNTS)
-    for name, page in pages(given, draw(given, given.sets, given.experiments)).items():
-        write(given.out, name, page, given.command_line())
-        print(f"# {page.title}\n")
-        print("\n".join(table.markdown() for table in page.tables))
-    print(f"Pages, pictures, tables and sets are in {given.out}")
-    return 0
+    return finish(given, page(given, draw(given, given.sets, given.experiments)))

@@ -37,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quick", action="store_true", help="a small version of all experiments, under a minute"
     )
+    parser.add_argument(
+        "--fresh", action="store_true", help="do not continue a run that was killed in the folder"
+    )
     add_decision_argument(parser)
     parser.add_argument(
         "--no-comparison",
@@ -70,6 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         backend=backend,
         decisions=decisions_of(arguments),
         comparison=not arguments.no_comparison,
+        fresh=arguments.fresh,
     )
     print(page.read_text(encoding="utf-8"))
     print((arguments.out / SUMMARY).read_text(encoding="utf-8"))

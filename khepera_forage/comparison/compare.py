@@ -2,35 +2,33 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from khepera_forage.comparison import tuning
-from khepera_forage.comparison.curves import curves
-from khepera_forage.comparison.learning import Compared
+from khepera_forage.comparison.learning import (
+    ARENAS,
+    Compared,
+    RecallBatch,
+    Size,
+    all_learners,
+    in_order,
+    plan,
+    settings_of,
+    steps_up_to,
+    unable,
+)
 from khepera_forage.comparison.page import page
-from khepera_forage.comparison.results_file import (
+from khepera_forage.comparison.results import (
     ReadLearner,
     Results,
     as_json,
     beside,
+    curves,
     read_results,
 )
-from khepera_forage.comparison.rows import RecallBatch, Size, in_order, steps_up_to
-from khepera_forage.comparison.units import (
-    all_learners,
-    missing_extra,
-    plan,
-    planned_or_finished,
-    settings_of,
-)
 from khepera_forage.comparison.workers import BACKENDS
-from khepera_forage.experiments.arguments import Arguments
-from khepera_forage.experiments.page import Page, machine, write
-from khepera_forage.experiments.processes import collect
-from khepera_forage.experiments.row_folder import UNITS, finished_units
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
 from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.study import UNITS, Arguments, Page, collect, command_line, machine, write
 
 TUNING = "tuning"
 """The folder in `--out` that `--tune` writes to."""
@@ -68,7 +66,7 @@ def compare(given: Arguments) -> int:
         if name not in known:
             raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
     chosen = [*(given.only or ()), *own] or list(known)
-    missing = {name: reason for name in chosen if (reason := missing_extra(known[name]))}
+    missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
     if not given.only:
         missing |= installed_learners().broken
     for name, reason in missing.items():
@@ -77,16 +75,15 @@ def compare(given: Arguments) -> int:
     if not learners:
         raise ValueError("no learner is left")
     rows = _rows(learners, known, range(given.seeds), _size(given), given)
-    found = curves(rows, np.random.default_rng(given.seed))
-    command = given.command_line(*(f"--learner {place}" for place in given.learner or ()))
+    found = curves(rows, given.seed)
     shown = {curve.learner: known[curve.learner] for curve in found}
     results = Results(
-        f"{machine()} {command}",
+        f"{machine()} {command_line()}",
         {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
         found,
     )
     written = page(*beside(found, shown, against), missing, _tuning_result(given))
-    write(given.out, given.name, written, command)
+    write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
     return _printed(given, written)
@@ -104,14 +101,13 @@ def tune(given: Arguments) -> int:
     if not learners:
         allowed = ", ".join(tuning.CANDIDATES)
         raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {allowed}")
-    options = ["--tune", *(f"--only {name}" for name in given.only or ())]
     given.out /= TUNING
     size = _size(given)
-    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:])
+    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:], arenas=ARENAS)
     first = tuning.FIRST_REPLICATION
     rows = _rows(learners, known, range(first, first + given.seeds), size, given)
-    written = tuning.page(rows, known, np.random.default_rng(given.seed))
-    write(given.out, TUNING, written, given.command_line(*options))
+    written = tuning.page(rows, known, given.seed)
+    write(given.out, TUNING, written)
     return _printed(given, written)
 
 
@@ -135,6 +131,7 @@ def _size(given: Arguments) -> Size:
         episodes=QUICK_EPISODES if given.quick else EPISODES,
         queries=QUICK_QUERIES if given.quick else QUERIES,
         steps=steps_up_to(given.steps),
+        arenas=tuple(dict.fromkeys(given.arenas or ARENAS)),
     )
 
 
@@ -155,15 +152,15 @@ def _rows(
         given: Folder, processes and settings.
     """
     units = plan(learners, replications, size, given.seed)
-    try:
-        if not given.fresh:
-            units = planned_or_finished(units, finished_units(given.out), known)
-    except ValueError as error:
-        raise ValueError(f"{given.out / UNITS}: {error}") from None
     settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
+    settings["arenas"] = " ".join(size.arenas)
     with BACKENDS[given.backend](given.jobs, given.address) as workers:
-        rows = collect(given, units, {RecallBatch: "rows"}, workers.execute, settings)
-    return in_order(rows.of(RecallBatch), list(known))
+        rows = collect(given, units, {RecallBatch: "rows"}, workers.execute, settings, others=True)
+    found = rows.of(RecallBatch)
+    for row in found:
+        if row.learner not in known:
+            raise ValueError(f"{given.out / UNITS}: learner is {row.learner!r}; allowed: {', '.join(known)}")
+    return in_order(found, list(known))
 
 
 def _tuning_result(given: Arguments) -> str:
@@ -173,7 +170,7 @@ def _tuning_result(given: Arguments) -> str:
         return ""
     known = tuning.candidates()
     kept = [row for row in read_rows(folder / "rows.csv", RecallBatch) if row.learner in known]
-    gains = tuning.differences(in_order(kept, list(known)), np.random.default_rng(given.seed))
+    gains = tuning.differences(in_order(kept, list(known)), given.seed)
     return tuning.result(gains, known)
 
 

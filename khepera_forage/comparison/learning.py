@@ -1,28 +1,132 @@
-"""How each kind of learner learns, in growing amounts; all of them learn in the corridor alone."""
+"""How each learner learns, in growing amounts, and what it reaches in every arena: the units of work and their rows.
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+All of them learn in the corridor alone.
+"""
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cache, lru_cache, partial
+from importlib.util import find_spec
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
-from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.arena_settings import procedural_settings
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.policies import Policy, Teacher
-from khepera_forage.policies.learners import FromQueries, FromSteps, FromVectors, Learner
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.policies import Teacher
+from khepera_forage.policies.learner_registry import installed_learners
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
 from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.reinforcement import reinforce
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, recall_wheels_env
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.named import ARENAS as NAMED
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.task.states import FoodType
 
-ARENA_MAPS = {name: arena_map_of(checked_arena(name, DEFAULT_DECISIONS)) for name in THESIS_ARENAS}
-"""What is given of each arena from the beginning."""
+ARENAS = THESIS_ARENAS
+"""Where learners are tested by default; all of them learn in the first."""
+ALL_ARENAS = (*NAMED, *DIFFICULTIES)
+"""Where they can be tested: named arenas, and procedural test arenas of a difficulty."""
+HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
+
+
+@dataclass(frozen=True, slots=True)
+class RecallBatch:
+    """Recalls of one learner, after one amount of learning, in one arena.
+
+    Attributes:
+        learner: Its name among the learners; `teacher` and `random` learn nothing.
+        replication: Number of the repetition, with seeds and training files of its own.
+        amount: Training episodes, queries, or environment steps, as requested; 0 without learning.
+        arena: One of `ALL_ARENAS`.
+        steps: Environment steps of the learning: rounds of all training attempts, queries, or steps of the trials.
+        vectors: Experience vectors or answers of the teacher that the learner used; 0 for reinforcement learning.
+        recalls: Recall episodes in this batch.
+        score: Their mean (equation 5.1), in percent.
+        delivered: Food objects carried home in all of them, without poisonous ones.
+        foods: Food objects in all of them that are not poisonous.
+        recall_steps: Steps of all of them.
+        seconds: Wall time of the learning so far, including the simulation.
+
+    Raises:
+        ValueError: Fields that contradict each other.
+    """
+
+    learner: str
+    replication: int
+    amount: int
+    arena: str
+    steps: int
+    vectors: int
+    recalls: int
+    score: float
+    delivered: int
+    foods: int
+    recall_steps: int
+    seconds: float
+
+    def __post_init__(self) -> None:
+        _require(self.arena in ALL_ARENAS, "arena", self.arena, ", ".join(ALL_ARENAS))
+        for name in ("replication", "amount", "steps", "vectors", "seconds"):
+            _require(getattr(self, name) >= 0, name, getattr(self, name), "0 or more")
+        _require(self.recalls >= 1, "recalls", self.recalls, "1 or more")
+        _require(math.isfinite(self.score) and self.score <= 100, "score", self.score, "up to 100")
+        _require(0 <= self.delivered <= self.foods, "delivered", self.delivered, f"0..{self.foods} foods")
+        _require(self.recall_steps >= self.recalls, "recall_steps", self.recall_steps, "1 a recall or more")
+
+
+class Size(NamedTuple):
+    """How much is done.
+
+    Attributes:
+        recalls: Recall episodes in each arena, after each amount of learning.
+        episodes: Training episodes after which imitators are tested.
+        queries: Answers of the teacher after which learners that query it are tested.
+        steps: Environment steps after which reinforcement learners are tested.
+        arenas: Where learners are tested.
+    """
+
+    recalls: int
+    episodes: tuple[int, ...]
+    queries: tuple[int, ...]
+    steps: tuple[int, ...]
+    arenas: tuple[str, ...] = ARENAS
+
+    def amounts(self, needs: Needs | None) -> tuple[int, ...]:
+        """The amounts of learning after which a learner is tested; None learns nothing."""
+        if needs is None:
+            return (0,)
+        return {Needs.VECTORS: self.episodes, Needs.QUERIES: self.queries, Needs.STEPS: self.steps}[needs]
+
+
+def steps_up_to(most: int) -> tuple[int, ...]:
+    """Half decades of steps below the most, and the most."""
+    return (*(amount for amount in HALF_DECADES if amount < most), most)
+
+
+def in_order(rows: Collection[RecallBatch], names: Sequence[str]) -> list[RecallBatch]:
+    """Rows by learner, replication, amount and arena."""
+    place = {name: i for i, name in enumerate(names)}
+    return sorted(
+        rows,
+        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
+    )
+
+
+def _require(fine: bool, name: str, value: object, allowed: str) -> None:
+    if not fine:
+        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +155,13 @@ class Learned(NamedTuple):
         steps: Environment steps of the learning.
         vectors: That it learned from.
         seconds: Wall time so far.
-        policies: By the name of the arena they are for.
+        policy: Its policy in an environment.
     """
 
     steps: int
     vectors: int
     seconds: float
-    policies: Mapping[str, Any]
+    policy: Callable[[Any], Any]
 
 
 def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequence) -> Iterator[Learned]:
@@ -76,13 +180,13 @@ def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequen
             yield from _query(learner, amounts, seed)
         case FromSteps():
             for policy, steps, seconds in reinforce(learner, amounts, seed):
-                yield Learned(steps, 0, seconds, dict.fromkeys(ARENA_MAPS, policy))
+                yield Learned(steps, 0, seconds, partial(_always, policy))
         case Reference():
-            policies = {
-                arena: Teacher(arena_map.home_radius) if learner.expert else UniformPolicy()
-                for arena, arena_map in ARENA_MAPS.items()
-            }
-            yield Learned(0, 0, 0.0, policies)
+            yield Learned(0, 0, 0.0, Teacher.of if learner.expert else lambda _: UniformPolicy())
+
+
+def _always(policy: Any, env: object) -> Any:
+    return policy
 
 
 def _imitate(
@@ -100,8 +204,8 @@ def _imitate(
         if number in amounts:
             vectors, behaviours = arrays(files)
             groups = np.repeat(np.arange(number), [len(file.vectors) for file in files])
-            policies, fitting = _policies(learner, vectors, behaviours, seed, groups)
-            yield Learned(steps, len(vectors), seconds + fitting, policies)
+            policy, fitting = _policy(learner, vectors, behaviours, seed, groups)
+            yield Learned(steps, len(vectors), seconds + fitting, policy)
     env.close()
 
 
@@ -120,23 +224,162 @@ def _query(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[
             **learner.settings,
         )
         seconds = perf_counter() - began
-        policies, _ = _policies(student, asked.vectors, asked.behaviours, seed, None)
-        yield Learned(amount, amount, seconds, policies)
+        policy, _ = _policy(student, asked.vectors, asked.behaviours, seed, None)
+        yield Learned(amount, amount, seconds, policy)
     env.close()
 
 
-def _policies(
+def _policy(
     learner: FromVectors,
     vectors: NDArray[np.int64],
     behaviours: NDArray[np.int64],
     seed: int,
     groups: NDArray[np.int64] | None,
-) -> tuple[dict[str, Policy], float]:
-    """A policy for each arena, the same one if the learner takes no diagonal; and the seconds of one fit."""
+) -> tuple[Callable[[BehavioursEnv], Any], float]:
+    """The policy in an environment, the same in all if the learner takes no diagonal; and the seconds of one fit."""
+    corridor = recall_env(ARENAS[0]).diagonal
+    fitted = cache(lambda diagonal: learner.learn(vectors, behaviours, diagonal, seed, groups))
     began = perf_counter()
-    first = learner.learn(vectors, behaviours, ARENA_MAPS["corridor"].diagonal, seed, groups)
+    fitted(corridor)
     seconds = perf_counter() - began
-    if not learner.diagonal:
-        return dict.fromkeys(ARENA_MAPS, first), seconds
-    second = learner.learn(vectors, behaviours, ARENA_MAPS["rectangle"].diagonal, seed, groups)
-    return {"corridor": first, "rectangle": second}, seconds
+    return lambda env: fitted(env.diagonal if learner.diagonal else corridor), seconds
+
+
+_SHOWN = ("title", "algorithm", "settings")
+"""Fields of a reinforcement learner that `settings_of` does not list."""
+
+
+class LearnerUnit(NamedTuple):
+    """One learner in one replication.
+
+    Attributes:
+        seed: Of the whole run.
+        replication: From 0.
+        name: Of the learner.
+        learner: The entry of the registry, or a reference.
+        size: Of the whole run.
+    """
+
+    seed: int
+    replication: int
+    name: str
+    learner: Compared
+    size: Size
+
+    @property
+    def key(self) -> str:
+        """Learner and replication."""
+        return f"{self.name} {self.replication}"
+
+    def run(self) -> list[RecallBatch]:
+        """Learn and be tested; the rows by amount, then arena.
+
+        Linear algebra runs on one thread, because sums depend on the number of threads.
+        """
+        learning, *testing = np.random.SeedSequence(self.seed, spawn_key=(self.replication,)).spawn(
+            1 + len(ALL_ARENAS)
+        )
+        amounts = self.size.amounts(self.learner.needs)
+        with threadpool_limits(1):
+            return [
+                self._batch(amount, arena, learned, testing[ALL_ARENAS.index(arena)])
+                for amount, learned in zip(amounts, learn(self.learner, amounts, learning), strict=True)
+                for arena in self.size.arenas
+            ]
+
+    def _batch(self, amount: int, arena: str, learned: Learned, seeds: np.random.SeedSequence) -> RecallBatch:
+        # The same places for every learner and after every amount.
+        numbers, level = (
+            seeds.generate_state(self.size.recalls).tolist(),
+            self.replication * self.size.recalls,
+        )
+        wheels = isinstance(self.learner, FromSteps) and self.learner.wheels
+        done = [_forage(learned, arena, seed, level + i, wheels) for i, seed in enumerate(numbers)]
+        rows = [row for row, _ in done]
+        return RecallBatch(
+            learner=self.name,
+            replication=self.replication,
+            amount=amount,
+            arena=arena,
+            steps=learned.steps,
+            vectors=learned.vectors,
+            recalls=len(rows),
+            score=float(np.mean([row.score for row in rows])),
+            delivered=sum(row.delivered for row in rows),
+            foods=sum(foods for _, foods in done),
+            recall_steps=sum(row.steps for row in rows),
+            seconds=learned.seconds,
+        )
+
+
+def _forage(
+    learned: Learned, arena: str, seed: int, level: int, wheels: bool
+) -> tuple[RecallRow | WheelsRecall, int]:
+    """One recall in a named arena, or in a level of a difficulty; and the food objects that are not poisonous."""
+    env: Any
+    row: RecallRow | WheelsRecall
+    if wheels:
+        env = _wheels_env(arena)
+        row = recall_wheels(env, learned.policy(env), seed)
+    else:
+        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
+        row = recall(env, learned.policy(env), seed)
+    return row, sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+
+
+@lru_cache(maxsize=len(ALL_ARENAS))
+def _recall_env(arena: str, level: int) -> BehavioursEnv:
+    if arena not in DIFFICULTIES:
+        return recall_env(arena)
+    settings = procedural_settings(arena, "test", 1, level)
+    return BehavioursEnv(**{**settings, "arena": settings["arena"][0]})
+
+
+@lru_cache(maxsize=len(ALL_ARENAS))
+def _wheels_env(arena: str) -> WheelsEnv:
+    return recall_wheels_env(arena)
+
+
+def all_learners() -> dict[str, Compared]:
+    """The references, all learners of the registry, and those of installed packages, by name."""
+    return {**REFERENCES, **LEARNERS, **installed_learners().learners}
+
+
+def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
+    """Why a learner cannot be compared here; empty if it can."""
+    if not isinstance(learner, FromSteps):
+        return ""
+    if find_spec("stable_baselines3") is None:
+        return "stable-baselines3 is not installed (pip install 'khepera-forage[baselines]')"
+    if learner.wheels and any(arena in DIFFICULTIES for arena in arenas):
+        return "it acts on wheels, and procedural arenas have environments of behaviours only"
+    return ""
+
+
+def settings_of(learner: Compared) -> str:
+    """A learner's settings in one line. They stand on the page, and rows of other settings are refused."""
+    match learner:
+        case FromVectors():
+            name = getattr(learner.make, "__name__", type(learner.make).__name__)
+            diagonal = "; diagonal of the arena" if learner.diagonal else ""
+            choice = "" if learner.sample else "; most probable behaviour"
+            return f"{name}({_arguments(learner.settings)}){diagonal}{choice}"
+        case FromQueries():
+            return f"{settings_of(learner.learner)}; {_arguments(learner.settings)}"
+        case FromSteps():
+            own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in _SHOWN}
+            return f"{learner.algorithm}({_arguments(learner.settings)}); {_arguments(own)}"
+    return "learns nothing"
+
+
+def plan(learners: Mapping[str, Compared], replications: range, size: Size, seed: int) -> list[LearnerUnit]:
+    """All work, replication by replication, so that a run that is killed has rows of every learner."""
+    return [
+        LearnerUnit(seed, number, name, learner, size)
+        for number in replications
+        for name, learner in learners.items()
+    ]
+
+
+def _arguments(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in values.items())

@@ -1,17 +1,20 @@
-"""The page: results in words, the picture, the tables, and every learner's settings."""
+"""The page of a comparison: results in words, the picture, the tables, and every learner's settings."""
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
-from khepera_forage.comparison.curves import SUCCESS, Curve
-from khepera_forage.comparison.picture import figure
-from khepera_forage.comparison.results_file import ReadLearner, Shown
-from khepera_forage.comparison.rows import ARENAS
-from khepera_forage.comparison.units import settings_of
-from khepera_forage.experiments.page import Page, Picture
-from khepera_forage.experiments.tables import Column, Table, interval
+from khepera_forage.comparison.learning import ARENAS, settings_of
+from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner, Shown
+from khepera_forage.estimates import Column, Table, interval
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import FromSteps, Needs
+from khepera_forage.study import Page, Picture
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
 
 SHARE = f"{100 * SUCCESS:.0f} %"
 STEP = f"{DEFAULT_DECISIONS.round_duration:g} s"
@@ -132,7 +135,7 @@ def page(
         "All learners side by side",
         [
             "**How much experience does a learner need to forage?**",
-            Picture("learners", "food delivered against steps of learning", figure(curves, learners)),
+            *_pictures(curves, learners),
             *absent,
             f"## Results\n\n{results(curves, learners)}",
             METHOD,
@@ -145,6 +148,13 @@ def page(
     )
 
 
+def _pictures(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> list[Picture]:
+    """The learning curves in the thesis's arenas, if these are among the tested ones."""
+    shown = [curve for curve in curves if curve.arena in STYLES]
+    caption = "food delivered against steps of learning"
+    return [Picture("learners", caption, figure(shown, learners))] if shown else []
+
+
 def results(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> str:
     """For each arena and kind of learner: which delivers most in the end, and which is first to succeed."""
     lines = [
@@ -153,7 +163,7 @@ def results(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> str:
         "gain below 0 means that a learner became worse with more learning.\n"
     ]
     curves = [curve for curve in curves if not isinstance(learners[curve.learner], ReadLearner)]
-    for arena in ARENAS:
+    for arena in dict.fromkeys(curve.arena for curve in curves):
         for needs in Needs:
             own = [c for c in curves if c.arena == arena and learners[c.learner].needs is needs]
             if own:
@@ -206,3 +216,146 @@ def _wheels(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> list[str]
 
 def _settings(learner: Shown) -> str:
     return learner.settings if isinstance(learner, ReadLearner) else settings_of(learner)
+
+
+FAMILIES = {
+    Needs.VECTORS: "Imitation: steps of the training episodes",
+    Needs.QUERIES: "Expert queries: each step is a query",
+    Needs.STEPS: "Reinforcement learning: steps of the environment",
+}
+"""The kinds of learners, each with its own axis of steps."""
+COLUMNS = 4
+"""Panels beside each other."""
+_DENSE = 50
+"""An axis of steps whose ends have at most this ratio has numbers at 1, 2 and 5, and not at powers of ten alone."""
+
+
+class Style(NamedTuple):
+    """How the curve of an arena is drawn."""
+
+    colour: str
+    marker: str
+    line: str
+    reference: str
+
+
+STYLES = dict(zip(ARENAS, (Style(OURS, "o", "-", ":"), Style(THESIS, "s", "--", "-.")), strict=True))
+_PANEL, _HEADING, _LEGEND = 1.62, 0.34, 1.0
+"""Inches: height of a line of panels, of the heading of a kind with its label of the steps, and of the rest."""
+
+
+def figure(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> "Figure":
+    """A block of panels for each kind of learner, and a panel for each learner with its curve in each arena."""
+    families = {needs: _names(curves, learners, needs) for needs in FAMILIES}
+    families = {needs: names for needs, names in families.items() if names}
+    heights = [_HEADING + _PANEL * math.ceil(len(names) / COLUMNS) for names in families.values()]
+    drawn = new_figure(WIDTH, _LEGEND + sum(heights))
+    drawn.suptitle("Food delivered against steps of learning in the corridor")
+    references = [curve for curve in curves if learners[curve.learner].needs is None]
+    _key(drawn, references, learners)
+    if families:
+        blocks = drawn.subfigures(len(families), 1, squeeze=False, height_ratios=heights)[:, 0]
+        for block, (needs, names) in zip(blocks, families.items(), strict=True):
+            block.suptitle(FAMILIES[needs], fontsize=10, fontweight="bold")
+            own = [curve for curve in curves if curve.learner in names]
+            _block(block, {name: learners[name].title for name in names}, own, references)
+    return drawn
+
+
+def _names(curves: Sequence[Curve], learners: Mapping[str, Shown], needs: Needs) -> list[str]:
+    return [
+        name for name in dict.fromkeys(curve.learner for curve in curves) if learners[name].needs is needs
+    ]
+
+
+def _block(
+    block: "SubFigure", titles: Mapping[str, str], curves: Sequence[Curve], references: Sequence[Curve]
+) -> None:
+    """The panels of one kind of learner, all with the same axes."""
+    lines = math.ceil(len(titles) / COLUMNS)
+    panels = block.subplots(lines, COLUMNS, sharex=True, sharey=True, squeeze=False)
+    for axes, (name, title) in zip(panels.flat, titles.items(), strict=False):
+        _axes(axes, title)
+        for reference in references:
+            value = reference.end.delivered.value
+            axes.axhline(value, color=GREY, lw=1, ls=STYLES[reference.arena].reference, zorder=1)
+        for curve in curves:
+            if curve.learner == name:
+                _line(axes, curve)
+            else:
+                axes.plot(*_points(curve), color="0.85", lw=0.8, ls=STYLES[curve.arena].line, zorder=1)
+    for axes in panels.flat[len(titles) :]:
+        axes.set_axis_off()
+    _step_axis(panels[0, 0])
+    for place in range(min(COLUMNS, len(titles))):
+        lowest = [axes for axes in panels[:, place] if axes.axison][-1]
+        lowest.tick_params(labelbottom=True)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("food delivered (%)", fontsize=SMALL)
+
+
+def _axes(axes: "Axes", title: str) -> None:
+    axes.set_title(title, fontsize=9)
+    axes.set_xscale("log")
+    axes.set_ylim(*padded(0, 100))
+    axes.set_yticks(range(0, 101, 20))
+    axes.tick_params(labelsize=SMALL)
+    axes.axhline(100 * SUCCESS, color="0.6", lw=0.8, zorder=1)
+    grid(axes)
+
+
+def _step_axis(axes: "Axes") -> None:
+    """Numbers along the axis of steps, which all panels of a block share."""
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+
+    low, high = axes.get_xlim()
+    few = LogLocator(subs=(1, 2, 5) if high < _DENSE * low else (1,))
+    axes.xaxis.set_major_locator(few if high > 3 * low else MaxNLocator(2))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(lambda steps, _: _short(steps))
+
+
+def _short(steps: float) -> str:
+    """A number of steps: 500, 2k, 1M."""
+    for unit, suffix in ((1e6, "M"), (1e3, "k")):
+        if steps >= unit:
+            return f"{steps / unit:g}{suffix}"
+    return f"{steps:g}"
+
+
+def _line(axes: "Axes", curve: Curve) -> None:
+    style = STYLES[curve.arena]
+    x, y = _points(curve)
+    low, high = ([getattr(point.delivered, end) for point in curve.points] for end in ("low", "high"))
+    axes.plot(
+        x, y, color=style.colour, marker=style.marker, ls=style.line, ms=4.5, lw=1.6, mec="white", mew=0.5
+    )
+    if all(map(math.isfinite, low)):
+        axes.fill_between(x, low, high, color=style.colour, alpha=0.15, lw=0)
+
+
+def _points(curve: Curve) -> tuple[list[float], list[float]]:
+    """Steps of learning, and percent of the food delivered."""
+    return [point.steps.value for point in curve.points], [point.delivered.value for point in curve.points]
+
+
+def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, Shown]) -> None:
+    """One legend for all panels."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Line2D | Patch] = []
+    for arena, style in STYLES.items():
+        label = f"{arena} ({'the arena of the learning' if arena == ARENAS[0] else 'a new arena'})"
+        handles.append(Line2D([], [], color=style.colour, marker=style.marker, ls=style.line, label=label))
+    handles += [
+        Patch(color=style.colour, alpha=0.15, label=f"95 % interval, {arena}")
+        for arena, style in STYLES.items()
+    ]
+    handles.append(Line2D([], [], color="0.85", lw=0.8, label="other learners of the kind"))
+    handles.append(Line2D([], [], color="0.6", lw=0.8, label=f"success: {100 * SUCCESS:.0f} %"))
+    for curve in references:
+        label = f"{learners[curve.learner].title}, {curve.arena}"
+        line = STYLES[curve.arena].reference
+        handles.append(Line2D([], [], color=GREY, lw=1, ls=line, label=label))
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL)

@@ -9,15 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.comparison.curves import DELIVERED, Curve, curves
-from khepera_forage.comparison.learning import Compared
-from khepera_forage.comparison.rows import ARENAS, RecallBatch
-from khepera_forage.comparison.units import settings_of
-from khepera_forage.experiments.measures import difference, pick
-from khepera_forage.experiments.page import Page
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table, interval
+from khepera_forage.comparison.learning import ARENAS, Compared, RecallBatch, settings_of
+from khepera_forage.comparison.results import DELIVERED, Curve, curves
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, difference, interval, pick
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
+from khepera_forage.study import Page
 
 FIRST_REPLICATION = 1_000
 """Replications from this number on are for tuning, those before it for the comparison of learners."""
@@ -49,18 +45,18 @@ def candidates() -> dict[str, Compared]:
     return found
 
 
-def differences(rows: Sequence[RecallBatch], rng: np.random.Generator) -> dict[str, Estimate]:
+def differences(rows: Sequence[RecallBatch], seed: int) -> dict[str, Estimate]:
     """Points of the food that each other setting delivers more than the registry's, over the same replications.
 
     Args:
         rows: Of candidates, in the order of `in_order`.
-        rng: Draws the resamples.
+        seed: Of the resamples.
     """
     own: dict[str, list[RecallBatch]] = {}
     for row in pick(rows, arena=ARENAS[0]):
         own.setdefault(row.learner, []).append(row)
     return {
-        name: difference(theirs, own[_base(name)], DELIVERED, rng)
+        name: difference(theirs, own[_base(name)], DELIVERED, np.random.default_rng(seed))
         for name, theirs in own.items()
         if name != _base(name)
     }
@@ -82,10 +78,10 @@ def result(gains: Mapping[str, Estimate], learners: Mapping[str, Compared]) -> s
     )
 
 
-def page(rows: Sequence[RecallBatch], learners: Mapping[str, Compared], rng: np.random.Generator) -> Page:
+def page(rows: Sequence[RecallBatch], learners: Mapping[str, Compared], seed: int) -> Page:
     """The result and the table."""
-    gains = differences(rows, rng)
-    table = _table(curves(rows, rng), gains, learners)
+    gains = differences(rows, seed)
+    table = _table(curves(rows, seed), gains, learners)
     return Page("Settings of the learners", [f"## Results\n\n{result(gains, learners)}", table])
 
 

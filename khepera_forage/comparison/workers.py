@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
 
-from khepera_forage.experiments.processes import Done, Unit, done
+from khepera_forage.study import Done, Unit, done
 
 
 class Workers(NamedTuple):

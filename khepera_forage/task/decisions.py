@@ -3,7 +3,7 @@
 `Noise` describes devices; `Decisions` describes how we read the thesis. Every rule of the task takes its numbers from
 here at run time, so that a decision can be changed in one place, for every backend.
 
-The defaults were inferred from the thesis's tables of the corridor (`benchmarks/best_decisions.py`). Where these say
+The defaults were inferred from the thesis's tables of the corridor (docs/decisions.md). Where these say
 nothing, the defaults are those of version 0.1 (`task.decision_versions`), which were chosen with the teacher alone.
 """
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from khepera_forage.experiments.statistics import (
+from khepera_forage.estimates import (
     RESAMPLES,
     Estimate,
     PercentileRank,

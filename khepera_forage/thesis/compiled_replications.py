@@ -33,7 +33,7 @@ from khepera_forage.thesis.design import (
     noise_conditions,
 )
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, orient_rows
-from khepera_forage.thesis.replication import Outcome, baseline_limit, baseline_seeds, replication_seeds
+from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, replication_seeds
 
 GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
@@ -61,7 +61,12 @@ class CompiledReplications:
     decisions: Decisions = DEFAULT_DECISIONS
     laboratory: Noise = LABORATORY_NOISE
 
-    def run(self) -> Outcome:
+    @property
+    def key(self) -> str:
+        """Noise and numbers."""
+        return f"{self.noise} {self.first} to {self.first + self.count - 1}"
+
+    def run(self) -> list[Row]:
         """Train, recall, and return the rows."""
         noise = noise_conditions(self.laboratory)[self.noise]
         seeds = [replication_seeds(self.seed, number, self.noise).spawn(2) for number in self._numbers]
@@ -80,7 +85,7 @@ class CompiledReplications:
             states = [cells[i].generate_state(cell.size) for cells in recalling]
             recalls += self._recalls(cell, noise, trained, np.concatenate(states).astype(np.int64))
         orient = self._orient_rows(trained) if self.noise == LABORATORY else ()
-        return Outcome(tuple(recalls), tuple(self._trainings(trained)), tuple(orient))
+        return [*recalls, *self._trainings(trained), *orient]
 
     @property
     def _numbers(self) -> range:
@@ -163,7 +168,12 @@ class CompiledBaseline:
     decisions: Decisions = DEFAULT_DECISIONS
     laboratory: Noise = LABORATORY_NOISE
 
-    def run(self) -> Outcome:
+    @property
+    def key(self) -> str:
+        """Policy, arena and number of forages."""
+        return f"{self.learner} {self.arena} {self.blocks} times {self.forages}"
+
+    def run(self) -> list[Row]:
         """Forage, and return the rows."""
         arena = checked_arena(self.arena, self.decisions)
         limit = baseline_limit(self.learner, self.arena)
@@ -191,8 +201,8 @@ class CompiledBaseline:
             "recall": list(range(self.forages)) * self.blocks,
             "seed": seeds.tolist(),
         }
-        return Outcome(
-            tuple(
+        return [
+            *(
                 recall_rows(
                     played,
                     arena,
@@ -206,7 +216,7 @@ class CompiledBaseline:
                     experience_size=0,
                 )
             )
-        )
+        ]
 
 
 def _experience(

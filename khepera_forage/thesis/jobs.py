@@ -1,13 +1,14 @@
 """The jobs of a reproduction: independent parts of the experiments, for either backend."""
 
 from collections.abc import Iterator
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from khepera_forage.envs.backends import PYMUNK
-from khepera_forage.experiments.statistics import MIN_REPLICATIONS
+from khepera_forage.estimates import MIN_REPLICATIONS
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rows import RANDOM, TEACHER
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
+from khepera_forage.study import Unit
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
@@ -18,18 +19,10 @@ from khepera_forage.thesis.design import (
     Cell,
     noise_conditions,
 )
-from khepera_forage.thesis.replication import Baseline, Outcome, Replication
+from khepera_forage.thesis.replication import Baseline, Replication
 
 NOISE_CELLS: tuple[Cell, ...] = tuple(cell for cell in THESIS if cell.episodes == 10)
 """Cells that are repeated under each noise condition: ten training episodes, recalls in both arenas."""
-
-
-class Job(Protocol):
-    """A part of the experiments that runs independently of the others."""
-
-    def run(self) -> Outcome:
-        """Run the experiments and return their rows."""
-        ...
 
 
 class JobCounts(NamedTuple):
@@ -78,9 +71,9 @@ def comparison_counts(replications: int) -> JobCounts:
     return JobCounts(min(replications, max(MIN_REPLICATIONS, replications // 5)), 0, (), 0, 0)
 
 
-def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
+def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:
     """All jobs for pymunk, those that take longest first."""
-    jobs: list[Job] = [Replication(seed, i, decisions=decisions) for i in range(counts.replications)]
+    jobs: list[Unit] = [Replication(seed, i, decisions=decisions) for i in range(counts.replications)]
     for noise in counts.noise_conditions:
         jobs += [
             Replication(seed, i, noise, counts.noise_cells, decisions)
@@ -99,7 +92,7 @@ def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]
 
 def compiled_jobs(
     seed: int, counts: JobCounts, decisions: Decisions, laboratory: Noise = LABORATORY_NOISE
-) -> list[Job]:
+) -> list[Unit]:
     """All jobs for the compiled backend.
 
     Args:
@@ -117,7 +110,7 @@ def compiled_jobs(
         CompiledReplications,
     )
 
-    def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
+    def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Unit]:
         return [
             CompiledReplications(
                 seed, first, min(GROUP_SIZE, count - first), noise, cells, decisions, laboratory

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experiments.statistics import bootstrap, ratio, replications, sums_by_replication
-from khepera_forage.experiments.tables import Column, Table, Value
+from khepera_forage.estimates import Column, Table, Value, bootstrap, ratio, replications, sums_by_replication
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
 from khepera_forage.task.decisions import Decisions, decisions_text

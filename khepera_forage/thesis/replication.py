@@ -59,13 +59,8 @@ def baseline_limit(learner: str, arena: str) -> int:
     return limit * TEACHER_LIMIT_FACTOR if learner == TEACHER else limit
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """The rows of one job."""
-
-    recalls: tuple[RecallRow, ...] = ()
-    trainings: tuple[TrainingRow, ...] = ()
-    orient_rows: tuple[OrientRow, ...] = ()
+Row = RecallRow | TrainingRow | OrientRow
+"""A row of a job."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,14 +81,18 @@ class Replication:
     cells: tuple[Cell, ...] = THESIS
     decisions: Decisions = DEFAULT_DECISIONS
 
-    def run(self) -> Outcome:
+    @property
+    def key(self) -> str:
+        """Noise and number."""
+        return f"{self.noise} {self.number}"
+
+    def run(self) -> list[Row]:
         """Train, recall, and return the rows."""
         noise = noise_conditions()[self.noise]
         training, recalling = replication_seeds(self.seed, self.number, self.noise).spawn(2)
         files, trainings = self._train(noise, training)
-        recalls = tuple(self._recalls(noise, files, recalling))
         orient = self._orient_rows(files) if self.noise == LABORATORY else ()
-        return Outcome(recalls, tuple(trainings), tuple(orient))
+        return [*self._recalls(noise, files, recalling), *trainings, *orient]
 
     def _train(
         self, noise: Noise, seeds: np.random.SeedSequence
@@ -169,15 +168,20 @@ class Baseline:
     forages: int
     decisions: Decisions = DEFAULT_DECISIONS
 
-    def run(self) -> Outcome:
+    @property
+    def key(self) -> str:
+        """Policy, arena and number."""
+        return f"{self.learner} {self.arena} {self.number}"
+
+    def run(self) -> list[Row]:
         """Forage, and return the rows."""
         limit = baseline_limit(self.learner, self.arena)
         env = recall_env(self.arena, limit=limit, decisions=self.decisions)
         policy: Policy = Teacher.of(env) if self.learner == TEACHER else UniformPolicy()
         seeds = baseline_seeds(self.seed, self.number, self.learner, self.arena, self.forages)
-        rows = tuple(
+        rows: list[Row] = [
             recall(env, policy, seed, learner=self.learner, replication=self.number, number=i)
             for i, seed in enumerate(seeds.tolist())
-        )
+        ]
         env.close()
-        return Outcome(rows)
+        return rows

@@ -6,20 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage.experiments.figures import save
-from khepera_forage.experiments.statistics import MIN_REPLICATIONS, RESAMPLES, replications
-from khepera_forage.experiments.tables import Table
+from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, replications
+from khepera_forage.figures import save
 from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import common_decisions
 from khepera_forage.task.decisions import Decisions, decisions_text, differences
-from khepera_forage.thesis import figures, measured_tables, thesis_tables
+from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.claims.evidence import Evidence, gather
 from khepera_forage.thesis.design import THESIS, Cell
-from khepera_forage.thesis.figure_5_4 import fig_5_4
-from khepera_forage.thesis.noise_figure import noise_figure
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
 
 if TYPE_CHECKING:
@@ -79,24 +76,24 @@ def write_report(
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
     results = cell_results(recalls, for_cells, cells, resamples)
     v0_1_results = cell_results(v0_1_recalls, for_v0_1, cells, resamples) if v0_1_recalls else []
-    noise = measured_tables.noise_table(noise_rows, evidence)
+    noise = tables.noise_table(noise_rows, evidence)
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
-    tables = [
-        thesis_tables.cell_table(results, v0_1_results),
-        thesis_tables.claim_table(measured),
-        thesis_tables.rule_table(measured),
+    shown = [
+        tables.cell_table(results, v0_1_results),
+        tables.claim_table(measured),
+        tables.rule_table(measured),
         noise,
-        measured_tables.training_table(evidence),
-        measured_tables.teacher_table(evidence),
-        measured_tables.ties_table(evidence),
-        measured_tables.state_table(evidence),
+        tables.training_table(evidence),
+        tables.teacher_table(evidence),
+        tables.ties_table(evidence),
+        tables.state_table(evidence),
         orient_table(orient_rows, for_orient),
-        thesis_tables.errata_table(),
+        tables.errata_table(),
     ]
-    written = [_write(folder / PAGE, _page(tables, evidence, backend, v0_1_recalls))]
-    summary = thesis_tables.summary_table(results, v0_1_results)
+    written = [_write(folder / PAGE, _page(shown, evidence, backend, v0_1_recalls))]
+    summary = tables.summary_table(results, v0_1_results)
     written.append(_write(folder / SUMMARY, summary.text()))
-    written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in tables]
+    written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in shown]
     for stem, figure in _figures(results, v0_1_results, recalls, noise):
         written.append(folder / f"{stem}.png")
         save(figure, written[-1])
@@ -111,11 +108,11 @@ def _figures(
 ) -> Iterator[tuple[str, "Figure"]]:
     yield "figure_5_2", figures.fig_5_2(results, v0_1_results)
     yield "figure_5_3", figures.fig_5_3(results, v0_1_results)
-    yield "figure_5_4", fig_5_4(recalls)
+    yield "figure_5_4", figures.fig_5_4(recalls)
     yield "figure_5_5", figures.fig_5_5(results, v0_1_results)
     yield "figure_5_6", figures.fig_5_6(results, v0_1_results)
     if noise.rows:
-        yield "noise", noise_figure(noise)
+        yield "noise", figures.noise_figure(noise)
 
 
 def _page(

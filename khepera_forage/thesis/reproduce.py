@@ -1,30 +1,29 @@
 """All experiments of the thesis, in many replications and on all cores, and the report on them."""
 
-import sys
-from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm import tqdm
 
+from khepera_forage import __version__
 from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.extras import require
-from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.same_decisions import refuse_other_decisions
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.study import Arguments, Rows, Tables, collect, done, in_processes
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis.design import LABORATORY
-from khepera_forage.thesis.jobs import Job, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.jobs import JobCounts, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow
-from khepera_forage.thesis.replication import Outcome
 from khepera_forage.thesis.report import PAGE, V0_1_RECALLS, write_report
 
 REPLICATIONS = {PYMUNK: 24, COMPILED: 1000}
 """Default number of replications: on two cores, one to two minutes with the compiled backend, compilation included, and
 about three minutes with pymunk."""
 QUICK_REPLICATIONS = 2
+TABLES = {RecallRow: "recalls", TrainingRow: "trainings", OrientRow: "orient"}
+"""The rows, and the names of their files."""
 
 
 def reproduce(
@@ -37,10 +36,11 @@ def reproduce(
     backend: str = PYMUNK,
     decisions: Decisions | None = None,
     comparison: bool = True,
+    fresh: bool = False,
 ) -> Path:
     """Run all experiments, write their rows and the report.
 
-    Rows of different decisions are never in one file.
+    Rows of different decisions are never in one file. A run that was killed continues in the same folder.
 
     Args:
         seed: The same seed gives the same rows on a backend, for any number of processes or threads.
@@ -52,6 +52,7 @@ def reproduce(
         decisions: Of all experiments; the defaults by default.
         comparison: Also repeat the thesis's cells under the decisions of version 0.1, in a fifth of the replications,
             and show them beside the others. Without effect if `decisions` are those of version 0.1.
+        fresh: Do not continue a run that was killed in this folder.
 
     Returns:
         The path of the report, a Markdown page.
@@ -66,66 +67,46 @@ def reproduce(
         require("this reproduction", "fast", "plots", otherwise=f"; backend {PYMUNK} needs no numba")
     else:
         require("this reproduction", "plots")
-    counts = job_counts(replications, backend, quick)
     decisions = checked_decisions(decisions)
     v0_1 = Decisions.v0_1()
     comparison = comparison and decisions != v0_1
-    make_jobs = pymunk_jobs if backend == PYMUNK else compiled_jobs
-    jobs = make_jobs(seed, counts, decisions)
-    paths = [out / name for name in ("recalls.csv", "trainings.csv", "orient.csv")]
-    for path in paths:
-        refuse_other_decisions(path, decisions)
+    for name in TABLES.values():
+        refuse_other_decisions(out / f"{name}.csv", decisions)
     if comparison:
         refuse_other_decisions(out / V0_1_RECALLS, v0_1)
-    outcomes: list[Outcome] = []
-    with (
-        RowWriter(paths[0], RecallRow) as recalls,
-        RowWriter(paths[1], TrainingRow) as trainings,
-        RowWriter(paths[2], OrientRow) as orient_rows,
-    ):
-        for outcome in _outcomes(jobs, "thesis", backend, n_jobs):
-            recalls.write(*outcome.recalls)
-            trainings.write(*outcome.trainings)
-            orient_rows.write(*outcome.orient_rows)
-            outcomes.append(outcome)
-    v0_1_recalls: list[RecallRow] = []
+    given = Arguments(name="thesis", program="khepera-forage reproduce", out=out, jobs=n_jobs, fresh=fresh)
+    given.settings = {"seed": str(seed), "quick": "yes" if quick else "no", "backend": backend}
+    counts = job_counts(replications, backend, quick)
+    rows = _rows(given, counts, decisions, backend, TABLES, "units")
+    v0_1_rows = Rows(())
     if comparison:
         # Only the recalls are compared, so the other rows are not kept.
-        v0_1_jobs = make_jobs(seed, comparison_counts(replications), v0_1)
-        with RowWriter(out / V0_1_RECALLS, RecallRow) as recalls:
-            for outcome in _outcomes(v0_1_jobs, "version 0.1", backend, n_jobs):
-                recalls.write(*outcome.recalls)
-                v0_1_recalls += outcome.recalls
-    return _report(out, outcomes, v0_1_recalls, seed, backend)
-
-
-def _outcomes(jobs: Sequence[Job], name: str, backend: str, n_jobs: int) -> Iterator[Outcome]:
-    """The outcomes of jobs in their order, so that the files are the same on every machine; with a progress bar."""
-    finished: Iterable[Outcome] = map(_run, jobs)
-    if backend == PYMUNK:
-        finished = Parallel(n_jobs=n_jobs, return_as="generator")(delayed(_run)(job) for job in jobs)
-    hide_progress = not sys.stderr.isatty()
-    yield from tqdm(finished, total=len(jobs), desc=name, unit="job", disable=hide_progress)
-
-
-def _report(
-    out: Path, outcomes: Sequence[Outcome], v0_1_recalls: Sequence[RecallRow], seed: int, backend: str
-) -> Path:
-    """Write the report on the rows of all jobs."""
-    recalls = [row for outcome in outcomes for row in outcome.recalls]
+        tables = {RecallRow: V0_1_RECALLS.removesuffix(".csv")}
+        v0_1_rows = _rows(given, comparison_counts(replications), v0_1, backend, tables, "units_v0.1")
+    recalls = rows.of(RecallRow)
     write_report(
         out,
         recalls=[row for row in recalls if row.noise == LABORATORY and row.learner != TEACHER],
-        trainings=[row for outcome in outcomes for row in outcome.trainings],
+        trainings=rows.of(TrainingRow),
         teachers=[row for row in recalls if row.learner == TEACHER],
         noise_rows=[row for row in recalls if row.episodes == 10],
-        orient_rows=[row for outcome in outcomes for row in outcome.orient_rows],
+        orient_rows=rows.of(OrientRow),
         rng=np.random.default_rng(seed),
         backend=backend,
-        v0_1_recalls=v0_1_recalls,
+        v0_1_recalls=v0_1_rows.of(RecallRow),
     )
+    for path in out.glob("units*.jsonl.gz"):
+        path.unlink()  # the next run begins anew
     return out / PAGE
 
 
-def _run(job: Job) -> Outcome:
-    return job.run()
+def _rows(
+    given: Arguments, counts: JobCounts, decisions: Decisions, backend: str, tables: Tables, file: str
+) -> Rows:
+    """The rows of all jobs in their order; those of a run that was killed are taken from the folder."""
+    make_jobs = pymunk_jobs if backend == PYMUNK else compiled_jobs
+    units = make_jobs(int(given.settings["seed"]), counts, decisions)
+    settings = {"decisions": decisions_text(decisions), "version": __version__}
+    # Compiled jobs use all cores themselves.
+    execute = in_processes(given.jobs) if backend == PYMUNK else partial(map, done)
+    return collect(given, units, tables, execute, settings, file=f"{file}.jsonl.gz")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from unittest import mock
 
-from khepera_forage.experiments.figures import save
+from khepera_forage.figures import save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def checked_pictures(notes: Path) -> Iterator[None]:
         with notes.open("a", encoding="utf-8") as file:
             file.write(f"{path.name}\t{fault}\n")
 
-    with mock.patch("khepera_forage.experiments.page.save", checked):
+    with mock.patch("khepera_forage.study.save", checked):
         yield
 
 

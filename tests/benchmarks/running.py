@@ -12,6 +12,7 @@ from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest import mock
 
+from khepera_forage.cli.main import main
 from tests.benchmarks.checked_pictures import checked_pictures
 
 ROOT = Path(__file__).parents[2]
@@ -20,15 +21,16 @@ _COMPILING = re.compile(r"^khepera_forage: compiling kernels.*\n", re.MULTILINE)
 """What the first script that needs kernels says."""
 
 
+COMMANDS = {"learners": "compare", "decisions": "infer"}
+"""Studies that are subcommands of `khepera-forage`, and no scripts."""
+
+
 def command_of(script: str, *arguments: str) -> list[str]:
-    """The command line of a script."""
-    return [
-        sys.executable,
-        "-W",
-        "error",
-        str(ROOT / "benchmarks" / f"{script}.py"),
-        *arguments,
-    ]
+    """The command line of a script, or of a study that is a subcommand."""
+    started = [str(ROOT / "benchmarks" / f"{script}.py")]
+    if script in COMMANDS:
+        started = ["-m", "khepera_forage.cli.main", COMMANDS[script]]
+    return [sys.executable, "-W", "error", *started, *arguments]
 
 
 def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) -> str:
@@ -74,15 +76,20 @@ def _run_here(script: str, *arguments: str) -> tuple[object, str, str]:
         The exit status, what it printed, and its error output.
     """
     path = str(ROOT / "benchmarks" / f"{script}.py")
-    output, errors, status = io.StringIO(), io.StringIO(), None
+    command = ["khepera-forage", COMMANDS[script]] if script in COMMANDS else [path]
+    output, errors = io.StringIO(), io.StringIO()
+    status: object = None
     with (
-        mock.patch("sys.argv", [path, *arguments]),
+        mock.patch("sys.argv", [*command, *arguments]),
         redirect_stdout(output),
         redirect_stderr(errors),
         warnings.catch_warnings(action="error"),
     ):
         try:
-            runpy.run_path(path, run_name="__main__")
+            if script in COMMANDS:
+                status = main()
+            else:
+                runpy.run_path(path, run_name="__main__")
         except SystemExit as end:
             status = end.code
     return status, output.getvalue(), errors.getvalue()

@@ -5,11 +5,9 @@ import warnings
 import numpy as np
 import pytest
 
-from khepera_forage.thesis.inference.pages import test_set_page
-from khepera_forage.thesis.inference.pages.cells_page import Predictions
-from khepera_forage.thesis.inference.pages.questions_page import explained, outcomes
-from khepera_forage.thesis.inference.parameters import Parameter
-from khepera_forage.thesis.inference.sensitivity import first_order, outcome
+from khepera_forage.thesis.inference import page
+from khepera_forage.thesis.inference.page import Predictions, explained, first_order, outcome, outcomes
+from khepera_forage.thesis.inference.posterior import Parameter
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
 
 pytest.importorskip("SALib")
@@ -73,8 +71,8 @@ def test_a_set_predicts_what_lies_among_its_own_experiments() -> None:
     thesis = np.nan_to_num(thesis_statistics())
     statistics = np.stack([thesis + rng.normal(size=(20, WIDTH)), thesis + 9 + rng.normal(size=(20, WIDTH))])
     statistics[0, :15, NAMES.index("rectangle 5 right_failed")] = np.nan
-    found = test_set_page.predicted(statistics)
-    tested = test_set_page.tested_columns()
+    found = page.predicted(statistics)
+    tested = page.tested_columns()
     assert len(tested) == 19
     missing = tested.index(NAMES.index("rectangle 5 right_failed"))
     assert not found[0, tested][missing], "most experiments have no such value"
@@ -86,7 +84,7 @@ def test_predictions_weigh_experiments() -> None:
     experiments = np.full((3, WIDTH), np.nan)
     experiments[:, 0] = [10.0, 20.0, 30.0]
     experiments[:2, 1] = [1.0, 3.0]
-    predictions = Predictions("p", "k", experiments, np.array([0.0, 1.0, 3.0]), {})
+    predictions = Predictions("p", experiments, np.array([0.0, 1.0, 3.0]))
     assert predictions.interval(0) == (30.0, 20.0, 30.0)
     assert predictions.means([0, 1]).tolist() == [27.5, 3.0]
     assert np.isnan(predictions.interval(2)).all()

@@ -7,12 +7,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sklearn.ensemble import RandomForestClassifier
 
-from khepera_forage.comparison.curves import Curve, curves
-from khepera_forage.comparison.learning import Compared
-from khepera_forage.comparison.picture import STYLES, figure
-from khepera_forage.comparison.rows import ARENAS, RecallBatch
-from khepera_forage.comparison.units import all_learners
-from khepera_forage.experiments.figures import COLOURS, MARKERS
+from khepera_forage.comparison.learning import ARENAS, Compared, RecallBatch, all_learners
+from khepera_forage.comparison.page import STYLES, figure
+from khepera_forage.comparison.results import Curve, curves
+from khepera_forage.figures import COLOURS, MARKERS
 from khepera_forage.policies.learners import FromVectors, Needs
 from tests.figure_checks import (
     check_points_are_shown,
@@ -54,7 +52,7 @@ def rows_of(learners: dict[str, Compared]) -> list[RecallBatch]:
 
 @pytest.fixture(scope="module")
 def found(learners: dict[str, Compared]) -> list[Curve]:
-    return curves(rows_of(learners), np.random.default_rng(2))
+    return curves(rows_of(learners), 2)
 
 
 @pytest.fixture(scope="module")
@@ -116,12 +114,12 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
 
 def test_picture_of_one_learner_is_readable(learners: dict[str, Compared]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
-    check_readable(lay_out(figure(curves(rows_of(few), np.random.default_rng(3)), few)))
+    check_readable(lay_out(figure(curves(rows_of(few), 3), few)))
 
 
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:
     few = {"teacher": learners["teacher"]}
-    figure(curves(rows_of(few), np.random.default_rng(3)), few).draw_without_rendering()
+    figure(curves(rows_of(few), 3), few).draw_without_rendering()
 
 
 def test_each_colour_has_a_marker_of_its_own() -> None:

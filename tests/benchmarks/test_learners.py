@@ -2,32 +2,29 @@
 
 import math
 import shutil
-import subprocess
-import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison import tuning
-from khepera_forage.comparison.curves import curves
-from khepera_forage.comparison.page import results
-from khepera_forage.comparison.rows import RecallBatch, Size
-from khepera_forage.comparison.units import (
+from khepera_forage.comparison.learning import (
+    RecallBatch,
+    Size,
     all_learners,
-    missing_extra,
     plan,
-    planned_or_finished,
     settings_of,
+    unable,
 )
+from khepera_forage.comparison.page import results
+from khepera_forage.comparison.results import curves
 from khepera_forage.comparison.workers import unavailable
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import command_of, quick, quick_here, read, refused
+from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
 
 NAMES = ("teacher", "random", "imitator", "tree", "dagger_tree")
@@ -108,12 +105,12 @@ def test_page_has_settings_and_command(out: Path) -> None:
         "| `imitator` | the thesis's imitator | `NearestNeighbourImitator(); diagonal of the arena` |" in page
     )
     assert "| `dagger_tree` | DAgger, tree | `tree(); queries_a_round=100` |" in page
-    assert "--seeds 2 --recalls 1 --steps 1000 --seed 1 --quick" in page
+    assert " --only imitator --only tree --only dagger_tree\n" in page
 
 
 def results_of(rows: list[RecallBatch]) -> str:
     """The results in words, as they stand on the page of these rows."""
-    return results(curves(rows, np.random.default_rng(0)), all_learners()) + "\n"
+    return results(curves(rows, 0), all_learners()) + "\n"
 
 
 def batch(learner: str, amount: int, steps: int, delivered: int) -> RecallBatch:
@@ -137,11 +134,11 @@ def test_the_median_replication_decides_which_learner_is_first() -> None:
         for number, enough in enumerate((1, 2, 3, 4))
         for amount in (1, 2, 3)
     ]
-    (curve,) = curves(rows, np.random.default_rng(0))
+    (curve,) = curves(rows, 0)
     assert (curve.amount_to_success, curve.steps_to_success.value) == (2, 180)
-    (curve,) = curves(rows[3:], np.random.default_rng(0))
+    (curve,) = curves(rows[3:], 0)
     assert (curve.amount_to_success, curve.steps_to_success.value) == (3, 270)
-    (curve,) = curves(rows[9:], np.random.default_rng(0))
+    (curve,) = curves(rows[9:], 0)
     assert curve.amount_to_success == curve.steps_to_success.value == math.inf
 
 
@@ -156,55 +153,45 @@ def test_results_on_wheels_are_those_of_the_rows() -> None:
     assert "on wheels.** 1 of 2 learn to forage within 10,000 steps (80 %" in results_of(rows)
 
 
-def test_a_killed_run_is_continued(out: Path, tmp_path: Path) -> None:
-    """With the rows of a run that was not killed, which has the first two of the seeds."""
-    arguments = ["--only", "tree", "--seeds", "3", "--jobs", "1"]
-    killed = tmp_path / "killed"
-    command = command_of("learners", "--quick", "--seed", "1", "--out", str(killed), *arguments)
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    rows, units = killed / "rows.csv", killed / "units.csv"
-    while process.poll() is None and not (units.exists() and units.read_bytes().count(b"\n") > 1):
-        time.sleep(0.005)
-    process.kill()
-    assert process.wait() == -9
-    done = units.read_bytes().count(b"\n") - 1
-    assert 1 <= done < 3, "it was killed with work done, and with work to do"
-    with rows.open("ab") as file:
-        file.write(b"tree,7,1,corr")  # a line cut short, as a kill in the middle of a write leaves it
-    printed = quick_here("learners", killed, *arguments)
-    assert f"{done} of 3 units are done already" in printed
-    assert f"{3 - done} units for 1 processes" in printed
-    whole = [line for line in timeless(out / "rows.csv") if line.startswith("tree,")]
-    assert len(whole) == 8
-    assert timeless(rows)[1:9] == whole
-    finished = rows.read_bytes()
-    assert "3 of 3 units are done already" in quick_here("learners", killed, *arguments)
-    assert rows.read_bytes() == finished
-
-
 def test_rows_of_other_learners_in_the_folder_are_kept(tmp_path: Path) -> None:
     arguments = ("--seeds", "1", "--jobs", "1")
     quick_here("learners", tmp_path, "--only", "teacher", *arguments)
-    printed = quick_here("learners", tmp_path, "--only", "random", *arguments)
-    assert "1 of 2 units are done already" in printed
+    quick_here("learners", tmp_path, "--only", "random", *arguments)
     assert {row["learner"] for row in read(tmp_path / "rows.csv")} == {"teacher", "random"}
     assert {line["learner"] for line in read(tmp_path / "table_learners.csv")} == {
         "the teacher",
         "random behaviours",
     }
-    settings = {row["name"]: row["value"] for row in read(tmp_path / "settings.csv")}
-    assert {name for name in settings if name.startswith("learner ")} == {"learner teacher", "learner random"}
 
 
-def test_learners_of_earlier_runs_must_be_known() -> None:
-    known = all_learners()
-    units = plan({"tree": known["tree"]}, range(2), SIZE, 0)
-    found = planned_or_finished(units, ["tree 0", "dagger 7"], known)
-    assert [unit.key for unit in found] == ["dagger 7", "tree 0", "tree 1"]
-    assert found[0].learner is known["dagger"]
-    del known["dagger"]
-    with pytest.raises(ValueError, match="learner is 'dagger'; allowed: teacher, random, imitator"):
-        planned_or_finished(units, ["dagger 7"], known)
+def test_learners_of_earlier_runs_must_be_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(LEARNERS, "mine", LEARNERS["tree"])
+    arguments = ("--seeds", "1", "--jobs", "1")
+    quick_here("learners", tmp_path, "--only", "mine", *arguments)
+    monkeypatch.delitem(LEARNERS, "mine")
+    told = refused("learners", "--only", "teacher", "--seed", "1", "--out", str(tmp_path), *arguments)
+    assert "learner is 'mine'; allowed: teacher, random, imitator" in told
+
+
+def test_an_interval_does_not_depend_on_the_other_learners() -> None:
+    rows = [
+        replace(batch(name, 1, 90, number % 9), replication=number)
+        for name in ("tree", "ppo")
+        for number in range(8)
+    ]
+    assert curves(rows, 0)[1] == curves(rows[8:], 0)[0]
+
+
+def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> None:
+    arenas = ("corridor", "mixed_foods", "hard")
+    run = ("--only", "teacher", "--seeds", "1", "--jobs", "1")
+    quick_here("learners", tmp_path / "some", *run, "--arenas", *arenas)
+    rows = read(tmp_path / "some" / "rows.csv")
+    assert [row["arena"] for row in rows] == list(arenas)
+    assert all(row["delivered"] == row["foods"] for row in rows), "food that is not poisonous counts"
+    told = refused("learners", "--arenas", "kitchen")
+    assert "'kitchen'" in told
+    assert "t_maze" in told
 
 
 def test_an_additional_learner_takes_part(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -222,10 +209,10 @@ def test_an_additional_learner_takes_part(monkeypatch: pytest.MonkeyPatch) -> No
     assert all(row.learner == "forest" and row.seconds > 0 for row in rows)
 
 
-def test_learners_that_need_a_missing_extra_are_left_out() -> None:
+def test_learners_that_need_a_unable_are_left_out() -> None:
     for learner in LEARNERS.values():
         fits = learner.needs is not Needs.STEPS or find_spec("stable_baselines3") is not None
-        assert bool(missing_extra(learner)) is not fits
+        assert bool(unable(learner)) is not fits
 
 
 def test_unavailable_backends_have_a_reason() -> None:
@@ -260,8 +247,8 @@ def test_tuning_compares_settings_over_other_seeds(tuned: Path) -> None:
     assert seeds == {"1000"}
     page = (tuned / "tuning/tuning.md").read_text(encoding="utf-8")
     assert page.startswith("# Settings of the learners\n\n## Results\n\n4 other settings were compared. ")
-    options = "--only dagger_tree --seeds 1 --recalls 1 --steps 1000 --seed 1 --quick"
-    assert f"    khepera-forage compare --tune {options}\n" in page
+    assert "    khepera-forage compare --quick --seed 1 --out " in page
+    assert " --tune --only dagger_tree --seeds 1\n" in page
 
 
 def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tuned: Path, tmp_path: Path) -> None:
@@ -283,7 +270,7 @@ def test_a_setting_that_is_clearly_better_is_named() -> None:
         ]
 
     found = [*rows("tree", 0), *rows("tree.1", 1), *rows("tree.2", -1), *rows("tree.3", 0)]
-    gains = tuning.differences(found, np.random.default_rng(0))
+    gains = tuning.differences(found, 0)
     for name, more in (("tree.1", 10), ("tree.2", -10), ("tree.3", 0)):
         assert tuple(gains[name]) == pytest.approx((more, more, more))
     text = tuning.result(gains, tried)
@@ -337,7 +324,7 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     assert "| small forest |" in printed
     assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {"small_forest"}
     page = (tmp_path / "out" / "learners.md").read_text(encoding="utf-8")
-    assert "khepera-forage compare --learner mine:small_forest" in page
+    assert " --learner mine:small_forest --seeds 1\n" in page
 
 
 def test_a_learner_that_cannot_be_found_is_named() -> None:

@@ -1,5 +1,6 @@
 """What all scripts of `benchmarks/` have in common: help, page, tables, pictures, rows, and continued runs."""
 
+import gzip
 import re
 import shutil
 from dataclasses import dataclass
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from khepera_forage.study import UNITS
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import help_of, is_picture, quick, quick_here, read, refused
 
@@ -27,7 +29,6 @@ LEARNERS_RUN = tuple(
     part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )
 COMMON = ("--seed", "--out", "--quick")
-BOOKKEEPING = ("units.csv", "settings.csv")
 
 
 @dataclass(frozen=True)
@@ -56,45 +57,23 @@ class Script:
 
 
 SCRIPTS = {
-    "agreement": Script(
-        ("--episodes", "--arenas", "--recalls", "--experiments", "--replications", "--jobs", "--fresh"),
-        ("pymunk_recalls", "paired_recalls", "experiments"),
-        run=("--episodes", "6", "--arenas", "8"),
+    "backends": Script(
+        ("--forages", "--levels", "--recalls", "--episodes", "--experiments", "--only", "--jobs", "--fresh"),
+        ("recalls", "experiments"),
+        repeatable=("--only", "teacher"),
         needs=("numba",),
     ),
     "decisions": Script(
         ("--sets", "--experiments", "--jobs", "--fresh"),
         (),
-        page="posterior.md",
         needs=("numba", "SALib"),
         subcommand="infer",
     ),
-    "best_decisions": Script(
-        (
-            "--start",
-            "--generations",
-            "--children",
-            "--finalists",
-            "--effort",
-            "--passes",
-            "--jobs",
-            "--fresh",
-        ),
-        (),
-        needs=("numba",),
-        runs=False,
-    ),
-    "teacher": Script(("--forages", "--jobs", "--fresh"), ("forages",), repeatable=()),
     "further_work": Script(
         ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
         ("trainings", "recalls"),
         repeatable=("--only", "spatial_variety", "--replications", "2"),
         page="spatial_variety/spatial_variety.md",
-    ),
-    "generalisation": Script(
-        ("--seeds", "--recalls", "--levels", "--steps", "--jobs", "--fresh"),
-        ("recalls", "wrong_decisions"),
-        needs=("numba",),
     ),
     "kheperax": Script(
         ("--repeats", "--worlds", "--venv", "1.2 GB"), ("rows",), needs=("numba",), runs=False
@@ -114,13 +93,13 @@ SCRIPTS = {
             "--learner",
             "--against",
             "--list",
+            "--arenas",
         ),
         ("rows",),
         run=LEARNERS_RUN,
         repeatable=LEARNERS_RUN,
         subcommand="compare",
     ),
-    "throughput": Script(("--steps", "--repeats", "--compiled", "--memory"), ("measurements",)),
     "tracker": Script(
         ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
         ("observations", "phantoms", "hole_layouts"),
@@ -193,7 +172,7 @@ def test_page_names_its_command_and_the_machine(script: str, quick_run: QuickRun
     command, machine = text.split("## Command\n\n    ")[1].strip().split("\n\n")[:2]
     launched = program(script) if SCRIPTS[script].subcommand else f"python benchmarks/{script}.py"
     assert command.startswith(f"{launched} ")
-    assert "--seed 1 --quick" in command
+    assert "--quick --seed 1" in command
     assert "numpy" in machine
 
 
@@ -214,7 +193,7 @@ def test_rows_are_written(script: str, quick_run: QuickRun) -> None:
 def rows_of(script: str, out: Path) -> dict[str, list[str]]:
     """The lines of all row files but for wall times, which come last in the rows of learners."""
     folder = page_of(script, out).parent
-    names = (*(f"{name}.csv" for name in SCRIPTS[script].rows), *BOOKKEEPING)
+    names = [f"{name}.csv" for name in SCRIPTS[script].rows]
     lines = {name: (folder / name).read_text(encoding="utf-8").splitlines() for name in names}
     if script == "learners":
         lines["rows.csv"] = [line.rsplit(",", 1)[0] for line in lines["rows.csv"]]
@@ -231,15 +210,14 @@ def test_killed_run_is_continued_with_the_same_rows_by_two_processes(
     shutil.copytree(whole, tmp_path / "killed")
     folder = page_of(script, tmp_path / "killed").parent
     page_of(script, tmp_path / "killed").unlink()
-    units = (folder / "units.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    with gzip.open(folder / UNITS) as file:
+        units = [gzip.compress(line) for line in file]
     done = len(units) // 2
     assert 1 <= done < len(units) - 1
-    (folder / "units.csv").write_text("".join(units[: 1 + done]), encoding="utf-8")
-    for name in SCRIPTS[script].rows:
-        with (folder / f"{name}.csv").open("a", encoding="utf-8") as file:
-            file.write("7,torn")  # as a kill in the middle of a write leaves it
+    # As a kill in the middle of a write leaves it.
+    (folder / UNITS).write_bytes(b"".join(units[: 1 + done]) + units[1 + done][: len(units[1 + done]) // 2])
     # One script in a process of its own, whose workers must not print errors; the others import nothing again.
-    run = quick if script == "teacher" else quick_here
+    run = quick if script == "backends" else quick_here
     printed = run(script, tmp_path / "killed", *arguments, "--jobs", "2")
     counts = re.findall(r"(\d+) of (\d+) units are done already", printed)
     assert [sum(map(int, part)) for part in zip(*counts, strict=True)] == [done, len(units) - 1]
@@ -259,6 +237,6 @@ def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> N
 
 
 def test_counts_are_checked() -> None:
-    assert "'0'; allowed: a whole number of at least 1" in refused("teacher", "--forages", "0")
-    assert "'0'; allowed: a whole number of at least 1, or -1" in refused("teacher", "--jobs", "0")
-    assert "'1'; allowed: a whole number of at least 2" in refused("agreement", "--experiments", "1")
+    assert "'0'; allowed: a whole number of at least 1" in refused("backends", "--forages", "0")
+    assert "'0'; allowed: a whole number of at least 1, or -1" in refused("backends", "--jobs", "0")
+    assert "'1'; allowed: a whole number of at least 2" in refused("backends", "--experiments", "1")

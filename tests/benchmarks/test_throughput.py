@@ -1,139 +1,128 @@
-"""`benchmarks/throughput.py`: every measure is there and plausible. No test depends on speed."""
+"""`benchmarks/throughput.py`: cases can be measured, tables and errors are right. No test depends on speed."""
 
-import statistics
+import os
+import subprocess
+import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from timing.measures import Line, Measure
+import throughput
+from throughput import CASES, Case, line, measure
 
-from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import read
+from tests.benchmarks.running import ROOT, command_of, help_of, is_picture, read
+from tests.figure_checks import check_readable, lay_out
 
-LINES = {
-    "Environments": {
-        "Corridor-v1, resets included",
-        "Corridor-v1, resets left out",
-        "Rectangle-v1, resets included",
-        "CorridorWheels-v1, resets included",
-        "paired corridors, resets included",
-    },
-    "Bare pymunk": {
-        "five pymunk steps, then eight rays: a round of 0.1 s",
-        "one pymunk step, then eight rays",
-        "share of the simulation",
-        "share of the setters",
-        "share of the rays",
-    },
-    "Imitator": {
-        "imitator while it forages",
-        "imitator, cache emptied before every query",
-        "queries that the cache answers",
-        "imitator over many vectors",
-        "one more vector learned",
-        "vectors of that imitator",
-        "distinct among them",
-    },
-    "Processes": {"import khepera_forage"},
-    "A step of Corridor-v1, part by part": {
-        "pymunk's own step",
-        "wheels, gripper and rounds, in Python",
-        "infra-reds and optical barrier",
-        "camera and tracking",
-        "perception, state, food tracking",
-        "behaviour: raw data to motors",
-        "observation, reward, info",
-        "Gymnasium's wrappers",
-        "the teacher's decision",
-        "sum of the parts",
-        "the same steps without stopwatch",
-    },
-}
-TOTALS = {"sum of the parts", "the same steps without stopwatch"}
-GOALS = {
-    "Corridor-v1, resets included": 15_000,
-    "paired corridors, resets included": 4_000,
-    "imitator while it forages": 40_000,
-    "imitator, cache emptied before every query": 40_000,
-    "imitator over many vectors": 20_000,
-    "import khepera_forage": 0.5,
-}
+BY_NAME = {case.name: case for case in CASES}
+in_a_checkout = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs a git checkout")
 
 
-@pytest.fixture(scope="module")
-def out(quick_run: QuickRun) -> Path:
-    return quick_run("throughput")
+def test_help_names_every_option_and_case() -> None:
+    told = help_of("throughput")
+    options = ("--beside COMMIT", "--only", "--repeats", "--quick", "--seed", "--out", "results/throughput")
+    assert all(word in told for word in (*options, *BY_NAME))
 
 
-@pytest.fixture(scope="module")
-def rows(out: Path) -> dict[str, list[dict[str, str]]]:
-    """The repeats of every measure."""
-    measures: dict[str, list[dict[str, str]]] = {}
-    for row in read(out / "measurements.csv"):
-        measures.setdefault(row["name"], []).append(row)
-    return measures
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_case_measures_this_version(case: Case) -> None:
+    if case.name not in ("pymunk", "import", "paired") and find_spec("numba") is None:
+        pytest.skip("compiled worlds need numba, the extra `fast`")
+    assert case.measure(case.quick, 1) > 0
 
 
-def values_of(rows: list[dict[str, str]]) -> list[float]:
-    return [float(row["value"]) for row in rows]
+@in_a_checkout
+def test_both_checkouts_are_measured_written_and_printed(tmp_path: Path) -> None:
+    temporary, out = tmp_path / "temporary", tmp_path / "out"
+    temporary.mkdir()
+    options = ("--beside", "HEAD", "--only", "pymunk", "--quick", "--repeats", "2", "--out", str(out))
+    environment = {**os.environ, "TMPDIR": str(temporary)}
+    command = command_of("throughput", *options)
+    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    assert not list(temporary.iterdir())
+    head = throughput.git("rev-parse", "--short", "HEAD")
+    rows = read(out / "beside.csv")
+    assert {(row["repeat"], row["checkout"]) for row in rows} == {
+        (n, name) for n in "01" for name in (head, "here")
+    }
+    assert all(float(row["value"]) > 0 for row in rows)
+    page = (out / "beside.md").read_text(encoding="utf-8")
+    tables = [text for text in page.splitlines() if text.startswith("| ")]
+    assert all(text in done.stdout and len(text) <= 100 for text in tables)
+    assert f"python benchmarks/throughput.py {' '.join(options)}" in page
+    assert is_picture(out / "beside.png")
 
 
-def test_every_measure_has_a_line(rows: dict[str, list[dict[str, str]]]) -> None:
-    found: dict[str, set[str]] = {}
-    for name, (first, *_) in rows.items():
-        found.setdefault(first["section"], set()).add(name)
-    assert found == LINES
-
-
-def test_values_are_positive_and_the_table_has_their_median(
-    out: Path, rows: dict[str, list[dict[str, str]]]
+@pytest.mark.parametrize(
+    ("name", "pairs", "cells"),
+    [
+        ("make_vec", [(8e6, 4e6), (8e6, 3e6), (8e6, 5e6)], "8 M|4 M|0.50 [0.38, 0.62]|≥ 0.35; ≥ 2 M|yes"),
+        ("make_vec", [(4e7, 4e6)], "40 M|4 M|0.10 [0.10, 0.10]|≥ 0.35; ≥ 2 M|no"),
+        ("pymunk", [(9000, 9000)], "9,000|9,000|1.00 [1.00, 1.00]|≥ 0.6; ≥ 10 k|no"),
+        ("first_make_vec", [(10, 7)], "10|7|0.70 [0.70, 0.70]|≤ 0.8; ≤ 45|yes"),
+        ("first_make_vec", [(10, 8.5)], "10|8.5|0.85 [0.85, 0.85]|≤ 0.8; ≤ 45|no"),
+        ("procedural_recalls", [(0, 0.6)], "|0.6||≥ 0.5|yes"),
+    ],
+)
+def test_line_compares_medians_with_target_and_goal(
+    name: str, pairs: list[tuple[float, float]], cells: str
 ) -> None:
-    table = {row["measure"]: row["measured"] for row in read(out / "table_environments.csv")}
-    for name, repeats in rows.items():
-        assert [row["repeat"] for row in repeats] == ["0", "1"]
-        assert min(values_of(repeats)) > 0, name
-        if name in table:
-            shown = float(table[name].split(" [")[0].replace(",", ""))
-            assert shown == pytest.approx(statistics.median(values_of(repeats)), rel=0.01)
+    values = [{"a0e33ed": before, "here": now} for before, now in pairs]
+    assert "|".join(line(BY_NAME[name], 1, values, "a0e33ed")[0][1:]) == cells
 
 
-def test_goals_stand_beside_what_was_measured(rows: dict[str, list[dict[str, str]]]) -> None:
-    assert {name: float(own[0]["goal"]) for name, own in rows.items() if own[0]["goal"]} == GOALS
+def test_line_without_a_commit_compares_with_the_goal() -> None:
+    values = [{"here": value} for value in (12_345.0, 9_000.0, 20_000.0)]
+    row, factors = line(BY_NAME["pymunk"], 1, values, None)
+    assert row == ["Corridor-v1 on pymunk, steps/s", "12.3 k [9,000, 20 k]", "≥ 10 k", "yes"]
+    assert factors == pytest.approx([1.2345, 0.9, 2.0])
 
 
-def test_leaving_resets_out_never_slows(rows: dict[str, list[dict[str, str]]]) -> None:
-    included, left_out = (values_of(rows[f"Corridor-v1, resets {how}"]) for how in ("included", "left out"))
-    assert all(a > b for a, b in zip(left_out, included, strict=True))
+def test_table_fits_a_terminal_and_picture_is_readable() -> None:
+    values = {case.name: [{"a0e33ed": 1.234 * case.goal, "here": 2.345 * case.goal}] for case in CASES}
+    done = [line(case, case.size, values[case.name], "a0e33ed") for case in CASES]
+    columns = ["case", "a0e33ed", "here", "ratio", "target; goal", "met"]
+    table = throughput.markdown([columns, *(row for row, _ in done)])
+    assert max(map(len, table.splitlines())) <= 100
+    check_readable(lay_out(throughput.picture([row[0] for row, _ in done], [own for _, own in done])))
 
 
-def test_parts_add_up(rows: dict[str, list[dict[str, str]]]) -> None:
-    parts = list(LINES["A step of Corridor-v1, part by part"] - TOTALS)
-    for i, total in enumerate(values_of(rows["sum of the parts"])):
-        assert sum(values_of(rows[part])[i] for part in parts) == pytest.approx(total)
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--beside", "nowhere"), "commit 'nowhere' is unknown; allowed: "),
+        (("--only", "nothing"), "--only: invalid choice: 'nothing' (choose from "),
+        (("--repeats", "0"), "--repeats 0, --seed 0; allowed: "),
+    ],
+)
+def test_mistakes_are_one_line_with_status_2(options: tuple[str, str], told: str) -> None:
+    done = subprocess.run(command_of("throughput", *options), capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert done.stderr.startswith("throughput.py: ")
+    assert told in done.stderr
 
 
-def test_shares_of_bare_pymunk_add_up(rows: dict[str, list[dict[str, str]]]) -> None:
-    shares = [values_of(own) for name, own in rows.items() if name.startswith("share of the")]
-    for repeat in zip(*shares, strict=True):
-        assert sum(repeat) == pytest.approx(100)
+def test_case_that_fails_or_measures_another_package_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
+    assert "case pymunk measured the package in " in capsys.readouterr().err
+    (tmp_path / "khepera_forage").mkdir()
+    (tmp_path / "khepera_forage" / "__init__.py").touch()
+    with pytest.raises(SystemExit, match="2"):
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
+    assert f"case pymunk failed in {tmp_path.name}: " in capsys.readouterr().err
 
 
-def test_the_cache_answers_what_came_before(rows: dict[str, list[dict[str, str]]]) -> None:
-    answered = values_of(rows["queries that the cache answers"])
-    assert 0 < answered[0] < 100
-    assert len(set(answered)) == 1, "every repeat does the same work"
-
-
-def test_the_page_has_goals_and_one_line_a_measure(out: Path, rows: dict[str, list[dict[str, str]]]) -> None:
-    page = (out / "throughput.md").read_text(encoding="utf-8")
-    assert "at least 15,000" in page
-    assert "at most 0.5" in page
-    for name in rows:
-        assert page.count(f"| {name} |") == 1
-
-
-def test_a_line_compares_its_median_with_the_goal() -> None:
-    fast = Line(Measure("s", "n", "steps/s", "", 100.0), (90.0, 200.0, 300.0))
-    slow = Line(Measure("s", "n", "ns a step", "", 100.0), (90.0, 200.0, 300.0))
-    assert (fast.median, fast.bound, fast.factor) == (200.0, "at least 100", 2.0)
-    assert (slow.bound, slow.factor) == ("at most 100", 0.5)
-    assert Line(Measure("s", "n", "s"), (1.0,)).factor is None
+@in_a_checkout
+def test_checkouts_are_removed_after_a_signal(tmp_path: Path) -> None:
+    command = command_of("throughput", "--beside", "HEAD", "--only", "pymunk", "--out", str(tmp_path / "out"))
+    (tmp_path / "temporary").mkdir()
+    running = subprocess.Popen(command, env={**os.environ, "TMPDIR": str(tmp_path / "temporary")})
+    until = time.monotonic() + 60
+    while not list(tmp_path.glob("temporary/throughput-*/here/khepera_forage")) and time.monotonic() < until:
+        time.sleep(0.05)
+    running.terminate()
+    assert running.wait(timeout=60) == 128 + 15
+    assert not list((tmp_path / "temporary").iterdir())

@@ -5,8 +5,12 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.cli.main import main
+from khepera_forage.study import Unit
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import reproduce as reproduction
-from tests.thesis.synthetic import one_row_jobs
+from khepera_forage.thesis.jobs import JobCounts
+from khepera_forage.thesis.replication import Row
+from tests.thesis.synthetic import OneRowJob, one_row_jobs
 
 
 @pytest.fixture(autouse=True)
@@ -41,3 +45,29 @@ def test_reproduce_without_comparison_has_only_our_results(
     assert "v0.1: score" not in page
     assert "v0.1" not in end
     assert not (tmp_path / "recalls_v0.1.csv").exists()
+
+
+class Interrupted(OneRowJob):
+    """A job during which the program is killed."""
+
+    key = "two"
+
+    def run(self) -> list[Row]:
+        raise KeyboardInterrupt
+
+
+def test_reproduction_that_was_killed_continues(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:
+        return [OneRowJob(decisions), Interrupted(decisions)]
+
+    monkeypatch.setattr(reproduction, "compiled_jobs", killed)
+    with pytest.raises(KeyboardInterrupt):
+        reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
+    assert not (tmp_path / "thesis.md").exists()
+    monkeypatch.setattr(Interrupted, "run", lambda job: [])
+    reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
+    assert "1 of 2 units are done already" in capsys.readouterr().out
+    assert not list(tmp_path.glob("units*")), "the next run begins anew"
+    assert len((tmp_path / "recalls.csv").read_text().splitlines()) == 2

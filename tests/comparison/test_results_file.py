@@ -1,29 +1,28 @@
 """`results.json`: what is written is read again, stands beside another run, and is checked."""
 
 import csv
+import gzip
 import json
 import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from khepera_forage.comparison.curves import curves
+from khepera_forage.comparison.learning import RecallBatch, all_learners, settings_of
 from khepera_forage.comparison.page import page
-from khepera_forage.comparison.results_file import (
+from khepera_forage.comparison.results import (
     PUBLISHED,
     ReadLearner,
     Results,
     as_json,
     beside,
+    curves,
     read_results,
 )
-from khepera_forage.comparison.rows import RecallBatch
-from khepera_forage.comparison.units import all_learners, settings_of
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 
-DOCS = Path(__file__).parents[2] / "docs" / "learners"
+TABLE = Path(__file__).parents[2] / "docs" / "published" / "learners_learners.csv.gz"
 
 
 def batch(amount: int, delivered: int, replication: int) -> RecallBatch:
@@ -37,7 +36,7 @@ def results() -> Results:
     rows = [batch(amount, amount + number, number) for number in range(3) for amount in (1, 5)]
     tree = all_learners()["tree"]
     learner = ReadLearner(tree.title, tree.needs, settings_of(tree))
-    return Results("here", {"tree": learner}, curves(rows, np.random.default_rng(0)))
+    return Results("here", {"tree": learner}, curves(rows, 0))
 
 
 def test_results_that_are_written_are_read_again(results: Results, tmp_path: Path) -> None:
@@ -58,7 +57,7 @@ def test_results_that_are_written_are_read_again(results: Results, tmp_path: Pat
 def test_published_results_are_those_of_the_documentation() -> None:
     published = read_results(PUBLISHED)
     ends = {(published.learners[c.learner].title, c.arena): c.end for c in published.curves}
-    with (DOCS / "table_learners.csv").open(encoding="utf-8", newline="") as file:
+    with gzip.open(TABLE, "rt", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(ends)
     for row in rows:
@@ -99,7 +98,7 @@ def without(content: dict[str, Any], *keys: str | int) -> None:
         (lambda c: without(c, "curves", 0, "points", 0, "score"), "'score' is missing"),
         (
             lambda c: c["curves"][0].update(arena="kitchen"),
-            "arena is 'kitchen'; allowed: corridor or rectangle",
+            "arena is 'kitchen'; allowed: corridor, rectangle, t_maze",
         ),
         (lambda c: c["curves"][0].update(learner="x"), "learner is 'x'; allowed: tree"),
         (lambda c: c["curves"][0].update(gain=[1]), r"gain is \[1\]; allowed: a list of value, low and high"),

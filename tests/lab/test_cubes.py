@@ -18,7 +18,7 @@ from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.robots.toio.mat import SIMPLE_MAT
 from khepera_forage.robots.toio.virtual import Table, use_table
 from khepera_forage.sim.world import Layout
-from tests.lab.test_settings_file import SET_UP
+from tests.version_0_1 import SET_UP
 
 FILE = """
 food_cubes = ["virtual:food1", "virtual:food2"]

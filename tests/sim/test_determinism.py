@@ -1,6 +1,8 @@
 """Same generator state, layout and commands: the same world, bit for bit, in this process and in another."""
 
+import copy
 import hashlib
+import pickle
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -122,3 +124,24 @@ def test_wheel_bias_does_not_depend_on_the_amount_of_food() -> None:
         ends.append(world.poses()[0])
     assert ends[0] == ends[1] == ends[2]
     assert abs(ends[0].heading) > 1e-4
+
+
+def test_a_copy_continues_like_its_original_to_the_last_bit() -> None:
+    """In the middle of pushes, grips and collisions."""
+    commands = np.random.default_rng(1)
+    world = world_for("rectangle")
+    world.reset(np.random.default_rng(0), LAYOUTS["rectangle"][1])
+    for _ in range(40):
+        ends = set()
+        for one in (copy.deepcopy(world), pickle.loads(pickle.dumps(world)), world):
+            given = np.random.default_rng(2)
+            for _ in range(12):
+                left, right = given.integers(-20, 21, 2).tolist()
+                one.robots[0].drive(Motors(left, right, int(given.choice([215, 255])), 0))
+                one.advance()
+            ends.add(repr((one.robots[0].sense(), one.camera.look(), one.poses(), one.food_places())))
+        assert len(ends) == 1
+        left, right = commands.integers(-5, 21, 2).tolist()
+        world.robots[0].drive(Motors(left, right, 255, int(commands.choice([0, 200]))))
+        for _ in range(5):
+            world.advance()

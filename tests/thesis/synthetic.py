@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.rollouts.rows import IMITATOR, STATES, TEACHER, RecallRow, TrainingRow
+from khepera_forage.study import Unit
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
-from khepera_forage.thesis.jobs import Job, JobCounts
+from khepera_forage.thesis.jobs import JobCounts
 from khepera_forage.thesis.orient_analysis import OrientRow
-from khepera_forage.thesis.replication import Outcome
+from khepera_forage.thesis.replication import Row
 
 
 class OneRowJob:
@@ -26,14 +27,14 @@ class OneRowJob:
     def __init__(self, decisions: Decisions) -> None:
         self._decisions = decisions_text(decisions)
 
-    def run(self) -> Outcome:
+    key = "one"
+
+    def run(self) -> list[Row]:
         orient = OrientRow(0, 10, "g1", 0, 1.0, 0.0, 0.0, self._decisions)
-        return Outcome(
-            (recall(decisions=self._decisions),), (training(decisions=self._decisions),), (orient,)
-        )
+        return [recall(decisions=self._decisions), training(decisions=self._decisions), orient]
 
 
-def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
+def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:
     """In place of `jobs.compiled_jobs`."""
     return [OneRowJob(decisions)]
 

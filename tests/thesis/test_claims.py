@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
+from khepera_forage.estimates import UNKNOWN, Estimate
 from khepera_forage.thesis.claims import Verdict, claims
 from khepera_forage.thesis.claims.claim import (
     Above,
@@ -50,6 +50,7 @@ def test_claims_from_two_noise_conditions_are_an_error() -> None:
         (Above(0.5), Estimate(0.6, 0.51, 0.7), SUPPORTED),
         (Above(0.5), Estimate(0.6, 0.5, 0.7), UNDECIDED),
         (Above(0.5), Estimate(0.4, 0.3, 0.49), NOT),
+        (Above(0), Estimate(0, 0, 0), NOT),
         (AtMost(500.0), Estimate(480.0, 470.0, 500.0), SUPPORTED),
         (AtMost(500.0), Estimate(520.0, 501.0, 600.0), NOT),
         (Within(10.0), Estimate(0.0, -9.0, 9.0), SUPPORTED),

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED, PYMUNK
-from khepera_forage.experiments.figures import GREY, OURS
+from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions
@@ -21,7 +21,7 @@ from khepera_forage.thesis.jobs import comparison_counts, pymunk_jobs
 from khepera_forage.thesis.replication import Replication
 from khepera_forage.thesis.report import PAGE, SUMMARY, V0_1_RECALLS, write_report
 from khepera_forage.thesis.reproduce import reproduce
-from khepera_forage.thesis.thesis_tables import cell_table, summary_table
+from khepera_forage.thesis.tables import cell_table, summary_table
 from tests.thesis import synthetic
 from tests.thesis.synthetic import recall
 

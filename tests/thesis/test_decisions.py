@@ -11,6 +11,7 @@ import pytest
 from khepera_forage.envs.backends import COMPILED, PYMUNK
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.study import Rows
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
@@ -40,17 +41,16 @@ def test_arrival_vectors_follow_the_decisions() -> None:
 
 
 def test_rows_of_a_replication_name_its_decisions() -> None:
-    outcome = Replication(1, 0, cells=SMALL, decisions=OTHER).run()
-    rows: list[Any] = [*outcome.recalls, *outcome.trainings, *outcome.orient_rows]
-    assert len(outcome.orient_rows) == 6
+    rows = Replication(1, 0, cells=SMALL, decisions=OTHER).run()
+    assert len(Rows(rows).of(OrientRow)) == 6
     assert {row.decisions for row in rows} == {TEXT}
     defaults = decisions_text(Decisions())
-    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run().recalls} == {defaults}
+    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run()} == {defaults}
 
 
 @pytest.mark.parametrize("learner", [TEACHER, RANDOM])
 def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
-    (row,) = Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run().recalls
+    (row,) = Rows(Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run()).of(RecallRow)
     assert row.decisions == TEXT
     assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
 

@@ -12,10 +12,8 @@ from matplotlib.patches import Patch
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.claims.evidence import gather
-from khepera_forage.thesis.figure_5_4 import fig_5_4
-from khepera_forage.thesis.figures import fig_5_2, fig_5_3, fig_5_5, fig_5_6
-from khepera_forage.thesis.measured_tables import noise_table
-from khepera_forage.thesis.noise_figure import noise_figure
+from khepera_forage.thesis.figures import fig_5_2, fig_5_3, fig_5_4, fig_5_5, fig_5_6, noise_figure
+from khepera_forage.thesis.tables import noise_table
 from tests.figure_checks import (
     check_points_are_shown,
     check_readable,

@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
-from khepera_forage.rollouts.rows import TEACHER
+from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
-from khepera_forage.thesis.inference.laboratory_claims import RESAMPLES, claims_of
+from khepera_forage.thesis.inference.claims import (
+    RESAMPLES,
+    LaboratoryClaims,
+    LaboratoryUnit,
+    claim_tables,
+    claims_of,
+)
 from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
 
@@ -55,11 +62,11 @@ def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) ->
 
 def test_default_laboratory_has_the_claims_of_the_ordinary_reproduction(measured: list[Claim]) -> None:
     jobs = compiled_jobs(3, JobCounts(REPLICATIONS, REPLICATIONS, (NO_LOSSES,), 20, 25), DEFAULT_DECISIONS)
-    outcomes = [job.run() for job in jobs]
-    recalls = [row for outcome in outcomes for row in outcome.recalls if row.noise == LABORATORY]
+    rows = Rows(row for job in jobs for row in job.run())
+    recalls = [row for row in rows.of(RecallRow) if row.noise == LABORATORY]
     assert measured == claims(
         [row for row in recalls if row.learner != TEACHER],
-        [row for outcome in outcomes for row in outcome.trainings],
+        rows.of(TrainingRow),
         [row for row in recalls if row.learner == TEACHER],
         np.random.default_rng(3),
         RESAMPLES,
@@ -76,7 +83,7 @@ def test_every_job_has_the_noise_of_the_laboratory() -> None:
 @pytest.mark.parametrize("name", [LABORATORY, NO_LOSSES])
 def test_replications_train_under_the_noise_of_the_laboratory(name: str) -> None:
     ours, default = (
-        CompiledReplications(0, 0, 1, name, (), laboratory=noise).run().trainings
+        Rows(CompiledReplications(0, 0, 1, name, (), laboratory=noise).run()).of(TrainingRow)
         for noise in (OTHER.noise, DEFAULT.noise)
     )
     assert ours != default
@@ -85,7 +92,7 @@ def test_replications_train_under_the_noise_of_the_laboratory(name: str) -> None
 
 def test_baseline_forages_under_the_noise_of_the_laboratory() -> None:
     ours, default = (
-        CompiledBaseline(0, 1, TEACHER, "corridor", 8, laboratory=noise).run().recalls
+        Rows(CompiledBaseline(0, 1, TEACHER, "corridor", 8, laboratory=noise).run()).of(RecallRow)
         for noise in (OTHER.noise, DEFAULT.noise)
     )
     assert [row.steps for row in ours] != [row.steps for row in default]
@@ -99,3 +106,17 @@ def test_laboratory_without_complete_training_is_an_error() -> None:
         match=r"none of 2 attempts .* was complete; seed 3, decisions: .*next_to_food=22",
     ):
         claims_of(hopeless, 3, 1)
+    (row,) = LaboratoryUnit(3, 0, hopeless, 1).run()
+    assert row.reason.startswith("none of 2 attempts")
+    assert not row.verdicts
+
+
+def test_tables_of_claims_have_shares_of_the_laboratories_that_were_measured() -> None:
+    held = LaboratoryClaims(0, "{}", "", ("supported",) * 18, (1.0,) * 18)
+    not_held = replace(held, verdicts=("undecided",) * 18, effects=(3.0,) * 18)
+    unmeasured = LaboratoryClaims(2, "{}", "no training", (), ())
+    claimed, observed = claim_tables([held], [held, not_held, unmeasured])
+    for line in claimed.rows:
+        assert (line[2].value, line[3].value) == (100, 50)  # type: ignore[union-attr]
+    assert claimed.rows[0][4] == "+2.0 points"
+    assert [line[2].value for line in observed.rows] == [100, *([50] * 5)]  # type: ignore[union-attr]

@@ -1,7 +1,8 @@
 """Replications, baselines and the jobs of a reproduction, on pymunk."""
 
 from khepera_forage.envs.backends import PYMUNK
-from khepera_forage.rollouts.rows import RANDOM, TEACHER
+from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
 from khepera_forage.thesis.jobs import job_counts, pymunk_jobs
@@ -14,25 +15,26 @@ def test_replication_depends_only_on_seed_and_number() -> None:
     first, second = (Replication(5, 2, cells=SMALL).run() for _ in range(2))
     assert first == second
     assert first != Replication(5, 3, cells=SMALL).run()
-    assert [row.file_id for row in first.recalls] == ["g12", "g12"]
-    assert len({row.file for row in first.trainings}) == 2
-    assert {row.experience_size for row in first.recalls} == {
-        sum(row.vectors for row in first.trainings if row.complete)
+    rows = Rows(first)
+    assert [row.file_id for row in rows.of(RecallRow)] == ["g12", "g12"]
+    assert len({row.file for row in rows.of(TrainingRow)}) == 2
+    assert {row.experience_size for row in rows.of(RecallRow)} == {
+        sum(row.vectors for row in rows.of(TrainingRow) if row.complete)
     }
 
 
 def test_replication_without_cells_trains_all_files() -> None:
-    outcome = Replication(0, 0, NO_LOSSES, cells=()).run()
-    assert not outcome.recalls
-    assert {row.noise for row in outcome.trainings} == {"no losses"}
-    assert {row.file for row in outcome.trainings} == set(range(1, 11))
+    outcome = Rows(Replication(0, 0, NO_LOSSES, cells=()).run())
+    assert not outcome.of(RecallRow)
+    assert {row.noise for row in outcome.of(TrainingRow)} == {"no losses"}
+    assert {row.file for row in outcome.of(TrainingRow)} == set(range(1, 11))
 
 
 def test_baseline_of_the_teacher_has_three_times_the_limit() -> None:
-    rows = Baseline(0, 0, TEACHER, "corridor", 3).run().recalls
+    rows = Rows(Baseline(0, 0, TEACHER, "corridor", 3).run()).of(RecallRow)
     assert [row.delivered for row in rows] == [1, 1, 1]
     assert {row.limit for row in rows} == {1500}
-    chance = Baseline(0, 0, RANDOM, "corridor", 1).run().recalls
+    chance = Rows(Baseline(0, 0, RANDOM, "corridor", 1).run()).of(RecallRow)
     assert {row.limit for row in chance} == {500}
 
 

@@ -12,11 +12,19 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.claims.evidence import gather
 from khepera_forage.thesis.design import training_distance
-from khepera_forage.thesis.figure_5_4 import BIN, fig_5_4, food_places, success_by_distance
-from khepera_forage.thesis.figures import fig_5_2, fig_5_3, fig_5_5, fig_5_6
-from khepera_forage.thesis.measured_tables import noise_table
-from khepera_forage.thesis.noise_figure import noise_figure
+from khepera_forage.thesis.figures import (
+    BIN,
+    fig_5_2,
+    fig_5_3,
+    fig_5_4,
+    fig_5_5,
+    fig_5_6,
+    food_places,
+    noise_figure,
+    success_by_distance,
+)
 from khepera_forage.thesis.report import PAGE, write_report
+from khepera_forage.thesis.tables import noise_table
 from tests.thesis import synthetic
 from tests.thesis.synthetic import failed, recall
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.statistics import (
+from khepera_forage.estimates import (
     MIN_REPLICATIONS,
     Floats,
     bootstrap,

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from khepera_forage.experiments.statistics import UNKNOWN, Estimate
-from khepera_forage.experiments.tables import Column, Table
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
@@ -17,14 +16,15 @@ from khepera_forage.thesis.design import (
     NO_NOISE,
     noise_conditions,
 )
-from khepera_forage.thesis.measured_tables import (
+from khepera_forage.thesis.tables import (
+    cell_table,
+    errata_table,
     noise_table,
     state_table,
     teacher_table,
     ties_table,
     training_table,
 )
-from khepera_forage.thesis.thesis_tables import cell_table, errata_table
 from tests.thesis.conftest import REPLICATIONS
 from tests.thesis.synthetic import counts, failed, recall, training
 

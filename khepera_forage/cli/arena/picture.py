@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from khepera_forage.cli.arena.findings import Findings, Paths
 from khepera_forage.envs.rendering import palette
-from khepera_forage.experiments.figures import OURS, SMALL, THESIS, new_figure, save
+from khepera_forage.figures import OURS, SMALL, THESIS, new_figure, save
 from khepera_forage.geometry import polygon
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Point

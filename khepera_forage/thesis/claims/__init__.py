@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from khepera_forage.experiments.statistics import RESAMPLES
+from khepera_forage.estimates import RESAMPLES
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.thesis.claims import behaviour, learning, time

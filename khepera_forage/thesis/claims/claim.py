@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from khepera_forage.experiments.statistics import Estimate
+from khepera_forage.estimates import Estimate
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +70,13 @@ class Rule(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Above:
-    """Supported if the whole interval lies above a threshold, not supported if it lies below."""
+    """Supported if the whole interval lies above a threshold, not supported if no part of it does."""
 
     threshold: float
 
     def judge(self, estimate: Estimate) -> Verdict:
         """The verdict."""
-        return _verdict(estimate.low > self.threshold, estimate.high < self.threshold)
+        return _verdict(estimate.low > self.threshold, estimate.high <= self.threshold)
 
     def text(self, show: Unit) -> str:
         """The rule in words."""

@@ -7,10 +7,9 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from khepera_forage.experiments.statistics import (
+from khepera_forage.estimates import (
     RESAMPLES,
     Estimate,
-    Measure,
     Replicated,
     bootstrap,
     contrast,
@@ -24,6 +23,8 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 _R = TypeVar("_R", bound=Replicated)
 
+Measure = Callable[[_R], float]
+"""A number of a row."""
 NEAR_TRAINING = 6.0
 """Pixels on either side of the training distance that count as the same distance: nearly the width of a food object."""
 

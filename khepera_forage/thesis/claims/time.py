@@ -2,7 +2,7 @@
 
 import math
 
-from khepera_forage.experiments.statistics import bootstrap_quantile
+from khepera_forage.estimates import bootstrap_quantile
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.thesis.claims.claim import Above, AtMost, Claim, Unit, judged, percent
 from khepera_forage.thesis.claims.evidence import Evidence, Sample, of_arena

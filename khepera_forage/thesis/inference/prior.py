@@ -4,9 +4,10 @@ Every range and every share has a source. Values that are not here are those of 
 prior was written, or the laboratory's of `Noise`.
 """
 
+import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, NamedTuple
 
 from numpy.random import Generator
@@ -56,6 +57,27 @@ class Laboratory(NamedTuple):
 
     decisions: Decisions
     noise: Noise
+
+
+def laboratory_text(laboratory: Laboratory) -> str:
+    """The text of a laboratory; equal laboratories have equal texts."""
+    decisions, noise = laboratory
+    return json.dumps({"decisions": asdict(decisions), "noise": asdict(noise)})
+
+
+def laboratory_from_text(text: str) -> Laboratory:
+    """The laboratory that a text of `laboratory_text` describes; decisions that it leaves out are those of version 0.1.
+
+    Raises:
+        ValueError: Not of this form, an unknown field, or a value that is not allowed.
+    """
+    try:
+        parts = json.loads(text)
+        return Laboratory(
+            Decisions.from_changes(parts["decisions"], Decisions.v0_1()), Noise(**parts["noise"])
+        )
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"{text!r} is no laboratory: {error}") from error
 
 
 @dataclass(frozen=True, slots=True)

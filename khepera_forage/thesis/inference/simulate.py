@@ -1,16 +1,147 @@
-"""The thesis's design, replicated under one laboratory: what the tables would say if it had been the thesis's."""
+"""Sets of decisions from the prior, and the thesis's design replicated under each: what its tables would say."""
 
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from joblib import effective_n_jobs
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.study import Arguments, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
 from khepera_forage.thesis.design import THESIS, files_needed
 from khepera_forage.thesis.inference.admissible import Check, check
-from khepera_forage.thesis.inference.prior import Laboratory, Prior
-from khepera_forage.thesis.inference.summary import CellRecalls, of_recalls, with_slopes
+from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
+from khepera_forage.thesis.inference.prior import (
+    PRIOR,
+    Laboratory,
+    Prior,
+    laboratory_from_text,
+    laboratory_text,
+)
+from khepera_forage.thesis.inference.summary import NAMES, SLOPES, CellRecalls, of_recalls, with_slopes
+
+CHUNK, QUICK_CHUNK = 100, 4
+"""Sets drawn in one unit of work."""
+CHUNKS_A_PROCESS = 4
+"""Units that a process does before it is seen whether the sets are enough."""
+FILE = "sets.jsonl.gz"
+
+
+@dataclass(frozen=True, slots=True)
+class SetRow:
+    """One set of decisions from the prior.
+
+    Attributes:
+        number: Of the set, from 0.
+        laboratory: Decisions and noise as text.
+        reason: Why it is not admissible; empty if it is.
+        statistics: Of the experiments under it, one after the other; empty if it is not admissible.
+    """
+
+    number: int
+    laboratory: str
+    reason: str
+    statistics: tuple[float, ...]
+
+
+class Chunk(NamedTuple):
+    """Some sets, one after the other."""
+
+    seed: int
+    number: int
+    size: int
+    experiments: int
+
+    @property
+    def key(self) -> str:
+        """The number."""
+        return str(self.number)
+
+    def run(self) -> list[SetRow]:
+        """Simulate all sets; they are counted over all chunks."""
+        return [
+            set_row(number, simulate(PRIOR, self.seed, number, self.experiments))
+            for number in range(self.number * self.size, (self.number + 1) * self.size)
+        ]
+
+
+def set_row(number: int, simulated: "Simulated") -> SetRow:
+    """A set as a row; its statistics have the precision of 32-bit floats."""
+    short = simulated.statistics.astype(np.float32).astype(str).ravel()
+    return SetRow(
+        number,
+        laboratory_text(simulated.laboratory),
+        simulated.check.reason,
+        tuple(map(float, short.tolist())),
+    )
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Sets in the order in which they were drawn, up to the last admissible one that was wanted."""
+
+    rows: Sequence[SetRow]
+    experiments: int
+
+    @cached_property
+    def admissible(self) -> list[SetRow]:
+        """The admissible sets."""
+        return [row for row in self.rows if not row.reason]
+
+    @cached_property
+    def statistics(self) -> NDArray[np.float32]:
+        """Of the admissible sets, shape (sets, experiments, statistics)."""
+        flat = np.array([row.statistics for row in self.admissible], np.float32)
+        return flat.reshape(len(flat), self.experiments, len(NAMES) + len(SLOPES))
+
+    @cached_property
+    def laboratories(self) -> list[Laboratory]:
+        """The admissible sets."""
+        return [laboratory_from_text(row.laboratory) for row in self.admissible]
+
+    @cached_property
+    def parameters(self) -> list[Parameter]:
+        """What was drawn, of the admissible sets."""
+        return parameters_of(PRIOR, self.laboratories)
+
+
+def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
+    """Draw sets until as many as wanted are admissible; a run that was killed continues.
+
+    Raises:
+        SystemExit: The folder holds sets of another run.
+    """
+    settings = {**given.settings, "experiments": str(experiments), "prior": repr(PRIOR)}
+    settings["statistics"] = " ".join((*NAMES, *SLOPES))
+    try:
+        store = RowStore(given.out, {SetRow: "sets"}, settings, given.fresh, FILE)
+    except ValueError as error:
+        given.refuse(str(error))
+    size = QUICK_CHUNK if given.quick else CHUNK
+    rows: list[SetRow] = []
+    found = number = 0
+    with tqdm(total=wanted, desc="admissible sets", disable=not sys.stderr.isatty()) as bar:
+        while found < wanted:
+            coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
+            missing = [k for k in coming if str(k) not in store.finished]
+            if str(number) not in store.finished:
+                for key, made in in_processes(given.jobs)(
+                    [Chunk(given.seed, k, size, experiments) for k in missing]
+                ):
+                    store.add(key, made)
+            for row in store.finished[str(number)]:
+                if found < wanted:
+                    rows.append(row)
+                    found += not row.reason
+                    bar.update(not row.reason)
+            number += 1
+    return Drawn(rows, experiments)
 
 
 class Simulated(NamedTuple):

@@ -1,1 +1,0 @@
-"""The recalls and the page of `benchmarks/arenas.py`."""

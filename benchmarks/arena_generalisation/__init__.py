@@ -1,1 +1,0 @@
-"""How far learned foraging carries to other arenas, measured by `benchmarks/generalisation.py`."""

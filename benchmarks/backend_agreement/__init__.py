@@ -1,1 +1,0 @@
-"""The agreement of the two backends, tested by `benchmarks/agreement.py`."""

@@ -1,1 +1,0 @@
-"""The comparison with Kheperax by `benchmarks/kheperax.py`."""

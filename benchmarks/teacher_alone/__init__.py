@@ -1,1 +1,0 @@
-"""The forages and the page of `benchmarks/teacher.py`."""

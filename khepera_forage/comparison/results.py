@@ -1,0 +1,302 @@
+"""Learning curves, and the file that keeps them: written by every run, and read again to stand beside another run's.
+
+```json
+{
+  "format": "khepera_forage comparison 1",
+  "made_with": "khepera-forage 0.2.0, decisions v1: khepera-forage compare --seeds 10 ...",
+  "learners": {"tree": {"title": "decision tree", "learns_from": "experience vectors", "settings": "tree()"}},
+  "curves": [
+    {
+      "learner": "tree", "arena": "corridor", "steps_to_success": [1524, null, null], "gain": [12.5, 3.1, 20.2],
+      "points": [{"amount": 1, "batches": 10, "steps": [219.4, 205.0, 233.1], "delivered": [41, 30, 52], "...": []}]
+    }
+  ]
+}
+```
+
+An estimate is a list of value, low and high end of its interval, with null for what is not known and "inf" for
+infinite.
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch
+from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
+from khepera_forage.policies.learners import Needs
+
+FORMAT = "khepera_forage comparison 1"
+PUBLISHED = "published"
+"""Stands for the results that come with the package."""
+_PUBLISHED_FILE = Path(__file__).with_name("published.json")
+SUCCESS = 0.8
+"""Share of the food that counts as success."""
+DELIVERED = Measure[RecallBatch](
+    "food delivered (%)", lambda row: 100.0 * row.delivered, lambda row: row.foods
+)
+MEASURES = (
+    Measure[RecallBatch]("steps", lambda row: row.steps),
+    Measure[RecallBatch]("vectors", lambda row: row.vectors),
+    Measure[RecallBatch]("score (%)", lambda row: row.score * row.recalls, lambda row: row.recalls),
+    DELIVERED,
+    Measure[RecallBatch]("steps a recall", lambda row: row.recall_steps, lambda row: row.recalls),
+    Measure[RecallBatch]("seconds", lambda row: row.seconds),
+)
+"""In the order of the fields of `Point`."""
+
+
+class Point(NamedTuple):
+    """A learner after one amount of learning: means, with their intervals over replications.
+
+    Attributes:
+        amount: Requested training episodes, queries or steps.
+        batches: Replications.
+        steps: Environment steps of the learning.
+        vectors: Learned from.
+        score: Equation 5.1, in percent.
+        delivered: Percent of the food.
+        recall_steps: A recall.
+        seconds: Wall time of learning.
+    """
+
+    amount: int
+    batches: int
+    steps: Estimate
+    vectors: Estimate
+    score: Estimate
+    delivered: Estimate
+    recall_steps: Estimate
+    seconds: Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """One learner in one arena.
+
+    Attributes:
+        learner: Its name.
+        arena: One of `ALL_ARENAS`.
+        points: In increasing order of the amount.
+        steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
+            over replications, infinite if more than half never did.
+        amount_to_success: The requested amount by then, the median again. Algorithms overshoot the requested amount
+            differently, so this number, and not the steps, ranks learners.
+        gain: Percentage points of the food delivered after all of the learning, minus those after the first amount.
+    """
+
+    learner: str
+    arena: str
+    points: tuple[Point, ...]
+    steps_to_success: Estimate
+    amount_to_success: float
+    gain: Estimate
+
+    @property
+    def end(self) -> Point:
+        """After all of the learning."""
+        return self.points[-1]
+
+
+class _First(NamedTuple):
+    replication: int
+    steps: float
+
+
+def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
+    """A curve for each learner and arena, in the order of the rows.
+
+    Args:
+        rows: In the order of `in_order`.
+        seed: Of the resamples. Every curve has the same, so that it does not depend on which others there are.
+    """
+    groups: dict[tuple[str, str], list[RecallBatch]] = {}
+    for row in rows:
+        groups.setdefault((row.learner, row.arena), []).append(row)
+    return [_curve(own, np.random.default_rng(seed)) for own in groups.values()]
+
+
+def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
+    parts = {amount: pick(rows, amount=amount) for amount in sorted({row.amount for row in rows})}
+    points = tuple(
+        Point(amount, len(own), *(mean(own, measure, rng) for measure in MEASURES))
+        for amount, own in parts.items()
+    )
+    first, *_, last = (*parts.values(), *parts.values())
+    steps = [_First(*item) for item in _firsts(rows, lambda row: row.steps).items()]
+    to_success = bootstrap_quantile(steps, lambda row: row.steps, 0.5, rng)
+    amounts = sorted(_firsts(rows, lambda row: row.amount).values())
+    gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
+    return Curve(rows[0].learner, rows[0].arena, points, to_success, amounts[(len(amounts) - 1) // 2], gain)
+
+
+def _firsts(rows: Sequence[RecallBatch], measure: Callable[[RecallBatch], float]) -> dict[int, float]:
+    """A measure at the first success of each replication; infinite without success."""
+    firsts = {row.replication: math.inf for row in rows}
+    for row in rows:
+        if row.delivered >= SUCCESS * row.foods:
+            firsts[row.replication] = min(firsts[row.replication], measure(row))
+    return firsts
+
+
+@dataclass(frozen=True, slots=True)
+class ReadLearner:
+    """A learner of a results file.
+
+    Attributes:
+        title: For tables and figures.
+        needs: What it learned from; None if it learns nothing.
+        settings: In one line.
+    """
+
+    title: str
+    needs: Needs | None
+    settings: str
+
+
+Shown = Compared | ReadLearner
+"""What tables and figures show."""
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What a results file holds.
+
+    Attributes:
+        made_with: Version and command, in one line.
+        learners: By name.
+        curves: One a learner and arena.
+        origin: Where they were read, in one word: `published`, or the name of the folder or file.
+    """
+
+    made_with: str
+    learners: Mapping[str, ReadLearner]
+    curves: Sequence[Curve]
+    origin: str = ""
+
+
+def as_json(results: Results) -> str:
+    """The text of a results file."""
+    learners = {
+        name: {
+            "title": one.title,
+            "learns_from": one.needs.value if one.needs else None,
+            "settings": one.settings,
+        }
+        for name, one in results.learners.items()
+    }
+    lines = [json.dumps(_plain(curve), ensure_ascii=False) for curve in results.curves]
+    head = {"format": FORMAT, "made_with": results.made_with, "learners": learners}
+    text = json.dumps(head, indent=1, ensure_ascii=False).removesuffix("\n}")
+    return f'{text},\n "curves": [\n  ' + ",\n  ".join(lines) + "\n ]\n}\n"
+
+
+def read_results(source: str) -> Results:
+    """Read a results file.
+
+    Args:
+        source: Its path, or `published` for the results that come with the package.
+
+    Raises:
+        ValueError: It is no results file; the message names the file and what is wrong.
+        OSError: It cannot be read.
+    """
+    path = _PUBLISHED_FILE if source == PUBLISHED else Path(source)
+    origin = path.stem if source == PUBLISHED or path.stem != "results" else path.resolve().parent.name
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
+        learners = {
+            name: ReadLearner(
+                one["title"], Needs(one["learns_from"]) if one["learns_from"] else None, one["settings"]
+            )
+            for name, one in content["learners"].items()
+        }
+        curves = [_curve_of(value, learners) for value in content["curves"]]
+        return Results(str(content["made_with"]), learners, curves, origin)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        what = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else error
+        raise ValueError(f"{path}: {what}") from None
+
+
+def beside(
+    own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
+) -> tuple[list[Curve], dict[str, Shown]]:
+    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles.
+
+    Args:
+        own: Of this run.
+        learners: Theirs.
+        other: What was read; None for nothing.
+    """
+    if other is None:
+        return list(own), dict(learners)
+    mark = f"({other.origin})"
+    names = {name: f"{name} {mark}" for name in other.learners}
+    read = {names[name]: replace(one, title=f"{one.title} {mark}") for name, one in other.learners.items()}
+    behind = [replace(curve, learner=names[curve.learner]) for curve in other.curves]
+    return [*own, *behind], {**learners, **read}
+
+
+def _plain(curve: Curve) -> dict[str, Any]:
+    """A curve as JSON has it."""
+
+    def numbers(estimate: Estimate) -> list[float | str | None]:
+        return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in estimate]
+
+    def point(one: Point) -> dict[str, Any]:
+        return {k: numbers(v) if isinstance(v, Estimate) else v for k, v in one._asdict().items()}
+
+    return {
+        "learner": curve.learner,
+        "arena": curve.arena,
+        "steps_to_success": numbers(curve.steps_to_success),
+        "gain": numbers(curve.gain),
+        "points": [point(one) for one in curve.points],
+    }
+
+
+def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
+    name, arena = value["learner"], value["arena"]
+    if name not in learners:
+        raise ValueError(f"learner is {name!r}; allowed: {', '.join(learners)}")
+    if arena not in ALL_ARENAS:
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ALL_ARENAS)}")
+    points = tuple(
+        Point(
+            _count(one, "amount"),
+            _count(one, "batches"),
+            *(_estimate(one, key) for key in Point._fields[2:]),
+        )
+        for one in value["points"]
+    )
+    if not points:
+        raise ValueError(f"points of {name} are empty; allowed: one or more")
+    # The amount to success ranks the learners of one run, which is not done again here.
+    return Curve(
+        name, arena, points, _estimate(value, "steps_to_success"), math.nan, _estimate(value, "gain")
+    )
+
+
+def _count(value: Any, key: str) -> int:
+    number = value[key]
+    if type(number) is not int or number < 0:
+        raise ValueError(f"{key} is {number!r}; allowed: a whole number of at least 0")
+    return number
+
+
+def _estimate(value: Any, key: str) -> Estimate:
+    known = {None: math.nan, "inf": math.inf}
+    numbers = value[key]
+    if not isinstance(numbers, list) or len(numbers) != 3:
+        raise ValueError(f"{key} is {numbers!r}; allowed: a list of value, low and high")
+    for number in numbers:
+        if number not in known and type(number) not in (int, float):
+            raise ValueError(f'{key} has {number!r}; allowed: a number, null or "inf"')
+    return Estimate(*(known[number] if number in known else float(number) for number in numbers))

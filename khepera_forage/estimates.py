@@ -1,0 +1,445 @@
+"""Values with intervals: means and differences over replications, shares, quantiles, ranks; and tables of them.
+
+Recalls of one replication share their training files and are not independent; replications are. The bootstrap
+therefore resamples whole replications. Statistics are functions of sums over the rows of a replication, so that a
+resample is one matrix product: `sums_by_replication` computes the sums, `bootstrap` resamples them.
+
+Tables are Markdown or text, with intervals in brackets, and CSV, with one number in each field.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+RESAMPLES = 2000
+COVERAGE = 0.95
+MIN_REPLICATIONS = 5
+"""Fewest replications for an interval: the range of four values contains the true median with a probability of only
+88 %, the range of five values with 94 %."""
+
+
+class Estimate(NamedTuple):
+    """A value and its 95 % interval; nan where the data are not enough."""
+
+    value: float
+    low: float
+    high: float
+
+
+UNKNOWN = Estimate(math.nan, math.nan, math.nan)
+
+
+class PercentileRank(NamedTuple):
+    """The rank of a single value among comparable experiments.
+
+    Attributes:
+        percentile: Percent of the experiments below the value; equal experiments count half.
+        tail: Two-sided probability that one more experiment of the same kind is at least as extreme: twice the
+            smaller tail, which includes the value itself, at most 1.
+        experiments: Number of experiments.
+    """
+
+    percentile: float
+    tail: float
+    experiments: int
+
+
+class Replicated(Protocol):
+    """A row that belongs to a replication."""
+
+    @property
+    def replication(self) -> int:
+        """Number of the replication."""
+        ...
+
+
+RowT = TypeVar("RowT", bound=Replicated)
+T = TypeVar("T")
+
+
+def replications(*groups: Iterable[Replicated]) -> list[int]:
+    """The numbers of the replications in these rows, sorted."""
+    return sorted({row.replication for rows in groups for row in rows})
+
+
+def sums_by_replication(
+    rows: Iterable[RowT], numbers: Sequence[int], *measures: Callable[[RowT], float]
+) -> Floats:
+    """Sums of measures over the rows of each replication.
+
+    Args:
+        rows: Rows, in any order.
+        numbers: The replications, one for each line of the result; they include all of the rows.
+        *measures: One for each column of the result.
+    """
+    rows = list(rows)
+    line = {number: i for i, number in enumerate(numbers)}
+    lines = np.array([line[row.replication] for row in rows], dtype=np.intp)
+    sums = [np.bincount(lines, [measure(row) for row in rows], len(numbers)) for measure in measures]
+    return np.stack(sums, axis=1)
+
+
+def ratio(sums: Floats) -> Floats:
+    """First column divided by the second, as a mean or a share; nan where the second is 0."""
+    return _divide(sums[..., 0], sums[..., 1])
+
+
+def contrast(*weights: float) -> Callable[[Floats], Floats]:
+    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means."""
+
+    def statistic(sums: Floats) -> Floats:
+        means = _divide(sums[..., 0::2], sums[..., 1::2])
+        return np.asarray(means @ np.array(weights), dtype=np.float64)
+
+    return statistic
+
+
+def bootstrap(
+    sums: Floats,
+    statistic: Callable[[Floats], Floats],
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Estimate:
+    """A statistic of all replications, with its percentile interval over resampled replications.
+
+    Fewer than `MIN_REPLICATIONS` replications give a value without an interval. Resamples in which the statistic is
+    undefined are ignored; if they are more than half, there is no interval either.
+
+    Args:
+        sums: One line for each replication, from `sums_by_replication`.
+        statistic: Takes sums (..., columns) and returns (...).
+        rng: Draws the resamples.
+        resamples: Number of resamples.
+    """
+    count = len(sums)
+    if not count:
+        return UNKNOWN
+    value = float(statistic(sums.sum(axis=0)))
+    if count < MIN_REPLICATIONS or not math.isfinite(value):
+        return Estimate(value, math.nan, math.nan)
+    return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
+
+
+def bootstrap_quantile(
+    rows: Sequence[RowT],
+    measure: Callable[[RowT], float],
+    quantile: float,
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Estimate:
+    """A quantile of a measure over all rows, with its interval over resampled replications.
+
+    The quantile is the smallest value that at least this share of the rows does not exceed. It may be infinite.
+    """
+    if not rows:
+        return UNKNOWN
+    numbers = replications(rows)
+    values = np.array([measure(row) for row in rows])
+    order = np.argsort(values)
+    owner = np.searchsorted(numbers, [rows[i].replication for i in order])
+
+    def statistic(counts: Floats) -> Floats:
+        shares = np.cumsum(counts[..., owner], axis=-1)
+        reached = shares >= quantile * shares[..., -1:] - 1e-9
+        return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
+
+    value = float(statistic(np.ones(len(numbers))))
+    if len(numbers) < MIN_REPLICATIONS:
+        return Estimate(value, math.nan, math.nan)
+    draws = statistic(_draw(len(numbers), rng, resamples))
+    low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")
+    return Estimate(value, float(low), float(high))
+
+
+def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRank:
+    """The rank of a value among comparable experiments; nan for fewer than two experiments."""
+    count = len(experiments)
+    if count < 2:
+        return PercentileRank(math.nan, math.nan, count)
+    sample = np.asarray(experiments, dtype=np.float64)
+    equal = int(np.isclose(sample, value, rtol=0.0, atol=1e-9).sum())
+    below = int((sample < value - 1e-9).sum())
+    above = count - below - equal
+    tail = 2.0 * (min(below, above) + equal + 1) / (count + 1)
+    return PercentileRank(100.0 * (below + equal / 2) / count, min(1.0, tail), count)
+
+
+def wilson(successes: int, trials: int) -> Estimate:
+    """A share with Wilson's 95 % score interval, for independent trials."""
+    if trials == 0:
+        return UNKNOWN
+    z = 1.959964
+    share = successes / trials
+    spread = z * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
+    centre = share + z * z / (2 * trials)
+    scale = 1 + z * z / trials
+    low, high = (centre - spread) / scale, (centre + spread) / scale
+    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding errors may exceed the range
+
+
+def holm(values: Sequence[float]) -> list[float]:
+    """Each p-value corrected for the number of tests by Holm's rule: any is below 0.05 by chance in 5 % of all runs."""
+    adjusted, highest = [0.0] * len(values), 0.0
+    for rank, place in enumerate(sorted(range(len(values)), key=lambda k: values[k])):
+        highest = max(highest, min(1.0, (len(values) - rank) * values[place]))
+        adjusted[place] = highest
+    return adjusted
+
+
+def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
+    """How often each replication is drawn in each resample."""
+    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
+    return (
+        np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count).astype(np.float64)
+    )
+
+
+def _interval(draws: Floats) -> tuple[float, float]:
+    defined = draws[np.isfinite(draws)]
+    if 2 * len(defined) < len(draws):
+        return math.nan, math.nan
+    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2])
+    return float(low), float(high)
+
+
+def _divide(numerator: Floats, denominator: Floats) -> Floats:
+    """A quotient, nan where the denominator is 0."""
+    result = np.full(np.shape(numerator), np.nan)
+    np.divide(numerator, denominator, out=result, where=denominator != 0)
+    return result
+
+
+Value = str | int | float | Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column.
+
+    Attributes:
+        name: Heading with the unit.
+        digits: Digits after the decimal point in Markdown; CSV always has six significant digits.
+        estimate: Whether the values are estimates, each with an interval.
+        page: Whether the column appears in Markdown; all columns appear in CSV.
+    """
+
+    name: str
+    digits: int = 1
+    estimate: bool = False
+    page: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table with a heading and an explanation.
+
+    Attributes:
+        stem: Name of the table in file names.
+        title: Heading.
+        note: Explanation of the contents and their computation.
+        columns: One for each value of a row.
+        rows: Values; nan for a missing number.
+    """
+
+    stem: str
+    title: str
+    note: str
+    columns: tuple[Column, ...]
+    rows: Sequence[tuple[Value, ...]]
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise ValueError(f"{self.stem}: a row has {len(row)} values; allowed: {len(self.columns)}")
+
+    def markdown(self) -> str:
+        """Heading, note and table in Markdown."""
+        numeric, (heading, *rows) = self._page_lines()
+        lines = [heading, ["---:" if right else "---" for right in numeric], *rows]
+        body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
+        return f"## {self.title}\n\n{self.note}\n\n{body}\n"
+
+    def text(self) -> str:
+        """Heading, note and table with aligned columns, for a terminal."""
+        numeric, lines = self._page_lines()
+        layout = [
+            f"{'>' if right else '<'}{max(map(len, cells))}"
+            for right, cells in zip(numeric, zip(*lines, strict=True), strict=True)
+        ]
+        body = "\n".join("  ".join(map(format, line, layout)).rstrip() for line in lines)
+        return f"{self.title}\n\n{self.note}\n\n{body}\n"
+
+    def _page_lines(self) -> tuple[list[bool], list[list[str]]]:
+        """Which columns of the page are numbers, and its lines with the names of the columns first."""
+        shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
+        numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
+        lines = [[column.name for _, column in shown]]
+        return numeric, lines + [[_shown(row[i], column) for i, column in shown] for row in self.rows]
+
+    def csv(self) -> str:
+        """The table as CSV; an estimate has three columns: value, low and high."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        names = [c.name for c in self.columns]
+        writer.writerow(
+            part
+            for name, c in zip(names, self.columns, strict=True)
+            for part in ((name, f"{name}: low", f"{name}: high") if c.estimate else (name,))
+        )
+        for row in self.rows:
+            writer.writerow(part for value in row for part in _parts(value))
+        return out.getvalue()
+
+
+def interval(estimate: Estimate, digits: int = 1) -> str:
+    """An estimate with its interval in brackets, if it has one."""
+    value, low, high = (_number(v, digits) for v in estimate)
+    return value if math.isnan(estimate.low) else f"{value} [{low}, {high}]"
+
+
+def _shown(value: Value, column: Column) -> str:
+    if isinstance(value, Estimate):
+        return interval(value, column.digits)
+    if isinstance(value, float):
+        return _number(value, column.digits)
+    return str(value)
+
+
+def _number(value: float, digits: int) -> str:
+    if math.isnan(value):
+        return "-"
+    return f"{value:.{digits}f}" if math.isfinite(value) else "∞"
+
+
+def _parts(value: Value) -> tuple[str | int, ...]:
+    if isinstance(value, Estimate):
+        return tuple(part for v in value for part in _parts(v))
+    if isinstance(value, float):
+        return ("" if math.isnan(value) else f"{value:.6g}",)
+    return (value,)
+
+
+class Measure(NamedTuple, Generic[T]):
+    """A ratio of sums over rows: a mean, or a share.
+
+    Attributes:
+        name: With its unit.
+        value: Of a row.
+        weight: Of a row; the measure is the sum of the values divided by the sum of the weights.
+        digits: Shown after the decimal point.
+    """
+
+    name: str
+    value: Callable[[T], float]
+    weight: Callable[[T], float] = lambda _: 1.0
+    digits: int = 1
+
+
+def combined(
+    groups: Sequence[tuple[float, Sequence[Any]]], measure: Measure[Any], rng: np.random.Generator
+) -> Estimate:
+    """A weighted sum of a measure over groups of rows, with its interval over replications.
+
+    Args:
+        groups: Weight and rows of each; the result is unknown if a group has no rows.
+        measure: What is summed.
+        rng: Draws the resamples.
+    """
+    if not all(rows for _, rows in groups):
+        return UNKNOWN
+    numbers = replications(*(rows for _, rows in groups))
+    sums = np.hstack(
+        [sums_by_replication(rows, numbers, measure.value, measure.weight) for _, rows in groups]
+    )
+    return bootstrap(sums, contrast(*(weight for weight, _ in groups)), rng)
+
+
+def mean(rows: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator) -> Estimate:
+    """A measure with its interval."""
+    return combined([(1.0, rows)], measure, rng)
+
+
+def difference(
+    rows: Sequence[RowT], others: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator
+) -> Estimate:
+    """How much greater a measure is in `rows` than in `others`."""
+    return combined([(1.0, rows), (-1.0, others)], measure, rng)
+
+
+def pick(rows: Iterable[T], **fields: object) -> list[T]:
+    """The rows whose fields have these values."""
+    return [row for row in rows if all(getattr(row, name) == value for name, value in fields.items())]
+
+
+def means_table(
+    stem: str,
+    title: str,
+    note: str,
+    by: Mapping[str, str],
+    rows: Sequence[RowT],
+    measures: Sequence[Measure[RowT]],
+    rng: np.random.Generator,
+) -> Table:
+    """Several measures for every combination of fields that occurs.
+
+    Args:
+        stem: Name in file names.
+        title: Heading.
+        note: What the table shows.
+        by: Fields, and the headings of their columns. Numbers are sorted, text keeps the order of the rows.
+        rows: All rows.
+        measures: One a column.
+        rng: Draws the resamples.
+    """
+    places = {name: _order(getattr(row, name) for row in rows) for name in by}
+    groups: dict[tuple[Any, ...], list[RowT]] = {}
+    for row in rows:
+        groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
+    lines: list[tuple[Value, ...]] = [
+        (*key, len(own), *(mean(own, measure, rng) for measure in measures))
+        for key, own in sorted(
+            groups.items(), key=lambda item: [places[n][v] for n, v in zip(by, item[0], strict=True)]
+        )
+    ]
+    columns = [*map(Column, by.values()), Column("rows")]
+    columns += [Column(measure.name, measure.digits, estimate=True) for measure in measures]
+    return Table(stem, title, note, tuple(columns), lines)
+
+
+def percent(part: int, whole: int) -> Estimate:
+    """A share in percent with Wilson's 95 % interval; unknown of nothing."""
+    return Estimate(*(100 * value for value in wilson(part, whole)))
+
+
+def quantiles(values: Sequence[float], low: float = 5, high: float = 95) -> Estimate:
+    """Median and two percentiles; unknown without values."""
+    if not len(values):
+        return UNKNOWN
+    lower, median, upper = np.percentile(values, (low, 50, high)).tolist()
+    return Estimate(median, lower, upper)
+
+
+def extremes(values: Sequence[float]) -> Estimate:
+    """Median, lowest and highest value."""
+    return quantiles(values, 0, 100)
+
+
+def plain(value: float) -> Estimate:
+    """A value without an interval."""
+    return Estimate(value, math.nan, math.nan)
+
+
+def _order(values: Iterable[Any]) -> dict[Any, int]:
+    """The place of every value that occurs."""
+    distinct = list(dict.fromkeys(values))
+    if not any(isinstance(value, str) for value in distinct):
+        distinct.sort()
+    return {value: place for place, value in enumerate(distinct)}

@@ -1,0 +1,463 @@
+"""Studies: their arguments, work in processes that a killed run continues, and their page.
+
+How to write a study:
+
+```python
+@dataclass(frozen=True, slots=True)
+class Forage:                                     # a table of rows is a frozen dataclass
+    seed: int
+    steps: int
+
+class Start(NamedTuple):                          # a unit is work for any process, in any order
+    seed: int
+
+    @property
+    def key(self) -> str: return str(self.seed)   # names the unit among the results
+
+    def run(self) -> list[Forage]: ...            # its rows; tables of several types may be mixed
+
+if __name__ == "__main__":
+    given = parse("forages", __doc__, Count("starts", 500, 5, "random starts", adds_units=True))
+    seeds = np.random.SeedSequence(given.seed).generate_state(given.starts).tolist()
+    rows = collect(given, [Start(seed) for seed in seeds], {Forage: "forages"}).of(Forage)
+    table = Table("forages", "Steps of a forage", "Median and ...", columns, [quantiles(...)])
+    finish(given, Page("Forages", ["What a reader learns.", table, Picture("forages", "steps", figure)]))
+```
+
+`estimates` has means, differences and quantiles with intervals, and tables; `figures` has panels and bars.
+"""
+
+import argparse
+import gzip
+import json
+import os
+import platform
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol, TypeVar
+
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+from khepera_forage.estimates import Table
+from khepera_forage.figures import save
+from khepera_forage.files import NamingFile, replacing
+from khepera_forage.option_values import OneLineParser, given_path, processes, whole_number
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.task.decision_versions import PRESENT
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+    from matplotlib.figure import Figure
+
+UNITS = "units.jsonl.gz"
+"""File of a study's folder with its settings and the rows of every finished unit, one line each."""
+_LIBRARIES = ("khepera-forage", "pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
+
+
+class Count(NamedTuple):
+    """An argument that says how much work is done.
+
+    Attributes:
+        name: Of the argument, without dashes.
+        default: Without `--quick`.
+        quick: With `--quick`.
+        what: What is counted, for `--help`.
+        adds_units: Whether a larger count adds units of work and leaves the others as they were. The rows of other
+            counts cannot be continued with a different value.
+        least: The smallest count allowed, for example 2 if an interval is computed from them.
+    """
+
+    name: str
+    default: int
+    quick: int
+    what: str
+    adds_units: bool = False
+    least: int = 1
+
+
+class Arguments(argparse.Namespace):
+    """Arguments as given, with the counts' defaults filled in.
+
+    Attributes:
+        name: Of the study; its page and its folder of results have it, too.
+        program: What error messages begin with.
+        seed: Of the whole run.
+        out: Folder for the results.
+        quick: Whether the work is done in small.
+        jobs: Processes, as joblib counts them.
+        fresh: Whether rows of earlier runs in the folder are deleted.
+        counts: Every count by its name.
+        settings: Everything that the rows of a unit depend on, as text.
+    """
+
+    name: str
+    program: str
+    seed: int
+    out: Path
+    quick: bool
+    jobs: int
+    fresh: bool
+    counts: dict[str, int]
+    settings: dict[str, str]
+
+    def refuse(self, reason: str) -> NoReturn:
+        """End the program with one line, and status 2."""
+        print(f"{self.program}: {reason}", file=sys.stderr)
+        sys.exit(2)
+
+
+def parse(
+    script: str,
+    description: str | None,
+    *counts: Count,
+    jobs: int | None = -1,
+    add: Callable[[argparse.ArgumentParser], None] = lambda _: None,
+    given: Sequence[str] | None = None,
+) -> Arguments:
+    """Read the command line.
+
+    Args:
+        script: Name of a script of `benchmarks/`; results go to `results/<script>` by default.
+        description: The script's docstring.
+        *counts: How much work is done.
+        jobs: Processes by default, -1 for one a core. None for a benchmark that measures time: it runs in one process,
+            has no `--jobs`, and never continues an earlier run.
+        add: Adds the arguments of this script alone.
+        given: The arguments; by default those of this process.
+    """
+    formatter = argparse.RawDescriptionHelpFormatter
+    parser = OneLineParser(prog=f"{script}.py", description=description, formatter_class=formatter)
+    add_study_arguments(parser, script, *counts, jobs=jobs)
+    add(parser)
+    parser.set_defaults(program=f"{script}.py")
+    return completed(parser.parse_args(given), *counts)
+
+
+def add_study_arguments(
+    parser: argparse.ArgumentParser, name: str, *counts: Count, jobs: int | None = -1
+) -> None:
+    """Add `--seed`, `--out`, `--quick`, `--jobs`, `--fresh` and the counts, with a study's name as in `parse`."""
+    out = f"results/{name}"
+    add = parser.add_argument
+    add("--seed", type=whole_number(0), default=0, help="the same seed gives the same work (0)")
+    add("--out", type=given_path, default=Path(out), help=f"folder for the results ({out})")
+    add("--quick", action="store_true", help="the same work in small, in under a minute")
+    parser.set_defaults(name=name, jobs=1, fresh=True)
+    if jobs is not None:
+        add("--jobs", type=processes, default=jobs, help=f"processes; -1 is one a core ({jobs})")
+        add("--fresh", action="store_true", default=False, help="delete rows of earlier runs in the folder")
+    for count in counts:
+        text = f"{count.what} ({count.default}; with --quick {count.quick})"
+        add(f"--{count.name}", type=whole_number(count.least), metavar="N", help=text)
+
+
+def completed(parsed: argparse.Namespace, *counts: Count) -> Arguments:
+    """The parsed arguments, with the counts' defaults filled in.
+
+    Args:
+        parsed: From a parser with `add_study_arguments`, and with `program`.
+        *counts: Those of the parser.
+    """
+    arguments = Arguments(**vars(parsed))
+    arguments.counts = {}
+    arguments.settings = {"seed": str(arguments.seed), "quick": "yes" if arguments.quick else "no"}
+    for count in counts:
+        value = getattr(arguments, count.name)
+        if value is None:
+            value = count.quick if arguments.quick else count.default
+        setattr(arguments, count.name, value)
+        arguments.counts[count.name] = value
+        if not count.adds_units:
+            arguments.settings[count.name] = str(value)
+    return arguments
+
+
+def command_line() -> str:
+    """The command that started this process, for pages."""
+    program, *arguments = sys.argv
+    script = Path(program).resolve()
+    benchmark = ["python", f"benchmarks/{script.name}"]
+    return shlex.join(
+        [*(benchmark if script.parent.name == "benchmarks" else ["khepera-forage"]), *arguments]
+    )
+
+
+class Unit(Protocol):
+    """A piece of work that can be done in any process, and in any order."""
+
+    @property
+    def key(self) -> str:
+        """Its name; no other unit of the folder has it."""
+        ...
+
+    def run(self) -> Sequence[Any]:
+        """Do the work.
+
+        Returns:
+            Its rows, of one or several types.
+        """
+        ...
+
+
+Done = tuple[str, Sequence[Any]]
+"""Key and rows of a unit."""
+Execute = Callable[[Sequence[Unit]], Iterator[Done]]
+"""Does units and yields each when it is done, in any order."""
+Tables = Mapping[type[Any], str]
+"""Types of rows, and the names of their CSV files without `.csv`."""
+RowT = TypeVar("RowT", bound="DataclassInstance")
+
+
+class Rows:
+    """Rows of any types, in order."""
+
+    def __init__(self, rows: Iterable[Any]) -> None:
+        self._by_type: dict[type[Any], list[Any]] = {}
+        for row in rows:
+            self._by_type.setdefault(type(row), []).append(row)
+
+    def of(self, row_type: type[RowT]) -> list[RowT]:
+        """All rows of a type."""
+        return self._by_type.get(row_type, [])
+
+
+class RowStore:
+    """The rows of finished units in a folder. A process that is killed loses at most the unit it was writing.
+
+    Args:
+        folder: Made if it does not exist.
+        tables: All types of rows.
+        settings: What the rows depend on. A folder may hold rows with further settings, but none with other values.
+        fresh: Delete the rows that are there.
+        file: Name of the file.
+
+    Attributes:
+        finished: The rows of each finished unit, by its key.
+
+    Raises:
+        ValueError: The rows in the folder were made with other settings, or the file is damaged.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        tables: Tables,
+        settings: Mapping[str, str],
+        fresh: bool = False,
+        file: str = UNITS,
+    ) -> None:
+        self._folder, self._tables = folder, tables
+        self.finished: dict[str, list[Any]] = {}
+        folder.mkdir(parents=True, exist_ok=True)
+        self._path = folder / file
+        known: dict[str, str] = {}
+        if self._path.exists() and not fresh:
+            known = self._read()
+            for name, value in settings.items():
+                if known.get(name, value) != value:
+                    raise ValueError(
+                        f"{self._path}: the rows there were made with {name} {known[name]!r}, and this run has "
+                        f"{value!r}; allowed: the same, another folder (--out), or --fresh, which deletes them"
+                    )
+        with replacing(self._path) as partial:
+            partial.write_bytes(_line(known | dict(settings)) + b"".join(map(self._line, self.finished)))
+
+    def add(self, key: str, rows: Sequence[Any]) -> None:
+        """Keep the rows of a unit."""
+        self.finished[key] = list(rows)
+        with NamingFile(self._path), self._path.open("ab") as file:
+            file.write(self._line(key))
+
+    def write_tables(self, order: Sequence[str]) -> None:
+        """Write every table as CSV: units of other runs first, then some units in this order."""
+        others = [key for key in self.finished if key not in set(order)]
+        rows = Rows(row for key in (*others, *order) for row in self.finished[key])
+        for kind, name in self._tables.items():
+            write_rows(self._folder / f"{name}.csv", kind, rows.of(kind))
+
+    def _line(self, key: str) -> bytes:
+        rows = self.finished[key]
+        values = {
+            name: [[getattr(row, field.name) for field in fields(kind)] for row in rows if type(row) is kind]
+            for kind, name in self._tables.items()
+        }
+        return _line({"unit": key, "rows": values})
+
+    def _read(self) -> dict[str, str]:
+        """Read all whole lines; the settings of the first one."""
+        lines: list[Any] = []
+        try:
+            with gzip.open(self._path, "rt", encoding="utf-8") as file:
+                lines.extend(map(json.loads, file))
+        except EOFError:
+            pass  # the line that a killed process was writing
+        except (OSError, ValueError) as error:
+            raise ValueError(
+                f"{self._path}: {error}; allowed: as this program wrote it, another folder (--out), or --fresh, which "
+                "deletes it"
+            ) from None
+        for line in lines[1:]:
+            self.finished[line["unit"]] = [
+                kind(*(tuple(value) if isinstance(value, list) else value for value in values))
+                for kind, name in self._tables.items()
+                for values in line["rows"][name]
+            ]
+        settings: dict[str, str] = lines[0] if lines else {}
+        return settings
+
+
+def _line(content: object) -> bytes:
+    """One line of the store, as a compressed part of its own; NumPy's numbers are stored like Python's."""
+    text = json.dumps(content, default=lambda number: number.item(), ensure_ascii=False)
+    return gzip.compress(f"{text}\n".encode(), compresslevel=1, mtime=0)
+
+
+def done(unit: Unit) -> Done:
+    """Do a unit."""
+    return unit.key, unit.run()
+
+
+def in_processes(jobs: int) -> Execute:
+    """Processes of this machine; one job is this process."""
+    running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
+    return lambda units: running(delayed(done)(unit) for unit in units)
+
+
+def collect(
+    given: Arguments,
+    units: Sequence[Unit],
+    tables: Tables,
+    execute: Execute | None = None,
+    settings: Mapping[str, str] | None = None,
+    others: bool = False,
+    file: str = UNITS,
+) -> Rows:
+    """Do all units that are not done yet in the results' folder, and write the tables.
+
+    Args:
+        given: Folder, processes and settings.
+        units: All work, in the order in which rows shall stand.
+        tables: All types of rows in the folder, and the names of their files.
+        execute: Does the work; by default processes of this machine.
+        settings: What the rows depend on beside `given.settings`.
+        file: Name of the file that keeps the rows of finished units.
+        others: Return the rows of other finished units in the folder, too, before those of this run.
+
+    Returns:
+        The rows of these units, from this run and earlier ones, in their order.
+
+    Raises:
+        SystemExit: The folder holds rows of other settings, or damaged ones.
+    """
+    keys = [unit.key for unit in units]
+    assert len(set(keys)) == len(keys), "two units have the same key"
+    try:
+        store = RowStore(given.out, tables, given.settings | dict(settings or {}), given.fresh, file)
+    except ValueError as error:
+        given.refuse(str(error))
+    open_units = [unit for unit in units if unit.key not in store.finished]
+    if len(open_units) < len(units):
+        number = f"{len(units) - len(open_units)} of {len(units)}"
+        print(f"{number} units are done already, in {given.out} (--fresh does them again)", flush=True)
+    running = (execute or in_processes(given.jobs))(open_units) if open_units else iter(())
+    silent = not sys.stderr.isatty()
+    for key, rows in tqdm(running, total=len(open_units), desc=given.name, unit="unit", disable=silent):
+        store.add(key, rows)
+    store.write_tables(keys)
+    chosen = [key for key in store.finished if key not in set(keys)] if others else []
+    return Rows(row for key in (*chosen, *keys) for row in store.finished[key])
+
+
+class Picture(NamedTuple):
+    """A picture on a page.
+
+    Attributes:
+        name: Of its file, without `.png`.
+        caption: What it shows.
+        image: A figure.
+    """
+
+    name: str
+    caption: str
+    image: "Figure"
+
+
+class Page(NamedTuple):
+    """What a study found.
+
+    Attributes:
+        title: Heading.
+        parts: Paragraphs of Markdown, tables (each a section of its own) and pictures, in the order of the page.
+        attachments: Tables that are written as CSV and do not stand on the page.
+    """
+
+    title: str
+    parts: Sequence[str | Table | Picture]
+    attachments: Sequence[Table] = ()
+
+    @property
+    def tables(self) -> list[Table]:
+        """The tables on the page."""
+        return [part for part in self.parts if isinstance(part, Table)]
+
+
+def write(folder: Path, name: str, page: Page) -> None:
+    """Write a page with the command and the machine that made it, its tables and its pictures.
+
+    Args:
+        folder: Where to.
+        name: Of the page's file, without `.md`.
+        page: What was found.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    text = [f"# {page.title}"]
+    for part in page.parts:
+        if isinstance(part, Picture):
+            save(part.image, folder / f"{part.name}.png")
+            text.append(f"![{part.caption}]({part.name}.png)")
+        else:
+            text.append(part.markdown().rstrip("\n") if isinstance(part, Table) else part)
+    text += ["## Command", f"    {command_line()}", machine()]
+    (folder / f"{name}.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
+    for table in (*page.tables, *page.attachments):
+        (folder / f"table_{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
+
+
+def finish(given: Arguments, page: Page) -> int:
+    """Write the page, print its tables, and say where everything is.
+
+    Args:
+        given: Folder, and the name of the study, which the page has too.
+        page: What was found.
+
+    Returns:
+        The status of the process.
+    """
+    write(given.out, given.name, page)
+    print("\n".join(table.markdown() for table in page.tables))
+    print(f"Page, pictures, tables and rows are in {given.out}")
+    return 0
+
+
+def machine() -> str:
+    """The machine, and the versions of packages and of the default decisions that figures were measured with."""
+    versions = ", ".join(f"{name} {version(name)}" for name in _LIBRARIES)
+    load = f", load average {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
+    computer = f"{_processor()}, {os.cpu_count()} cores{load}"
+    return f"{computer}; Python {platform.python_version()}, {versions}; decisions {PRESENT}."
+
+
+def _processor() -> str:
+    """The processor's model, if this system tells it."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()

@@ -1,0 +1,188 @@
+"""The claims of the thesis under many laboratories: measured, kept, and in what share of laboratories each holds."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from khepera_forage.envs.backends import COMPILED
+from khepera_forage.estimates import Column, Table, Value, percent
+from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
+from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.study import Arguments, Rows, collect
+from khepera_forage.task.decisions import decisions_text
+from khepera_forage.thesis.claims import Claim, Verdict, claims
+from khepera_forage.thesis.design import NO_LOSSES
+from khepera_forage.thesis.inference.posterior import Floats, sample
+from khepera_forage.thesis.inference.prior import Laboratory, laboratory_text
+from khepera_forage.thesis.jobs import compiled_jobs, job_counts
+
+RESAMPLES = 500
+"""For each interval."""
+LABORATORIES, QUICK_LABORATORIES = 80, 2
+"""Drawn from the prior, and as many from the posterior."""
+REPLICATIONS, QUICK_REPLICATIONS = 50, 5
+"""Of the thesis's design under each."""
+CLAIMS = tuple(claims([], [], [], np.random.default_rng(0), resamples=1))
+"""Every claim without rows: its words, section and unit."""
+OBSERVATIONS = ("Success depends on", "'Orient with food' is executed where", "After 'orient with food'")
+"""How the claims begin that belong to the test set: areas 1 and 2, ORIENT without food, and what follows it."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaboratoryClaims:
+    """The claims under one laboratory.
+
+    Attributes:
+        number: Of the laboratory.
+        laboratory: As text.
+        reason: Why they could not be measured; empty if they were.
+        verdicts: One a claim; empty if not measured.
+        effects: One a claim, in its unit; not a number where the rows are not enough.
+    """
+
+    number: int
+    laboratory: str
+    reason: str
+    verdicts: tuple[str, ...]
+    effects: tuple[float, ...]
+
+
+class LaboratoryUnit(NamedTuple):
+    """The claims of one laboratory are measured."""
+
+    seed: int
+    number: int
+    laboratory: Laboratory
+    replications: int
+
+    @property
+    def key(self) -> str:
+        """Number and laboratory, which depends on the sets that are drawn."""
+        return f"{self.number} {laboratory_text(self.laboratory)}"
+
+    def run(self) -> list[LaboratoryClaims]:
+        """Measure, with a seed of its own."""
+        seed = int(np.random.SeedSequence(self.seed, spawn_key=(self.number,)).generate_state(1)[0])
+        reason, found = "", list[Claim]()
+        try:
+            found = claims_of(self.laboratory, seed, self.replications)
+        except IncompleteTrainingError as error:
+            reason = str(error)
+        verdicts, effects = tuple(one.verdict.value for one in found), tuple(one.value for one in found)
+        return [LaboratoryClaims(self.number, laboratory_text(self.laboratory), reason, verdicts, effects)]
+
+
+def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Claim]:
+    """Measure every claim of the thesis under one laboratory.
+
+    The jobs are those of a reproduction on the compiled backend. Of the other noise conditions only the laboratory
+    without tracking losses is needed, and of that only the training files.
+
+    Args:
+        laboratory: Decisions and noise.
+        seed: Of all experiments and of the intervals. The same arguments give the same claims, for any number of
+            threads.
+        replications: Of the whole design. With fewer than `statistics.MIN_REPLICATIONS` there are no intervals, and
+            claims that need one are undecided.
+
+    Returns:
+        One claim each, always in the same order.
+
+    Raises:
+        IncompleteTrainingError: No attempt at some training episode was complete, within the number of attempts that
+            the decisions allow.
+        ValueError: A mark where robot or food does not fit.
+        ImportError: numba is not installed.
+    """
+    decisions, noise = laboratory
+    counts = job_counts(replications, COMPILED)._replace(
+        noise_replications=replications, noise_conditions=(NO_LOSSES,), noise_cells=()
+    )
+    try:
+        rows = Rows(row for job in compiled_jobs(seed, counts, decisions, noise) for row in job.run())
+    except IncompleteTrainingError as error:
+        raise IncompleteTrainingError(
+            f"{error}; seed {seed}, decisions: {decisions_text(decisions)}"
+        ) from error
+    recalls = rows.of(RecallRow)
+    return claims(
+        recalls=[row for row in recalls if row.learner != TEACHER],
+        trainings=rows.of(TrainingRow),
+        teachers=[row for row in recalls if row.learner == TEACHER],
+        rng=np.random.default_rng(seed),
+        resamples=RESAMPLES,
+    )
+
+
+def measured(
+    given: Arguments, laboratories: Sequence[Laboratory], weights: Floats
+) -> tuple[list[LaboratoryClaims], list[LaboratoryClaims]]:
+    """The claims under a sample of admissible laboratories, and under an unweighted sample of the posterior."""
+    count = min(QUICK_LABORATORIES if given.quick else LABORATORIES, len(laboratories))
+    rng = np.random.default_rng(given.seed)
+    prior = rng.choice(len(laboratories), count, replace=False).tolist()
+    inferred = sample(weights, count, rng).tolist()
+    replications = QUICK_REPLICATIONS if given.quick else REPLICATIONS
+    units = [
+        LaboratoryUnit(given.seed, number, laboratories[number], replications)
+        for number in sorted({*prior, *inferred})
+    ]
+    settings = {"replications": str(replications), "claims": "; ".join(claim.name for claim in CLAIMS)}
+    rows = collect(given, units, {LaboratoryClaims: "claims"}, settings=settings, file="claims.jsonl.gz")
+    by_number: Mapping[int, LaboratoryClaims] = {row.number: row for row in rows.of(LaboratoryClaims)}
+    return [by_number[number] for number in prior], [by_number[number] for number in inferred]
+
+
+def claim_tables(*samples: Sequence[LaboratoryClaims]) -> list[Table]:
+    """In what share of laboratories each claim holds, and how many of the observations hold together.
+
+    Args:
+        *samples: Under a sample of the prior, and under one of the posterior. The intervals are those of independent
+            draws: they are too narrow if few different laboratories make up a sample.
+    """
+    known = [[row for row in rows if not row.reason] for rows in samples]
+    lines: list[tuple[Value, ...]] = []
+    for k, claim in enumerate(CLAIMS):
+        holds = [
+            percent(sum(row.verdicts[k] == Verdict.SUPPORTED for row in rows), len(rows)) for rows in known
+        ]
+        effects = [row.effects[k] for row in known[1] if not np.isnan(row.effects[k])]
+        median = claim.unit(float(np.median(effects))) if effects else "-"
+        lines.append((claim.name, claim.thesis_section, *holds, median))
+    own = [k for k, claim in enumerate(CLAIMS) if claim.name.startswith(OBSERVATIONS)]
+    held = [[sum(row.verdicts[k] == Verdict.SUPPORTED for k in own) for row in rows] for rows in known]
+    observations: list[tuple[Value, ...]] = [
+        (least, *(percent(sum(count >= least for count in counts), len(counts)) for counts in held))
+        for least in range(len(own) + 1)
+    ]
+    return [
+        Table(
+            "claims",
+            "In which laboratories the thesis's claims hold",
+            f"Share of {len(samples[0])} admissible laboratories of the prior, and of {len(samples[1])} laboratories "
+            "of the posterior, in which a claim is supported, with Wilson's 95 % interval. In the others it is not "
+            "supported, or undecided. The effect is its median over the laboratories of the posterior.",
+            (
+                *map(Column, ("claim", "section")),
+                *(Column(f"holds, {name} (%)", 0, estimate=True) for name in ("prior", "posterior")),
+                Column("median effect, posterior"),
+            ),
+            lines,
+        ),
+        Table(
+            "observations",
+            "The observations of the test set",
+            f"Share of laboratories in which at least so many of {len(own)} claims hold that were not fitted: areas 1 "
+            "and 2 and ORIENT where no food is, each in both arenas, and the behaviours after ORIENT.",
+            (
+                Column("at least"),
+                *(
+                    Column(f"{name} laboratories (%)", 0, estimate=True)
+                    for name in ("admissible", "posterior")
+                ),
+            ),
+            observations,
+        ),
+    ]

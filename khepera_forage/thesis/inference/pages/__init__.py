@@ -1,1 +1,0 @@
-"""The pages of `khepera-forage infer`, one for each question."""

@@ -1,0 +1,378 @@
+"""The tables of the report: the thesis beside our results, and measurements beyond the thesis."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import repeat
+
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, replications
+from khepera_forage.rollouts.rows import STATES, RecallRow
+from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
+from khepera_forage.task.states import State
+from khepera_forage.thesis.cells import CellResult, in_cell
+from khepera_forage.thesis.claims import Claim
+from khepera_forage.thesis.claims.evidence import Evidence, Measure, Sample, of_arena
+from khepera_forage.thesis.claims.time import attempts_per_episode, steps_needed
+from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
+from khepera_forage.thesis.errata import errata
+
+_V0_1_NOTE = (
+    " The columns *v0.1* are of replications under the decisions of version 0.1, with the thesis's percentile among "
+    "them."
+)
+
+
+def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
+    """Mean score and food count of each cell, in the thesis and in our replications.
+
+    Args:
+        results: One for each cell.
+        v0_1_results: The same cells under the decisions of version 0.1. Without any, the table has no columns for them.
+    """
+    rows: list[tuple[Value, ...]] = []
+    for r, old in _pairs(results, v0_1_results):
+        score, food = r.score_rank, r.food_rank
+        rows.append(
+            (
+                r.cell.arena,
+                r.cell.episodes,
+                r.thesis_printed,
+                r.thesis_score,
+                r.score,
+                score.percentile,
+                score.tail,
+                *((old.score, old.score_rank.percentile) if old else ()),
+                f"{r.thesis_food} of {r.cell.available}",
+                r.food,
+                food.percentile,
+                food.tail,
+                *((old.food, old.food_rank.percentile) if old else ()),
+                score.experiments,
+                r.recalls,
+            )
+        )
+    return Table(
+        "cells",
+        "Results of the thesis and of our replications",
+        "Mean score in percent and food carried home, with a 95 % interval over replications. The table shows the "
+        "thesis's score as printed, and as the mean of the scores in the printed lines; the latter is compared with "
+        "ours. Each replication contains one experiment of the thesis's size. *Percentile* is the rank of the "
+        "thesis's value among these experiments. *Tail* is the probability that one more of our experiments is "
+        "at least as extreme, on either side." + (_V0_1_NOTE if v0_1_results else ""),
+        (
+            Column("arena"),
+            Column("episodes"),
+            Column("thesis: score (%)", 2),
+            Column("from its lines (%)", 2),
+            Column("ours: score (%)", 1, estimate=True),
+            Column("score percentile", 0),
+            Column("score tail", 2),
+            *(_v0_1_columns("score", "score (%)") if v0_1_results else ()),
+            Column("thesis: food"),
+            Column("ours: food", 1, estimate=True),
+            Column("food percentile", 0),
+            Column("food tail", 2),
+            *(_v0_1_columns("food", "food") if v0_1_results else ()),
+            Column("experiments"),
+            Column("recalls"),
+        ),
+        rows,
+    )
+
+
+def _pairs(
+    results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
+) -> Iterator[tuple[CellResult, CellResult | None]]:
+    """Each cell's result, and that of version 0.1 if there is any."""
+    return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
+
+
+def _v0_1_columns(name: str, heading: str) -> tuple[Column, ...]:
+    return Column(f"v0.1: {heading}", 1, estimate=True), Column(f"v0.1: {name} percentile", 0)
+
+
+def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
+    """The means of each cell in the thesis, in our replications, and in those of version 0.1 if there are any.
+
+    Args:
+        results: One for each cell.
+        v0_1_results: The same cells under the decisions of version 0.1; may be empty.
+    """
+    rows: list[tuple[Value, ...]] = [
+        (
+            r.cell.arena,
+            r.cell.episodes,
+            r.thesis_score,
+            r.score.value,
+            *((old.score.value,) if old else ()),
+            f"{r.thesis_food} of {r.cell.available}",
+            r.food.value,
+            *((old.food.value,) if old else ()),
+        )
+        for r, old in _pairs(results, v0_1_results)
+    ]
+    v0_1 = (Column("v0.1"),) if v0_1_results else ()
+    return Table(
+        "summary",
+        "Summary",
+        "Mean score, and food carried home in an experiment of the thesis's size."
+        + (" v0.1: under the decisions of version 0.1." if v0_1_results else ""),
+        (
+            Column("arena"),
+            Column("episodes"),
+            Column("score (%): thesis", 2),
+            Column("ours"),
+            *v0_1,
+            Column("food: thesis"),
+            Column("ours"),
+            *v0_1,
+        ),
+        rows,
+    )
+
+
+def claim_table(claims: Sequence[Claim]) -> Table:
+    """The thesis's claims with effect and verdict."""
+    return Table(
+        "claims",
+        "Claims of the thesis",
+        "Each claim with its effect, a 95 % interval over replications, and a verdict. The next table lists the rule "
+        "of each verdict, which was fixed before any data existed. A claim is undecided if its interval contains "
+        "the rule's threshold, or if there are too few replications for an interval.",
+        (
+            Column("no."),
+            Column("claim"),
+            Column("section"),
+            Column("effect [95 %]"),
+            Column("value", estimate=True, page=False),
+            Column("in the thesis"),
+            Column("verdict"),
+        ),
+        [
+            (
+                i,
+                c.name,
+                c.thesis_section,
+                c.effect,
+                Estimate(c.value, c.low, c.high),
+                c.thesis,
+                c.verdict.value,
+            )
+            for i, c in enumerate(claims, 1)
+        ],
+    )
+
+
+def rule_table(claims: Sequence[Claim]) -> Table:
+    """The measurement behind each claim, and the rule of its verdict."""
+    return Table(
+        "rules",
+        "Measurements and rules of the verdicts",
+        "Ordered by the number of the claim.",
+        (Column("no."), Column("rule"), Column("what was measured")),
+        [(i, c.rule, c.sentence) for i, c in enumerate(claims, 1)],
+    )
+
+
+def errata_table() -> Table:
+    """Errors of arithmetic in the thesis's tables."""
+    return Table(
+        "errata",
+        "Errata of the thesis",
+        "Values in tables A.1 to A.7 that do not follow from the values printed beside them. A *series* is a run of "
+        "lines that count up by one, as a spreadsheet's fill-down produces them.",
+        tuple(map(Column, ("table", "place", "kind", "printed", "expected"))),
+        [tuple(erratum) for erratum in errata()],
+    )
+
+
+def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
+    """The score under each source of noise alone, and under all together."""
+    lines: list[tuple[Value, ...]] = []
+    for cell in _cells_of(rows):
+        noiseless = _score(_of_noise(rows, cell, NO_NOISE))
+        for noise in _ordered({row.noise for row in in_cell(rows, cell)}):
+            score = _score(_of_noise(rows, cell, noise))
+            food = Sample(score.rows, lambda row: 100 * row.delivered, lambda row: row.foods)
+            cost = UNKNOWN if noise == NO_NOISE else evidence.difference(noiseless, score)
+            attempts = evidence.mean(attempts_per_episode(evidence, noise))
+            numbers: tuple[Estimate, ...] = (evidence.mean(score), cost, evidence.mean(food), attempts)
+            lines.append(
+                (
+                    noise,
+                    f"{cell.arena}, {cell.episodes}",
+                    *numbers,
+                    len(replications(score.rows)),
+                    len(score.rows),
+                )
+            )
+    return Table(
+        "noise",
+        "Effect of each source of noise",
+        "The same experiments without noise, with one source of noise, and with all sources together, in training and "
+        "in recall. The cost is the score without noise minus the score with it. Attempts are counted per complete "
+        "training episode. Intervals: 95 % over replications.",
+        (
+            Column("noise"),
+            Column("arena, episodes"),
+            Column("score (%)", 1, estimate=True),
+            Column("cost (points)", 1, estimate=True),
+            Column("food (%)", 0, estimate=True),
+            Column("attempts per episode", 2, estimate=True),
+            Column("replications"),
+            Column("recalls"),
+        ),
+        lines,
+    )
+
+
+def training_table(evidence: Evidence) -> Table:
+    """Attempts per complete training episode, and properties of complete episodes (5.3.1)."""
+    lines: list[tuple[Value, ...]] = []
+    for noise in _ordered({row.noise for row in evidence.trainings}):
+        rows = [row for row in evidence.trainings if row.noise == noise]
+        done = [row for row in rows if row.complete]
+        reasons = Counter(row.reason for row in rows if not row.complete)
+        lines.append(
+            (
+                noise,
+                evidence.mean(attempts_per_episode(evidence, noise)),
+                len(rows),
+                len(done),
+                evidence.mean(Sample(done, lambda row: row.rounds)),
+                evidence.mean(Sample(done, lambda row: row.vectors)),
+                evidence.mean(Sample(done, lambda row: row.separations)),
+                "; ".join(f"{reason}: {count}" for reason, count in reasons.most_common()) or "-",
+            )
+        )
+    return Table(
+        "training",
+        "Training episodes",
+        "Attempts per complete episode, and means over complete episodes. Intervals: 95 % over replications.",
+        (
+            Column("noise"),
+            Column("attempts per episode", 2, estimate=True),
+            Column("attempts"),
+            Column("complete"),
+            Column("rounds", 0, estimate=True),
+            Column("experience vectors", 0, estimate=True),
+            Column("separations", 2, estimate=True),
+            Column("reasons of incomplete attempts"),
+        ),
+        lines,
+    )
+
+
+def teacher_table(evidence: Evidence) -> Table:
+    """The distribution of the teacher's steps."""
+    lines: list[tuple[Value, ...]] = []
+    for arena in THESIS_ARENAS:
+        rows = of_arena(evidence.teachers, arena)
+        limit = next(cell.limit for cell in THESIS if cell.arena == arena)
+        steps = sorted(map(steps_needed, rows))
+        at = [steps[math.ceil(q * len(steps)) - 1] if steps else math.nan for q in (0.05, 0.5, 0.95, 1.0)]
+        within = evidence.mean(_ended_within(rows, limit))
+        lines.append((arena, len(rows), *at, limit, within))
+    return Table(
+        "teacher",
+        "Steps of the teacher",
+        "Quantiles of the steps until all food is at home; ∞ means that some food was not delivered within the time "
+        "limit, which is three times the thesis's.",
+        (
+            Column("arena"),
+            Column("forages"),
+            Column("5 %", 0),
+            Column("median", 0),
+            Column("95 %", 0),
+            Column("longest", 0),
+            Column("thesis's limit"),
+            Column("within this limit (%)", 1, estimate=True),
+        ),
+        lines,
+    )
+
+
+def ties_table(evidence: Evidence) -> Table:
+    """How often several experience vectors were equally near, and how often their behaviours differed (4.6)."""
+    lines: list[tuple[Value, ...]] = []
+    for cell in _cells_of(evidence.recalls):
+        rows = in_cell(evidence.recalls, cell)
+        shares = [_per_step(rows, lambda row: row.ties), _per_step(rows, lambda row: row.conflicts)]
+        size = evidence.mean(Sample(rows, lambda row: row.experience_size))
+        lines.append((cell.arena, cell.episodes, size, *map(evidence.mean, shares)))
+    return Table(
+        "ties",
+        "Ties among the nearest experience vectors",
+        "A tie is a step in which several experience vectors have exactly the minimum distance. A conflict is a tie "
+        "between different behaviours, of which one is drawn by its confidence level (4.6.2).",
+        (
+            Column("arena"),
+            Column("episodes"),
+            Column("experience vectors", 0, estimate=True),
+            Column("ties (% of steps)", 1, estimate=True),
+            Column("conflicts (% of steps)", 1, estimate=True),
+        ),
+        lines,
+    )
+
+
+def state_table(evidence: Evidence) -> Table:
+    """The learner's errors by state."""
+    lines: list[tuple[Value, ...]] = []
+    for arena in THESIS_ARENAS:
+        rows = of_arena(evidence.recalls, arena)
+        modes = Counter(row.failure_mode for row in rows if row.failed)
+        for state in list(State)[:STATES]:
+            visited = _per_step(rows, _in_state(state))
+            wrong = Sample(rows, _wrong_in(state), _in_state(state))
+            lines.append((arena, state.name, evidence.mean(visited), evidence.mean(wrong), modes[state]))
+    return Table(
+        "states",
+        "Errors of the learner by state",
+        "By the state that the teacher would classify: share of all steps, share of wrong behaviours in these steps, "
+        "and number of failed recalls that had most of their wrong behaviours in this state.",
+        (
+            Column("arena"),
+            Column("state"),
+            Column("steps (%)", 1, estimate=True),
+            Column("wrong (%)", 1, estimate=True),
+            Column("failures"),
+        ),
+        lines,
+    )
+
+
+def _cells_of(rows: Iterable[RecallRow]) -> list[Cell]:
+    """The thesis's cells that occur in these rows."""
+    seen = {(row.arena, row.episodes) for row in rows}
+    return [cell for cell in THESIS if (cell.arena, cell.episodes) in seen]
+
+
+def _of_noise(rows: Iterable[RecallRow], cell: Cell, noise: str) -> list[RecallRow]:
+    return [row for row in in_cell(rows, cell) if row.noise == noise]
+
+
+def _score(rows: Sequence[RecallRow]) -> Sample[RecallRow]:
+    return Sample(rows, lambda row: row.score)
+
+
+def _per_step(rows: Sequence[RecallRow], count: Measure[RecallRow]) -> Sample[RecallRow]:
+    return Sample(rows, lambda row: 100 * count(row), lambda row: row.steps)
+
+
+def _ordered(names: set[str]) -> list[str]:
+    """Names of noise conditions in the order of `noise_conditions`, unknown ones last."""
+    known = list(noise_conditions())
+    return sorted(names, key=lambda name: (known.index(name) if name in known else len(known), name))
+
+
+def _in_state(state: State) -> Measure[RecallRow]:
+    return lambda row: row.rounds_by_state[state]
+
+
+def _wrong_in(state: State) -> Measure[RecallRow]:
+    return lambda row: 100 * row.wrong_by_state[state]
+
+
+def _ended_within(rows: Sequence[RecallRow], limit: int) -> Sample[RecallRow]:
+    return Sample(rows, lambda row: 100 * (steps_needed(row) <= limit))

@@ -1,0 +1,197 @@
+"""Studies: rows of runs that were killed, values with intervals, and pages."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from khepera_forage import estimates, figures
+from khepera_forage.estimates import Column, Table
+from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    unit: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fall:
+    unit: str
+    replication: int
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leap:
+    unit: str
+    heights: tuple[float, ...]
+    height: int | None
+    done: bool
+
+
+class Walk(NamedTuple):
+    name: str
+
+    @property
+    def key(self) -> str:
+        return self.name
+
+    def run(self) -> list[Step | Fall]:
+        return [Step(self.name, 0), Fall(self.name, 0, 0.5), Step(self.name, 1)]
+
+
+TABLES = {Step: "steps", Fall: "falls"}
+
+
+def given(out: Path, *more: str) -> Arguments:
+    counts = Count("walks", 9, 3, "walks", adds_units=True), Count("length", 5, 2, "steps of a walk")
+    return parse("walking", "Walks.", *counts, given=["--out", str(out), "--jobs", "1", *more])
+
+
+def walk(out: Path, names: str, *more: str) -> list[str]:
+    rows = collect(given(out, *more), [Walk(name) for name in names], TABLES)
+    assert [row.unit for row in rows.of(Fall)] == list(names)
+    return [row.unit for row in rows.of(Step)]
+
+
+def test_counts_have_defaults_of_their_own_with_quick(tmp_path: Path) -> None:
+    arguments = given(tmp_path)
+    assert (arguments.walks, arguments.length, arguments.counts) == (9, 5, {"walks": 9, "length": 5})
+    assert arguments.settings == {"seed": "0", "quick": "no", "length": "5"}
+    arguments = given(tmp_path, "--quick", "--walks", "4")
+    assert (arguments.walks, arguments.length) == (4, 2)
+
+
+def test_processes_are_counted_as_joblib_does() -> None:
+    assert parse("walking", "", given=["--jobs", "-1"]).jobs == -1
+    timed = parse("walking", "", jobs=None, given=[])
+    assert (timed.jobs, timed.fresh) == (1, True)
+    with pytest.raises(SystemExit):
+        parse("walking", "", jobs=None, given=["--jobs", "1"])
+
+
+def test_rows_come_in_the_order_of_the_units(tmp_path: Path) -> None:
+    assert walk(tmp_path, "ba") == ["b", "b", "a", "a"]
+    assert (tmp_path / "steps.csv").read_text() == "unit,number\nb,0\nb,1\na,0\na,1\n"
+
+
+def test_two_processes_write_the_tables_of_one(tmp_path: Path) -> None:
+    for jobs in "12":
+        walk(tmp_path / jobs, "dcba", "--jobs", jobs)
+    one, two = ({path.name: path.read_text() for path in (tmp_path / jobs).glob("*.csv")} for jobs in "12")
+    assert set(one) == {"steps.csv", "falls.csv"}
+    assert one == two
+
+
+def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    walk(tmp_path, "c")
+    assert walk(tmp_path, "abc") == list("aabbcc")
+    assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
+
+
+def test_units_of_earlier_runs_are_kept(tmp_path: Path) -> None:
+    walk(tmp_path, "xy")
+    assert walk(tmp_path, "a") == ["a", "a"]
+    assert [line[0] for line in (tmp_path / "steps.csv").read_text().split()[1:]] == list("xxyyaa")
+    others = collect(given(tmp_path), [Walk("y")], TABLES, others=True)
+    assert [row.unit for row in others.of(Fall)] == list("xay")
+
+
+def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
+    walk(tmp_path, "xy")
+    walk(tmp_path, "a", "--fresh", "--seed", "2")
+    assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\n"
+
+
+def test_a_run_that_was_killed_at_any_byte_continues(tmp_path: Path) -> None:
+    walk(tmp_path, "abc")
+    store, wanted = tmp_path / UNITS, (tmp_path / "steps.csv").read_text()
+    whole = store.read_bytes()
+    for length in range(0, len(whole), 7):
+        store.write_bytes(whole[:length])
+        assert walk(tmp_path, "abc") == list("aabbcc")
+        assert (tmp_path / "steps.csv").read_text() == wanted
+
+
+def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
+    rows = [Leap("a", (1.5, float("inf")), None, True), Leap("b", (), 2, False)]
+    RowStore(tmp_path, {Leap: "leaps"}, {}).add("a", rows)
+    assert RowStore(tmp_path, {Leap: "leaps"}, {}).finished == {"a": rows}
+
+
+def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    walk(tmp_path, "a")
+    with pytest.raises(ValueError, match="with seed '0', and this run has '2'; allowed: the same"):
+        RowStore(tmp_path, TABLES, {"seed": "2"})
+    RowStore(tmp_path, TABLES, {"tree": "tree()"})
+    with pytest.raises(ValueError, match=r"with tree 'tree\(\)', and this run has 'tree\(max_depth=3\)'"):
+        RowStore(tmp_path, TABLES, {"tree": "tree(max_depth=3)"})
+    with pytest.raises(SystemExit, match="2"):
+        walk(tmp_path, "a", "--length", "6")
+    assert re.match(r"walking\.py: .* with length '5', and this run has '6'", capsys.readouterr().err)
+
+
+def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
+    (tmp_path / UNITS).write_text("unit,number\n")
+    with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
+        RowStore(tmp_path, TABLES, {})
+
+
+def test_two_units_with_one_key_are_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(AssertionError, match="same key"):
+        walk(tmp_path, "aa")
+
+
+FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "ba" for number in range(6)]
+HEIGHT = estimates.Measure[Fall]("height (m)", lambda row: row.height)
+
+
+def test_differences_are_paired_by_replication() -> None:
+    rng = np.random.default_rng(0)
+    high, low = estimates.pick(FALLS, unit="b"), estimates.pick(FALLS, unit="a")
+    assert estimates.mean(high, HEIGHT, rng).value == 3.5
+    assert tuple(estimates.difference(high, low, HEIGHT, rng)) == pytest.approx((1, 1, 1))
+    assert np.isnan(estimates.difference(high, [], HEIGHT, rng).value)
+
+
+def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
+    rng = np.random.default_rng(0)
+    table = estimates.means_table(
+        "t", "T", "", {"unit": "place", "replication": "n"}, FALLS[::-1], [HEIGHT], rng
+    )
+    assert [column.name for column in table.columns] == ["place", "n", "rows", "height (m)"]
+    assert [row[:3] for row in table.rows] == [(place, n, 1) for place in "ab" for n in range(6)]
+    assert [row[3].value for row in table.rows] == [0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 6]  # type: ignore[union-attr]
+
+
+def test_quantiles_and_shares() -> None:
+    assert estimates.extremes([3, 1, 2]) == (2, 1, 3)
+    assert estimates.quantiles(range(101)) == (50, 5, 95)
+    assert np.isnan(estimates.quantiles([]).value)
+    assert estimates.percent(1, 2).value == 50
+    assert np.isnan(estimates.percent(0, 0).value)
+    assert np.isnan(estimates.plain(3.0).low)
+
+
+def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = Table("heights", "Heights", "A note.", (Column("m"),), [(1,)])
+    more = Table("more", "More", "", (Column("m"),), [(2,)])
+    parts: list[str | Table | Picture] = [
+        "A paragraph.",
+        table,
+        Picture("falls", "how they fell", figures.new_figure(2, 2)),
+    ]
+    monkeypatch.setattr("sys.argv", ["benchmarks/walking.py", "--out", "a folder"])
+    write(tmp_path, "walking", Page("Walking", parts, (more,)))
+    lines = (tmp_path / "walking.md").read_text().split("\n\n")
+    assert lines[:4] == ["# Walking", "A paragraph.", "## Heights", "A note."]
+    assert lines[4:7] == ["| m |\n| ---: |\n| 1 |", "![how they fell](falls.png)", "## Command"]
+    assert lines[7] == "    python benchmarks/walking.py --out 'a folder'"
+    assert (tmp_path / "table_heights.csv").read_text() == "m\n1\n"
+    assert (tmp_path / "table_more.csv").exists()
+    assert (tmp_path / "falls.png").read_bytes().startswith(b"\x89PNG")
