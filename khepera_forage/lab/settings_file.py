@@ -87,7 +87,7 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
-    food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text), tuple[str, ...]())
+    food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text, 0), tuple[str, ...]())
     if robots[0].type == "toio" and not table.has("camera"):
         camera = CameraSettings()
     else:
