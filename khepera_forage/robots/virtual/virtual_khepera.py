@@ -13,7 +13,7 @@ import numpy as np
 from khepera_forage.robots.serial.protocol import LineSplitter, seconds_on_wire
 from khepera_forage.robots.virtual.endpoints import Endpoint, PtyEndpoint, TcpEndpoint
 from khepera_forage.robots.virtual.faults import Fault, FaultCounts, FaultInjector, Faults
-from khepera_forage.robots.virtual.firmware import VirtualFirmware
+from khepera_forage.robots.virtual.firmware import Firmware
 
 _CHUNK_DURATION = 0.002
 """Seconds of a reply that are written at once: the system cannot wake a thread for every byte."""
@@ -48,7 +48,7 @@ class VirtualKhepera:
 
     def __init__(
         self,
-        firmware: VirtualFirmware,
+        firmware: Firmware,
         *,
         tcp: int | None = None,
         baud: int | None = 38400,
