@@ -8,7 +8,8 @@ from itertools import pairwise
 import pytest
 
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial.line import LineTiming, LineTooSlow, Traffic
+from khepera_forage.robots.serial.line import Traffic
+from khepera_forage.robots.serial.line_timing import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION
 from tests.robots.rig import FORWARD

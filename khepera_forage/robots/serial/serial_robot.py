@@ -9,15 +9,12 @@ from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
     DEFAULT_TRIES,
-    FAST,
-    MAX_ROUND_BYTES,
-    MAX_ROUND_REQUESTS,
     Line,
     LineStatistics,
-    LineTiming,
     RobotRestarted,
     Traffic,
 )
+from khepera_forage.robots.serial.line_timing import FAST, MAX_ROUND_BYTES, MAX_ROUND_REQUESTS, LineTiming
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
