@@ -254,7 +254,8 @@ class Laboratory:
             region = find_marker(scene, arena, holes)
             if region is not None:
                 self._poses[number] = pose_of(region)
-        self._foods.update(scene, list(zip(self._poses, self._senses(), self._grippers, strict=True)))
+        self._senses()  # reads the robots that have not been read yet
+        self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
         self._note_surroundings()
 
     @property
@@ -269,16 +270,11 @@ class Laboratory:
         ):
             if robot.model.has_gripper:
                 continue
-            cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-            offsets = [(x - pose.x, y - pose.y) for x, y, _ in foods]
-            ahead = any(
-                0 < dx * cosine + dy * sine <= robot.model.reach
-                and abs(dy * cosine - dx * sine) <= FOOD_RADIUS
-                for dx, dy in offsets
-            )
+            ahead = self._foods.ahead_of(pose, robot.model.reach) is not None
             readings = None
             if not robot.model.infra_reds:
                 others = [(p.x, p.y, RADIUS) for i, p in enumerate(self._poses) if i != number]
+                cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
                 clean = clean_readings(pose.x, pose.y, cosine, sine, arena.segments, [*foods, *others])
                 readings = reported_readings(clean, False, 0.0, 0, (0.0,) * 8)
             robot.note_surroundings(ahead, readings)

@@ -181,6 +181,11 @@ class RealRobot(ABC):
             senses = senses._replace(object_presence=0)
         return senses if self._proximity is None else senses._replace(proximity=self._proximity)
 
+    @property
+    def touches(self) -> bool:
+        """Whether its own sensors report an object, food or wall; always true for a robot that has none for this."""
+        return self._senses is not None and self._senses.object_presence > 0
+
     def note_surroundings(self, food_ahead: bool, proximity: Proximity | None) -> None:
         """Complete the senses of a robot that has fewer sensors than a Khepera, once a round.
 

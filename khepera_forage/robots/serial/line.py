@@ -429,7 +429,7 @@ class Line:
                         slot.reply = reply
                 if is_last:
                     break
-            else:
+            elif not isinstance(reply, TextLine):
                 garbled, reason = garbled + 1, self._reason(line)
                 if isinstance(reply, ErrorReply):
                     counts.rejected += 1
@@ -520,8 +520,8 @@ class Line:
             self._read(1)
         return self._lines.popleft() if self._lines else None
 
-    def _decode(self, line: bytes) -> Reply | ErrorReply | None:
-        """The reply in a line; None if it is garbled.
+    def _decode(self, line: bytes) -> Reply | ErrorReply | TextLine | None:
+        """The reply in a line, or a remark without a meaning; None if it is garbled.
 
         Raises:
             RobotRestarted: The line belongs to the banner.
@@ -535,7 +535,9 @@ class Line:
         if self.protocol.is_banner(reply):
             self._discard_banner()
             raise RobotRestarted
-        self.statistics.garbled += not reply.text.startswith(self.protocol.remark)
+        if reply.text.startswith(self.protocol.remark):
+            return reply
+        self.statistics.garbled += 1
         return None
 
     def _discard_banner(self) -> None:
