@@ -4,46 +4,19 @@ The way to food leads past the home, and the way home past poison.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.paths import ChosenWaypoint, find_lengths, has_path, is_straight, next_waypoint
+from khepera_forage.geometry.paths import has_path, is_straight, next_waypoint
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.past_poison import is_poison_about, past_poison
-
-_MOVED = 1.0
-"""Pixels by which food may move before the paths to it are looked up again."""
 
 Way = tuple[float, float, float]
 """The way to a place in pixels: x and y of the next waypoint, and the length of the path, which is 0 if every way in
 the arena is straight, and infinite if there is none."""
 
 
-class WayMemory(NamedTuple):
-    """What one robot remembers of its ways.
-
-    Attributes:
-        chosen: `ChosenWaypoint` records: on the way home, then on the way to each food object.
-        food_lengths: Of the shortest path from each waypoint to each food object, pixels.
-    """
-
-    chosen: Any
-    food_lengths: Any
-
-
-def no_memory(foods: int, waypoints: int) -> WayMemory:
-    """What a robot remembers at the start of an episode.
-
-    Args:
-        foods: Number of food objects.
-        waypoints: Number of waypoints in the arena.
-    """
-    return WayMemory(
-        [ChosenWaypoint() for _ in range(1 + foods)], [[math.inf] * waypoints for _ in range(foods)]
-    )
-
-
-def way_home(x: float, y: float, tracker: Any, foods: Any, memory: WayMemory, arena: ArenaMap) -> Way:
+def way_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap) -> Way:
     """The way home of a robot.
 
     Args:
@@ -51,26 +24,22 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, memory: WayMemory, ar
         y: Of the robot, pixels.
         tracker: Its `FoodTracker` record.
         foods: The `FoodObject` records.
-        memory: What it remembers; changed in place.
+        chosen: `ChosenWaypoint` records: on its way home, then on its way to each food object; changed in place.
         arena: Its arena.
     """
     to_x, to_y, ways, walls = arena.home_x, arena.home_y, arena.ways, arena.walls
     way = to_x, to_y, 0.0
     if len(ways.corners) > 0:
-        chosen = memory.chosen[0]
-        if is_straight(x, y, to_x, to_y, False, chosen, walls, ways):
+        if is_straight(x, y, to_x, to_y, False, chosen[0], walls, ways):
             way = to_x, to_y, length(to_x - x, to_y - y)
         else:
-            way = next_waypoint(x, y, ways.home_lengths, False, chosen, walls, ways)
-            way = drivable(way, to_x, to_y)
+            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen[0], walls, ways), to_x, to_y)
     if tracker.held < 0 or not is_poison_about(tracker.held, foods):
         return way
     return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 
 
-def way_to_food(
-    x: float, y: float, to_x: float, to_y: float, food: Any, number: int, memory: WayMemory, arena: ArenaMap
-) -> Way:
+def way_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> Way:
     """The way past the home from a place to food.
 
     Args:
@@ -78,23 +47,15 @@ def way_to_food(
         y: Of the robot, pixels.
         to_x: Of the food's region.
         to_y: Of the food's region.
-        food: Its `FoodObject` record. `lengths_x` and `lengths_y`, the place to which the lengths of paths are known,
-            are changed.
-        number: Of the food object.
-        memory: What the robot remembers; changed in place.
+        chosen: The `ChosenWaypoint` record of the way to this food object; changed in place.
         arena: Its arena.
     """
-    ways = arena.ways
+    ways, walls = arena.ways, arena.walls
     if len(ways.corners) == 0:
         return to_x, to_y, 0.0
-    chosen, walls = memory.chosen[1 + number], arena.walls
     if is_straight(x, y, to_x, to_y, True, chosen, walls, ways):
         return to_x, to_y, length(to_x - x, to_y - y)
-    lengths = memory.food_lengths[number]
-    if length(to_x - food.lengths_x, to_y - food.lengths_y) > _MOVED:
-        find_lengths(to_x, to_y, lengths, True, walls, ways)
-        food.lengths_x, food.lengths_y = to_x, to_y
-    return next_waypoint(x, y, lengths, True, chosen, walls, ways)
+    return next_waypoint(x, y, to_x, to_y, True, chosen, walls, ways)
 
 
 def drivable(way: Way, to_x: float, to_y: float) -> Way:
@@ -109,6 +70,6 @@ def can_be_reached(x: float, y: float, arena: ArenaMap) -> bool:
     ways, walls = arena.ways, arena.walls
     if len(ways.corners) == 0:
         return True
-    return has_path(x, y, arena.home_x, arena.home_y, ways.home_lengths, False, walls, ways) and has_path(
-        x, y, arena.start_x, arena.start_y, ways.start_lengths, True, walls, ways
+    return has_path(x, y, arena.home_x, arena.home_y, False, walls, ways) and has_path(
+        x, y, arena.start_x, arena.start_y, True, walls, ways
     )
