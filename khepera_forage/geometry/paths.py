@@ -1,9 +1,10 @@
 """Shortest paths around walls: where to drive next to get to a place. Plain functions, also compiled.
 
 An arena is prepared once (`sim.ways`): the waypoints lie around the corners of walls and obstacles that point into the
-floor, with room for a robot that turns with food in its gripper. Two tables hold the lengths of the shortest paths between
-them, and which of them may be seen from each cell of a coarse grid. The functions here look up, in every round, which
-waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is straight.
+floor, with room for a robot that turns with food in its gripper. Two tables hold the lengths of the shortest paths
+between them, and which of them may be seen from each cell of a coarse grid. The functions here look up, in every round,
+which waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is
+straight.
 
 Robots count in pixels. Walls are `geometry.walls.Wall` records.
 """
