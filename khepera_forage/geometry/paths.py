@@ -22,7 +22,7 @@ _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
 _AT_LEAST = 1.0 - 1e-9
 """Share of the straight way below which no path is, whatever is rounded."""
-CELLS = 12
+CELLS = 8
 """Columns and rows of the grid of an arena."""
 KEPT = 8.0
 """Pixels (36 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
@@ -37,12 +37,14 @@ class ChosenWaypoint:
         x: Where the robot was when it chose the waypoint, pixels; infinite without one.
         y: Likewise.
         number: Of the waypoint.
+        rest: Length of the path from the waypoint to the place, pixels.
         blocked: Whether a wall, or a corner passed too closely, blocked the straight way when it was last looked at.
     """
 
     x: float = math.inf
     y: float = math.inf
     number: int = 0
+    rest: float = 0.0
     blocked: bool = False
 
 
@@ -114,7 +116,7 @@ def has_path(x: float, y: float, to_x: float, to_y: float, past_home: bool, wall
     """Whether there is a path from one place to another; arguments as for `next_waypoint`."""
     return (
         is_clear(x, y, to_x, to_y, past_home, walls, ways)
-        or _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways) >= 0
+        or _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)[0] >= 0
     )
 
 
@@ -259,24 +261,20 @@ def next_waypoint(
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
-    rest = math.inf
-    if _is_kept(x, y, past_home, chosen, walls, ways):
-        rest = _length_from(chosen.number, to_x, to_y, past_home, walls, ways)
-    if rest == math.inf:
-        number = _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)
+    if not _is_kept(x, y, past_home, chosen, walls, ways):
+        number, rest = _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)
         if number < 0:
             return x, y, math.inf
-        chosen.number = number
+        chosen.number, chosen.rest = number, rest
         # Where only the home is in the way, a robot looks for a shorter way in every round.
         if chosen.blocked:
             chosen.x, chosen.y = x, y
-        rest = _length_from(number, to_x, to_y, past_home, walls, ways)
     point = ways.waypoints[chosen.number]
-    return point.x, point.y, length(point.x - x, point.y - y) + rest
+    return point.x, point.y, length(point.x - x, point.y - y) + chosen.rest
 
 
 def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways) -> bool:
-    """Whether the waypoint last chosen may still come next; arguments as for `next_waypoint`."""
+    """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
     if length(x - chosen.x, y - chosen.y) >= KEPT:
         return False
     point = ways.waypoints[chosen.number]
@@ -287,9 +285,12 @@ def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, ways:
 
 def _choose_waypoint(
     x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways
-) -> int:
-    """Number of the next waypoint on the shortest path; -1 without a path. Arguments as for `next_waypoint`."""
-    best, found = math.inf, -1
+) -> tuple[int, float]:
+    """The next waypoint on the shortest path, -1 without a path, and the length of the path from there.
+
+    Arguments as for `next_waypoint`.
+    """
+    best, found, rest = math.inf, -1, math.inf
     count = len(ways.waypoints)
     row = _cell_of(x, y, ways) * count
     for k in range(count):
@@ -297,29 +298,37 @@ def _choose_waypoint(
             point = ways.waypoints[k]
             first = length(point.x - x, point.y - y)
             if first > _REACHED and first + _AT_LEAST * length(to_x - point.x, to_y - point.y) < best:
-                total = first + _length_from(k, to_x, to_y, past_home, walls, ways)
-                if total < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
-                    best, found = total, k
-    return found
+                beyond = _length_from(k, to_x, to_y, best - first, past_home, walls, ways)
+                if first + beyond < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
+                    best, found, rest = first + beyond, k, beyond
+    return found, rest
 
 
-def _length_from(number: int, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> float:
-    """Length of the shortest path from a waypoint to a place; infinite without. Arguments as for `next_waypoint`."""
+def _length_from(
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+) -> float:
+    """Length of the shortest path from a waypoint to a place; arguments as for `shortest_length`."""
     if not past_home:
         return float(ways.home_lengths[number])
-    return shortest_length(number, to_x, to_y, True, walls, ways)
+    return shortest_length(number, to_x, to_y, most, True, walls, ways)
 
 
-def shortest_length(number: int, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> float:
-    """Length of the shortest path from a waypoint to a place by the table of lengths; infinite without.
+def shortest_length(
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+) -> float:
+    """Length of the shortest path from a waypoint to a place by the table of lengths.
 
     Args:
         number: Of the waypoint.
         to_x: Of the place.
         to_y: Of the place.
+        most: Length at which paths are too long to matter.
         past_home: As for `is_clear`.
         walls: In pixels.
         ways: What is prepared of the arena.
+
+    Returns:
+        The length; infinite without a path, or where it is not less than `most`.
     """
     count = len(ways.waypoints)
     row, column = number * count, _cell_of(to_x, to_y, ways) * count
@@ -333,7 +342,7 @@ def shortest_length(number: int, to_x: float, to_y: float, past_home: bool, wall
                 total = ways.lengths[row + k] + length(to_x - point.x, to_y - point.y)
                 if total < best and (total > tried or (total == tried and k > last)):
                     best, found = total, k
-        if found < 0:
+        if best >= most:
             return math.inf
         point = ways.waypoints[found]
         if is_clear(point.x, point.y, to_x, to_y, past_home, walls, ways):

@@ -75,7 +75,9 @@ def ways_of(arena: Arena) -> Ways:
         (),
     )
     ways = ways._replace(seen=_seen(ways, walls).tobytes())
-    home_lengths = tuple(shortest_length(k, home_x, home_y, False, walls, ways) for k in range(len(places)))
+    home_lengths = tuple(
+        shortest_length(k, home_x, home_y, math.inf, False, walls, ways) for k in range(len(places))
+    )
     lengths = shortest_lengths(waypoints, past_home)
     lengths[:, np.hypot(*(places - (home_x, home_y)).T) < berth] = np.inf
     return ways._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)

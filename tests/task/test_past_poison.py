@@ -9,10 +9,9 @@ from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.past_poison import is_poison_about, past_poison
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import way_home
+from khepera_forage.task.way_finding import is_poison_about, past_poison, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CORNERS = (Point(0, 0), Point(1000, 0), Point(1000, 600), Point(0, 600))
