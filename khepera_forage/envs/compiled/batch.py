@@ -61,7 +61,7 @@ class CompiledBatch:
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         decisions: Decisions | None = None,
     ) -> None:

@@ -145,7 +145,7 @@ class Recalls:
         *,
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         wheel_speed: float = 1.0,
         decisions: Decisions | None = None,

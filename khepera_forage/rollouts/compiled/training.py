@@ -86,7 +86,7 @@ def train_learners(
     arena: Arena | str = "corridor",
     seed: int = 0,
     *,
-    noise: Noise | str | None = None,
+    noise: Noise | str | None = "laboratory",
     food_types: FoodOdds = None,
     max_cycles: int = 600,
     patience: int | None = None,
