@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
+
+FRAME_SHAPE = (480, 640)
 
 if TYPE_CHECKING:
     import cv2
