@@ -193,7 +193,7 @@ class FloorTags:
         self._next = 0
 
     def check(self, grey: Frame) -> dict[str, str]:
-        """A warning if the tags have moved; a few of them are searched in every frame, and all when these have moved."""
+        """A warning if the tags have moved; each frame searches a few, and all if these have moved."""
         tags = sorted(self._calibration.tags)
         chosen = [tags[(self._next + i) % len(tags)] for i in range(min(_ROUND, len(tags)))]
         self._next += len(chosen)

@@ -37,7 +37,7 @@ TROUBLES = {
     "cables": "cables hide the holes of the marker at {place}: lead them elsewhere",
     "holes": "the holes of the marker at {place} are those of no marker in use, or a reflection hides some",
     "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
-    "bright food": "the bright spot at {place} is brighter than the white of the markers: it is no food, but a reflection",
+    "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
 }
 """What makes a shape uncertain, with its remedy."""
 
