@@ -110,6 +110,16 @@ class Prior:
             _check_range(name, part, 0.0, math.inf)
 
     @property
+    def text(self) -> str:
+        """Everything that draws depend on."""
+        parts = {**self.decisions, **self.noise}
+        values = {
+            name: part[:2] if isinstance(part, Range) else list(part.of.items())
+            for name, part in parts.items()
+        }
+        return json.dumps(values)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The fields that are drawn, decisions first."""
         return (*self.decisions, *self.noise)
@@ -187,13 +197,15 @@ def _whole_counts(values: Mapping[str, Any]) -> dict[str, Any]:
 PRIOR = Prior(
     decisions={
         "round_duration": Range(
-            0.1,
+            0.08,
             0.4,
             "a robot's six exchanges are about 120 bytes: 0.14 s at 9600 baud, 0.03 s at 38400, for two robots one "
             "after the other (4.5); a frame takes 0.02 to 0.04 s",
         ),
-        "arm_travel_time": Range(0.1, 1.0, "WART 0.1 s, KNET and Webots wait 1 s"),
-        "jaw_travel_time": Range(0.1, 0.6, "WART 0.1 s, KNET waits 0.6 s"),
+        "arm_travel_time": Range(
+            0.1, 1.0, "WART 0.1 s, KNET and Webots wait 1 s; less than a round is like a round"
+        ),
+        "jaw_travel_time": Range(0.1, 2.0, "WART 0.1 s, KNET waits 0.6 s, Webots 2 s"),
         "start_to_wall": Range(60, 150, "a robot with its raised gripper at one end of the corridor"),
         "food_to_home": Range(120, 300, "outside the home, and before the start, in a corridor of 650 mm"),
         "home_to_wall": Range(50, 150, "a home at the other end, whole within the corridor"),
@@ -209,7 +221,9 @@ PRIOR = Prior(
             "unseen",
             "unseen until the arm is down",
         ),
-        "redetection_time": Range(0, 5, "from every frame to a person who starts the redetection"),
+        "redetection_time": Range(
+            0, 5, "0 is at once, in every frame, to a person who starts the redetection"
+        ),
         "no_food_distance": _equal("not said", "diagonal of the arena", "last one known"),
         "held_food": _equal(
             "not said",
@@ -230,7 +244,11 @@ PRIOR = Prior(
         "quick_turn_speed": Range(5, 12, "a turn of 9 to 21 degrees in 0.1 s"),
         "search_without_food": _equal("4.2: SEARCH FOR FOOD, no more", "small circle", "wander"),
         "beside_food": _equal("not said", "back off", "turn away", "drive on"),
-        "back_off_distance": Range(10, 16, "from food that touches the body, to the reach of the infra-reds"),
+        "back_off_distance": Range(
+            10,
+            19,
+            "from food that touches the body, to the reach of the infra-reds: 50 mm between body and food",
+        ),
         "orienting": _equal("3.7 names arm, jaw and barrier", "lowered before food", "lowered over food"),
         "arm_after_orienting": _equal("not said", "raised", "as it is"),
         "aimed": Range(2, 10, "orientations are whole degrees; open fingers leave 10 mm on either side"),
@@ -238,7 +256,7 @@ PRIOR = Prior(
         "missed_distance": Range(8, 11, "food that touches the body, to food beyond the barrier"),
         "release_depth": Range(3, 10, "inside the home, so that jitter does not undo it"),
         "rounds_after_training": Range(
-            0, 50, "an operator who sees that both are done, and stops two robots"
+            0, 50, "never before the end; an operator who sees that both are done, and stops two robots"
         ),
         "distance_arithmetic": Shares(
             {"32-bit floats": 0.5, "64-bit floats": 0.25, "exact": 0.25},
