@@ -82,5 +82,4 @@ def test_predictions_weigh_experiments() -> None:
     experiments[:2, 1] = [1.0, 3.0]
     predictions = Predictions("p", experiments, np.array([0.0, 1.0, 3.0]))
     assert predictions.interval(0) == (30.0, 20.0, 30.0)
-    assert predictions.means([0, 1]).tolist() == [27.5, 3.0]
     assert np.isnan(predictions.interval(2)).all()

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -178,7 +179,7 @@ def test_joint_table_takes_results_together(results: list[CellResult]) -> None:
         for r in results
     ]
     steps = [recall(replication=k, steps=steps, correct=90) for k, steps in enumerate((200, 100, 150))]
-    rows = {row[0]: row[1:] for row in joint_table(many, [*steps, failed()]).rows}
+    rows: dict[Any, Any] = {row[0]: row[1:] for row in joint_table(many, [*steps, failed()]).rows}
     thesis, ours, percentile, tail = rows["mean score, rectangle (%)"]
     assert (thesis, ours) == pytest.approx((40.0, 50.0), abs=1)
     assert 0 < percentile < 6

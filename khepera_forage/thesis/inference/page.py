@@ -16,8 +16,7 @@ from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_f
 from khepera_forage.noise import Noise
 from khepera_forage.study import Arguments, Page, Picture
 from khepera_forage.task.decisions import FIELDS, Decisions
-from khepera_forage.thesis.design import ARENAS
-from khepera_forage.thesis.inference.claims import claim_tables, measured
+from khepera_forage.thesis.inference.claims import claim_table, measured
 from khepera_forage.thesis.inference.posterior import (
     CLASSES,
     Determined,
@@ -37,7 +36,6 @@ from khepera_forage.thesis.inference.summary import (
     ALL,
     FITTED,
     NAMES,
-    SLOPES,
     fitted_columns,
     thesis_statistics,
 )
@@ -79,13 +77,6 @@ class Predictions(NamedTuple):
             return Estimate(np.nan, np.nan, np.nan)
         return Estimate(*quantiles(values[known], self.weights[known], CENTRAL))
 
-    def means(self, columns: list[int]) -> Floats:
-        """Means of some statistics over the experiments that have them."""
-        values = self.experiments[:, columns]
-        known = np.isfinite(values)
-        weights = self.weights[:, None] * known
-        return np.asarray((weights * np.where(known, values, 0.0)).sum(axis=0) / weights.sum(axis=0))
-
 
 def page(given: Arguments, drawn: Drawn) -> Page:
     """All tables of a full run, and pictures of the posterior and of its validation."""
@@ -111,10 +102,9 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         _prior(),
         _reasons([row.reason or "admissible" for row in drawn.rows]),
         *posterior_parts(posterior, sets, given.quick),
-        _fit([*single, inferred]),
         _cells([*single, inferred]),
-        *_test_set(inferred, drawn.statistics, posterior.weights, single),
-        *claim_tables(*measured(given, drawn.laboratories, posterior.weights)),
+        _test_set(inferred, drawn.statistics, posterior.weights),
+        claim_table(*measured(given, drawn.laboratories, posterior.weights)),
         _questions(found),
     ]
     return Page("Which readings of the thesis do its own tables support?", parts)
@@ -364,37 +354,6 @@ def _marginals(posterior: Posterior) -> "Figure":
     return figure
 
 
-def _fit(predictions: Sequence[Predictions]) -> Table:
-    """How near each is to the thesis, in a few numbers."""
-    values = thesis_statistics()
-    inside = []
-    for one in predictions:
-        intervals = [one.interval(k) for k in MEANS]
-        inside.append(sum(i.low <= values[k] <= i.high for i, k in zip(intervals, MEANS, strict=True)))
-    rows: list[tuple[Value, ...]] = [
-        (f"means of the thesis within the central 95 %, of {len(MEANS)}", *inside)
-    ]
-    for statistic, words in (("score", "scores (points)"), ("food", "food (share)")):
-        columns = [k for k in MEANS if NAMES[k].endswith(f" {statistic}")]
-        off = [float(np.sqrt(np.mean((one.means(columns) - values[columns]) ** 2))) for one in predictions]
-        rows.append((f"root mean square difference of {words}", *off))
-    for arena in ARENAS:
-        columns = [
-            k for k, name in enumerate(NAMES) if name.startswith(arena) and name.endswith("right_failed")
-        ]
-        shares = [float(one.means(columns).mean()) for one in predictions]
-        rows.append((f"right steps of failed recalls (%), {arena}", *shares))
-    for k, name in enumerate(SLOPES, len(NAMES)):
-        rows.append((name, *(float(one.means([k])[0]) for one in predictions)))
-    return Table(
-        "fit",
-        "How near to the thesis",
-        "Means over experiments of the thesis's size.",
-        (Column("measure"), *(Column(one.name, 2) for one in predictions)),
-        rows,
-    )
-
-
 def _cells(predictions: Sequence[Predictions]) -> Table:
     thesis = thesis_statistics()
     rows = []
@@ -450,69 +409,41 @@ def predicted(statistics: Floats) -> NDArray[np.bool_]:
     return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= 1.96 * deviation))
 
 
-def _test_set(
-    inferred: Predictions, statistics: NDArray[np.float32], weights: Floats, single: Sequence[Predictions]
-) -> list[Table]:
-    """What is predicted of the rectangle's tables, which were never fitted: by statistic, and by set."""
-    columns, thesis = tested_columns(), thesis_statistics()
-    hits = predicted(statistics.astype(np.float64))[:, columns]
-    by_statistic: list[tuple[Value, ...]] = []
-    for place, k in enumerate(columns):
+def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: Floats) -> Table:
+    """What is predicted of the rectangle's tables, which were never fitted."""
+    thesis = thesis_statistics()
+    hits = predicted(statistics.astype(np.float64))
+    rows = []
+    for k in tested_columns():
         interval = inferred.interval(k)
-        by_statistic.append(
+        rows.append(
             (
                 ALL[k],
                 float(thesis[k]),
                 interval,
                 rank(inferred.experiments[:, k], inferred.weights, float(thesis[k])),
                 "yes" if interval.low <= thesis[k] <= interval.high else "no",
-                100 * float(weights @ hits[:, place]),
-                100 * float(hits[:, place].mean()),
+                100 * float(weights @ hits[:, k]),
+                100 * float(hits[:, k].mean()),
             )
         )
-    counts = hits.sum(axis=1).astype(np.float64)
-    own = {one.name: int(predicted(one.experiments[None])[0, columns].sum()) for one in single}
-    least = (next(iter(own.values())), len(columns) - 1)
-    by_set: list[tuple[Value, ...]] = []
-    for name, share in (
-        ("posterior", weights),
-        ("admissible, at random", np.full(len(counts), 1 / len(counts))),
-    ):
-        middle = Estimate(*quantiles(counts, share, CENTRAL))
-        by_set.append((name, middle, *(100 * float(share @ (counts >= number)) for number in least)))
-    by_set += [(name, Estimate(count, np.nan, np.nan), np.nan, np.nan) for name, count in own.items()]
-    return [
-        Table(
-            "test_set",
-            "Statistics of the rectangle",
-            "The posterior's median and, in brackets, its central 95 % for experiments of the thesis's size; the "
-            "percentile of the thesis, and whether it lies in that interval. The last columns take sets one by one: "
-            "the share whose own experiments include the thesis's value in their central 95 %.",
-            (
-                Column("statistic"),
-                Column("thesis", 2),
-                Column("posterior", 2, estimate=True),
-                Column("percentile", 0),
-                Column("predicted"),
-                Column("posterior sets (%)", 0),
-                Column("admissible sets (%)", 0),
-            ),
-            by_statistic,
+    return Table(
+        "test_set",
+        "Statistics of the rectangle",
+        "The posterior's median and, in brackets, its central 95 % for experiments of the thesis's size; the "
+        "percentile of the thesis, and whether it lies in that interval. The last columns take sets one by one: "
+        "the share whose own experiments include the thesis's value in their central 95 %.",
+        (
+            Column("statistic"),
+            Column("thesis", 2),
+            Column("posterior", 2, estimate=True),
+            Column("percentile", 0),
+            Column("predicted"),
+            Column("posterior sets (%)", 0),
+            Column("admissible sets (%)", 0),
         ),
-        Table(
-            "test_counts",
-            "How many of them a set predicts",
-            f"Of {len(columns)} statistics: median and, in brackets, the central 95 % over sets, and the share of sets "
-            "that predict at least as many as version 0.1 does, or all but one.",
-            (
-                Column("sets"),
-                Column("predicted", 0, estimate=True),
-                Column("as many as version 0.1 (%)", 0),
-                Column("all but one (%)", 0),
-            ),
-            by_set,
-        ),
-    ]
+        rows,
+    )
 
 
 class Explained(NamedTuple):

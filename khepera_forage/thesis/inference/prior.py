@@ -5,9 +5,8 @@ prior was written, or the laboratory's of `Noise`.
 """
 
 import json
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 from numpy.random import Generator
@@ -15,7 +14,7 @@ from numpy.random import Generator
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.decisions import FIELDS, Decisions, Field
+from khepera_forage.task.decisions import FIELDS, Decisions
 
 _TRIES = 10_000
 """Draws after which no laboratory satisfies the rules that connect decisions."""
@@ -87,27 +86,10 @@ class Prior:
     Attributes:
         decisions: By the name of a field of `Decisions`.
         noise: By the name of a field of `Noise`; ranges only.
-
-    Raises:
-        ValueError: An unknown field, an empty range, a range beyond what the field allows, or shares that are no
-            probabilities of its readings.
     """
 
     decisions: Mapping[str, Range | Shares]
     noise: Mapping[str, Range]
-
-    def __post_init__(self) -> None:
-        sizes = {field.name for field in fields(Noise)}
-        for name in (*self.decisions, *self.noise):
-            if name not in FIELDS and name not in sizes:
-                raise ValueError(f"prior of {name!r}; allowed: fields of Decisions or Noise")
-        for name, part in self.decisions.items():
-            if isinstance(part, Shares):
-                _check_shares(FIELDS[name], part)
-            else:
-                _check_range(name, part, FIELDS[name].least, FIELDS[name].most)
-        for name, part in self.noise.items():
-            _check_range(name, part, 0.0, math.inf)
 
     @property
     def text(self) -> str:
@@ -160,25 +142,6 @@ def possible_decisions(values: Mapping[str, Any]) -> Decisions:
     if decisions.slow_speed > decisions.search_speed:
         raise ValueError(f"slow_speed is {decisions.slow_speed}; allowed: at most search_speed")
     return decisions
-
-
-def _check_range(name: str, part: Range, least: float, most: float) -> None:
-    if not least <= part.least <= part.most <= most:
-        raise ValueError(
-            f"prior of {name} is {part.least:g} to {part.most:g}; allowed: from small to large, {least:g} to {most:g}"
-        )
-
-
-def _check_shares(field: Field, part: Shares) -> None:
-    allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
-    if (
-        not set(part.of) <= allowed
-        or not math.isclose(sum(part.of.values()), 1.0)
-        or min(part.of.values()) < 0
-    ):
-        raise ValueError(
-            f"prior of {field.name} is {dict(part.of)}; allowed: probabilities of {field.allowed}, 1 together"
-        )
 
 
 def draw_value(part: Range | Shares, rng: Generator) -> Any:
