@@ -1,6 +1,5 @@
 """Sets of decisions from the prior, and the thesis's design replicated under each: what its tables would say."""
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from joblib import effective_n_jobs
 from numpy.typing import NDArray
-from tqdm import tqdm
 
+from khepera_forage.option_values import progress
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.study import Arguments, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
@@ -126,7 +125,7 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
     size = QUICK_CHUNK if given.quick else CHUNK
     rows: list[SetRow] = []
     found = number = 0
-    with tqdm(total=wanted, desc="admissible sets", disable=not sys.stderr.isatty()) as bar:
+    with progress(total=wanted, desc="admissible sets") as bar:
         while found < wanted:
             coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
             missing = [k for k in coming if str(k) not in store.finished]
