@@ -21,7 +21,8 @@ DESCRIPTION = """How well each learner forages, and how much experience that too
 Imitators, learners that query the teacher, and reinforcement learning, each tested after growing amounts of learning.
 A learner of your own joins them with --learner package.module:name, or for good as an entry point of its package (see
 khepera_forage.policies.register_learner). The comparison of all learners takes hours; that of one imitator takes
-minutes, and --against published shows the published results beside it. --quick is a smoke test. A run that was killed continues."""
+minutes, and --against published shows the published results beside it. --quick is a smoke test. A run that was killed
+continues."""
 EPILOG = """example: khepera-forage compare --learner my_module:make_forest --against published"""
 
 
