@@ -4,12 +4,10 @@ import argparse
 import os
 import re
 import shutil
-import sys
 from collections.abc import Set
 from contextlib import closing
 
 import numpy as np
-from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_allow_other_decisions_argument,
@@ -28,7 +26,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
-from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
@@ -157,7 +155,7 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
 def _recorded(arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions) -> list[Experience]:
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
     with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
-        return [train(env, seed)[0] for seed in tqdm(seeds, unit="episode", disable=not sys.stderr.isatty())]
+        return [train(env, seed)[0] for seed in progress(seeds, unit="episode")]
 
 
 def _command(arguments: argparse.Namespace, name: str) -> str:
