@@ -8,6 +8,7 @@ EXTRAS = {
     "render": ("pygame", "PIL"),
     "plots": ("matplotlib",),
     "robots": ("serial",),
+    "toio": ("toio",),
     "camera": ("cv2",),
     "fast": ("numba",),
     "baselines": ("stable_baselines3",),
