@@ -4,6 +4,7 @@ Everything that a result depends on is in this module and in `teachers`: tracks,
 does not change; another protocol gets another name. `docs/protocol.md` describes it.
 """
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -66,7 +67,7 @@ TAUGHT = ("imitator", "boosting", "cloning")
 """Learners for which a teacher searches."""
 DEMONSTRATIONS, SEARCHES, TESTS = 5, 5, 10
 """In a set that is searched for; searches for each learner; trainings with each set found."""
-BUDGETS = {"imitator": Budget(40, 20, 8, 80)}
+BUDGETS = {"imitator": Budget(24, 20, 16, 160)}
 _BUDGET = Budget(16, 6, 2, 40)
 """Of the other learners, which take a hundred times as long to learn and forage."""
 TRAINED, ALONE = "training episodes", "the teacher alone"
@@ -271,7 +272,7 @@ class Learning(NamedTuple):
         seeds, own = self._seeds(number), _seed(self.seed, 4, number)
         match self.learner:
             case FromVectors():
-                training = self._training(number)
+                training = self.training(number)
                 return len(training.vectors), recalls_after(
                     self.learner, training, seeds, own % 2**31, DIAGONAL
                 )
@@ -304,7 +305,8 @@ class Learning(NamedTuple):
                 found[own] = drawing.generate_state(each).tolist()
         return found
 
-    def _training(self, number: int) -> Training:
+    def training(self, number: int) -> Training:
+        """The experience of a replication, or of a training with given demonstrations."""
         key = _seed(self.seed, 2, number)
         if self.marks:
             return demonstrate(np.array(self.marks).reshape(-1, PLACES), key)[0]
@@ -390,8 +392,12 @@ def wheels_learner(
     if name == "trees":
         learner: Any = ExtraTreesRegressor(10, min_samples_leaf=2, random_state=seed)
     else:
-        learner = MLPRegressor(hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=300, random_state=seed)
-    learner.fit(rows, motors)
+        learner = MLPRegressor(
+            hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=300, random_state=seed
+        )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of an end before convergence: the budget is part of the protocol
+        learner.fit(rows, motors)
     return lambda rows: np.clip(learner.predict(rows), -1.0, 1.0)
 
 
@@ -420,12 +426,12 @@ def _seed(seed: int, *purpose: int) -> int:
     return int(np.random.SeedSequence(seed, spawn_key=purpose).generate_state(1)[0])
 
 
-def searches(learners: Mapping[str, Compared], seed: int, quick: bool) -> list[Searching]:
-    """The searches for demonstrations, search by search."""
+def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Searching]:
+    """The searches for demonstrations, one for every ten replications of the track; arguments as for `plan`."""
     small = Budget(4, 2, 1, 4)
     return [
         Searching(seed, name, number, small if quick else BUDGETS.get(name, _BUDGET))
-        for number in range(1 if quick else SEARCHES)
+        for number in range(min(SEARCHES, -(-most // TESTS)) if not quick else 1)
         for name in TAUGHT
         if name in learners
     ]

@@ -64,7 +64,7 @@ def run(given: Arguments, learners: Mapping[str, Compared]) -> int:
         found = Rows(())
         if TEACHING in chosen:
             tables = {Demonstrations: "demonstrations"}
-            units = searches(able, given.seed, given.quick)
+            units = searches(able, given.seed, given.quick, most)
             found = collect(given, units, tables, workers.execute, settings, file=FOUND)
         tests = [
             unit
@@ -132,7 +132,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
         ):
             share = _mean(pick(rows, learner=learner, condition=condition, amount=amount), seed)
             usual = _mean(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
-            gap = Estimate(*(100 * (value - usual) / (100 - usual) for value in share))
+            gap = Estimate(*(100 * (value - usual) / max(100 - usual, 1e-9) for value in share))
             lines.append((learner, condition, plain(usual), share, gap))
     columns = (
         Column("learner"),
