@@ -20,6 +20,7 @@ from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.task.decisions import Decisions
 
 Observation = dict[str, NDArray[Any]]
@@ -47,6 +48,7 @@ class RecallVectorEnv(VectorEnv):
         render_mode: None, or "rgb_array": `render` then returns pictures.
         decisions: As for the single environment.
         backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
+        robot: As for the single environment.
 
     Raises:
         ValueError: An argument out of range.
@@ -66,12 +68,13 @@ class RecallVectorEnv(VectorEnv):
         render_mode: str | None = None,
         decisions: Decisions | None = None,
         backend: str = COMPILED,
+        robot: str = KHEPERA.name,
     ) -> None:
         check_compiled(backend)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is {render_mode!r}; allowed for a batch: None, 'rgb_array'")
         self.num_envs = whole_number("num_envs", num_envs, 1)
-        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions)
+        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions, robot)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         duration = self.batch.decisions.round_duration
         self.metadata = {
