@@ -146,7 +146,7 @@ def as_policy(learner: Any) -> Policy:
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
-            _check_classifier(learner)
+            check_classifier(learner)
             return ClassifierPolicy(copy.deepcopy(learner), remember=True)
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
@@ -157,13 +157,17 @@ def as_policy(learner: Any) -> Policy:
     )
 
 
-def _check_classifier(learner: Any) -> None:
-    """Check that a classifier says what its columns of probabilities are, and knows state vectors.
+def check_classifier(learner: Any) -> None:
+    """Check that a fitted classifier has probabilities, says what their columns are, and knows state vectors.
 
     Raises:
         ValueError: It does not.
     """
     kind = type(learner).__name__
+    if not callable(getattr(learner, "predict_proba", None)):
+        raise ValueError(
+            f"{kind} has no predict_proba; allowed: a classifier that gives each behaviour a probability"
+        )
     if not hasattr(learner, "classes_"):
         raise ValueError(
             f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "

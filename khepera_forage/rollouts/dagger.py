@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
-from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies.adapters import ClassifierPolicy, check_classifier
 from khepera_forage.policies.teacher import completed
 from khepera_forage.task.states import StateVector
 
@@ -118,4 +118,7 @@ def dagger(
 def _fitted(
     make: Callable[[], Any], vectors: list[StateVector], behaviours: list[int], sample: bool
 ) -> Policy:
-    return ClassifierPolicy(make().fit(np.array(vectors), np.array(behaviours)), sample, remember=True)
+    classifier = make()
+    classifier.fit(np.array(vectors), np.array(behaviours))
+    check_classifier(classifier)
+    return ClassifierPolicy(classifier, sample, remember=True)

@@ -186,7 +186,7 @@ class Recalls:
             count,
             *(arenas.blocks, places, self._settings, memories),
             *(keys, policies, *given_records(None, None, foods), outcomes, food_places, collected, free),
-            scratch=lambda: (new_worlds(1, foods, arenas.waypoints), np.zeros(1, _policy_dtype)),
+            scratch=lambda: (new_worlds(1, foods), np.zeros(1, _policy_dtype)),
             least=_LEAST,
         )
         if not free[0]:
