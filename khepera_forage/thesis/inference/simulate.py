@@ -5,7 +5,6 @@ at, no learner. Under each admissible set the thesis's whole design is replicate
 """
 
 import math
-import sys
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,10 +17,10 @@ import numpy as np
 from joblib import effective_n_jobs
 from numpy.random import Generator
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.files import replacing
+from khepera_forage.option_values import progress
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, Episodes, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
@@ -340,7 +339,7 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
     size = QUICK_CHUNK if given.quick else CHUNK
     rows: list[SetRow] = []
     found = number = 0
-    with tqdm(total=wanted, desc="admissible sets", disable=not sys.stderr.isatty()) as bar:
+    with progress(total=wanted, desc="admissible sets") as bar:
         while found < wanted:
             coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
             missing = [k for k in coming if str(k) not in store.finished]
