@@ -15,7 +15,7 @@ from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
-from khepera_forage.policies.tree import tree
+from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import train
