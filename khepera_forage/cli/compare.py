@@ -22,7 +22,8 @@ DESCRIPTION = """How well each learner forages, and how much experience that too
 Imitators, learners that query the teacher, and reinforcement learning, each tested after growing amounts of learning.
 A learner of your own joins them with --learner package.module:name, or for good as an entry point of its package (see
 khepera_forage.policies.register_learner). The comparison of all learners takes hours; that of one imitator takes
-minutes, and --against published shows the published results beside it. A run that was killed continues."""
+minutes, and --against published shows the published results beside it. --quick is a smoke test. A run that was killed
+continues."""
 EPILOG = """example: khepera-forage compare --learner my_module:make_forest --against published"""
 
 
@@ -35,7 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action="store_true", help="list the learners that are known here, and end")
     text = "one learner of --list; may be given several times (all)"
     parser.add_argument("--only", action="append", metavar="NAME", help=text)
-    text = "a learner of your own, package.module:name of what makes a classifier; beside those of --only, if any"
+    text = (
+        "a learner of your own, package.module:name of what makes a classifier; beside those of --only (teacher and "
+        "imitator)"
+    )
     parser.add_argument("--learner", action="append", metavar="PLACE", help=text)
     text = "a results.json to show beside this run's results, or 'published' for those of the package"
     parser.add_argument("--against", metavar="FILE", help=text)

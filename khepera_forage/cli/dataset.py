@@ -4,13 +4,11 @@ import argparse
 import os
 import re
 import shutil
-import sys
 from collections.abc import Mapping, Sequence, Set
 from contextlib import closing
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_allow_other_decisions_argument,
@@ -29,7 +27,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
-from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena
@@ -231,7 +229,7 @@ def _recorded(
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
     with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
         recorder, found = LearnerRecorder(env), []
-        for seed in tqdm(seeds, unit="episode", disable=not sys.stderr.isatty()):
+        for seed in progress(seeds, unit="episode"):
             experience, _ = train(env, seed, teacher=recorder, callback=recorder)
             found.append((experience, recorder.episode()))
         return found
