@@ -61,11 +61,11 @@ def run(given: Arguments, learners: Mapping[str, Compared]) -> int:
     concerned |= {
         name for name, one in learners.items() if name not in LEARNERS and isinstance(one, FromVectors)
     }
-    for name in learners if given.only or given.learner else ():
+    for name in learners.keys() - REFERENCES.keys() if given.only or given.learner else ():
         if name not in concerned:
             raise ValueError(
-                f"--only or --learner is {name!r}; allowed on these tracks: {', '.join(sorted(concerned))}, and learners "
-                "of your own from experience vectors"
+                f"--only or --learner is {name!r}; allowed on these tracks: {', '.join(sorted(concerned))}, and your "
+                "own ones from experience vectors"
             )
     missing = {name: why for name, one in learners.items() if name in concerned and (why := unable(one))}
     for name, why in missing.items():
