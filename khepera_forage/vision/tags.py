@@ -20,6 +20,8 @@ DICTIONARY = "DICT_4X4_50"
 """Of `cv2.aruco`: 4 x 4 cells within a black border of one cell, ids 0 to 49."""
 CELLS = 6
 """Cells across a tag, with its border."""
+_SIDES = (60.0, 30.0, 15.0)
+"""Sides in pixels of floor tags that are searched before the picture is calibrated."""
 FLOOR_SIZE = 100.0
 """Side in mm of a tag on the floor."""
 _LEAST_PIXELS = 13.0
@@ -120,8 +122,8 @@ class TagDetector:
                 continue
             if size * scale < _LEAST_PIXELS:
                 raise ValueError(
-                    f"tags of {size:g} mm are {size * scale:.0f} pixels wide in the camera's picture; allowed: at least "
-                    f"{_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: print larger tags, or use a "
+                    f"tags of {size:g} mm are {size * scale:.0f} pixels wide in the picture; allowed: at least "
+                    f"{_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: use larger tags, or a "
                     "higher resolution"
                 )
             self._finders.append((TagFinder(ids, size * scale), ids, _closing_kernel(size, scale)))
@@ -241,6 +243,22 @@ class FloorTags:
         x, y = self._calibration.to_region(u, v)
         there = self._calibration.to_region(*self._calibration.tags[tag])
         return MM_PER_PIXEL * math.dist((x, y), there)
+
+
+def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
+    """Corners of the tags on the floor, of any size in the picture.
+
+    Raises:
+        ValueError: A tag is seen twice.
+    """
+    found: dict[int, Corners] = {}
+    for side in _SIDES:
+        seen = TagFinder(ids, side).find(grey)
+        for tag, corners in seen:
+            if sum(other == tag for other, _ in seen) > 1:
+                raise ValueError(f"tag {tag} is seen twice; allowed: each id once on the floor")
+            found.setdefault(tag, corners)
+    return found
 
 
 def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:

@@ -21,7 +21,7 @@ _LEAST_SCALE = 0.55
 """Pixels of a frame per region pixel below which markers with holes cannot be read."""
 
 _AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
-"""Radii of food at which it is looked for floor, the share of the floor's brightness below which a place is dark, and the
+"""Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
 _CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
 

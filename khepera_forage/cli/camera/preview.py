@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.cli.camera.markers import ids
 from khepera_forage.cli.camera.source import VIRTUAL, add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 if TYPE_CHECKING:
     from khepera_forage.vision.tracker import Tracker
@@ -35,6 +35,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calibration", type=given_path, metavar="FILE", help="calibration file, from `calibrate`"
     )
+    parser.add_argument(
+        "--markers", choices=("holes", "grid", "tags"), default="holes", help="what robots carry (holes)"
+    )
+    parser.add_argument(
+        "--numbers",
+        type=ids,
+        metavar="NUMBERS",
+        help="markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)",
+    )
+    parser.add_argument("--food-tags", type=ids, default=(), metavar="IDS", help="tags on food (none)")
     parser.add_argument(
         "--frames",
         type=whole_number(1),
@@ -61,14 +71,19 @@ def run(arguments: argparse.Namespace) -> int:
     if out is not None and out.suffix.lower() not in FORMATS:
         raise ValueError(f"--out is {str(out)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
     frames = _FILM_FRAMES if arguments.frames is None and out is not None else arguments.frames
-    source = open_source(arguments, paced=out is None)
-
     from khepera_forage.vision.calibration import Calibration
     from khepera_forage.vision.tracker import Tracker
+    from khepera_forage.vision.tracker_settings import TrackerSettings
 
+    calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
+    settings = TrackerSettings(
+        markers=arguments.markers,
+        numbers=arguments.numbers or _numbers(arguments.markers),
+        food_tags=arguments.food_tags,
+    )
+    source = open_source(arguments, out is None, None if calibration is None else calibration.size)
     try:
-        calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
-        preview = _Preview(source, Tracker(calibration=calibration), frames)
+        preview = _Preview(source, Tracker(settings, calibration), frames)
         if out is not None:
             _save(preview, out, arguments.source == VIRTUAL)
         else:
@@ -110,16 +125,27 @@ class _Preview:
                 print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
                 quality = measure_quality(frame)
                 print(f"picture: {quality.described(tracker.settings)}")
-                for text in quality.warnings(tracker.settings).values():
+                for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
                     print(f"warning: {text}")
                 printed, since_print = now, 0
         self.rate = seen / max(time.monotonic() - began, 1e-9)
 
 
+def _numbers(markers: str) -> tuple[int, ...]:
+    """The numbers in use, if none are given."""
+    return {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}[markers]
+
+
 def _show(preview: _Preview) -> None:
-    window = PictureWindow.open("khepera-forage camera", int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+    window: PictureWindow | None = None
+    opened = False
     try:
         for picture in preview:
+            if not opened:
+                window, opened = (
+                    PictureWindow.open("khepera-forage camera", picture.shape[1], picture.shape[0]),
+                    True,
+                )
             if window is not None:
                 window.show(picture)
                 if window.closed:
