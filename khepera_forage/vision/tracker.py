@@ -166,13 +166,18 @@ class Tracker:
             )
         return grey
 
-    def _segmented(self, grey: Frame) -> Segmentation:
+    def reduced(self, frame: Frame) -> Frame:
+        """The frame as grey levels of about 5 mm a pixel; errors as for `detect`."""
         import cv2
 
+        grey = self._checked(frame)
         if self._size != self.calibration.size:
             reduced = self._size[0] < self.calibration.size[0]
             grey = cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA if reduced else cv2.INTER_CUBIC)  # type: ignore[assignment]
-        return self._segmenter.segment(grey)
+        return grey
+
+    def _segmented(self, grey: Frame) -> Segmentation:
+        return self._segmenter.segment(self.reduced(grey))
 
     def _detect(self, grey: Frame, segmentation: Segmentation) -> list[Detection]:
         self._warnings = {}

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     grid: Sequence[int] = arguments.grid
     numbers = TrackerSettings(markers="grid", numbers=tuple(grid)).numbers if grid else (1, 2)
     path = save_pages(arguments.out, marker_pages(numbers, bool(grid)))
-    print(f"{path}: {len(numbers)} markers on A4; print at 100 %")
+    print(f"{path}: {len(numbers)} markers on A4; print it at 100 %")
     return 0
 
 

@@ -123,7 +123,7 @@ class _Preview:
             if now - printed >= 1 or seen == self._frames:
                 rate = since_print / max(now - printed, 1e-9)
                 print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
-                quality = measure_quality(frame)
+                quality = measure_quality(tracker.reduced(frame))
                 print(f"picture: {quality.described(tracker.settings)}")
                 for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
                     print(f"warning: {text}")
