@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.shapes import GRID_HOLES
+from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
 from khepera_forage.vision.tags import DICTIONARY
 
 Pose = tuple[float, float, float]
@@ -25,13 +25,14 @@ def tag_sheet(tag: int, side: float) -> Picture:
     return np.pad(np.where(sheet > 0, 225, 25).astype(np.uint8), cell, constant_values=225)
 
 
-def grid_sheet(number: int) -> Picture:
-    """A marker of the table of twelve, its front upwards."""
+def grid_sheet(number: int, thesis: bool = False) -> Picture:
+    """A marker of the table of twelve, or one of the thesis's two, its front upwards."""
+    holes, side = (MARKER_HOLES[number], HOLE_SIDE) if thesis else (GRID_HOLES[number], GRID_SIDE)
     sheet = np.full((136 * _PER_MM, 96 * _PER_MM), 25, np.uint8)
     sheet[8 * _PER_MM : -8 * _PER_MM, 8 * _PER_MM : -8 * _PER_MM] = 225
-    for x, y in GRID_HOLES[number]:
+    for x, y in holes:
         row, column = round((68 - x) * _PER_MM), round((48 - y) * _PER_MM)
-        half = 8 * _PER_MM
+        half = round(side / 2 * _PER_MM)
         sheet[row - half : row + half, column - half : column + half] = 25
     return sheet
 
