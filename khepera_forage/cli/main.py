@@ -1,5 +1,7 @@
 """The `khepera-forage` command."""
 
+import io
+import os
 import sys
 from collections.abc import Sequence
 
@@ -7,6 +9,7 @@ from khepera_forage import __version__
 from khepera_forage.cli import compare, dataset, decisions, infer, recall, reproduce, train, watch
 from khepera_forage.cli.arena import command as arena
 from khepera_forage.cli.camera import command as camera
+from khepera_forage.cli.lab import command as lab
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 from khepera_forage.cli.teach import command as teach
@@ -56,13 +59,18 @@ SUBCOMMANDS = (
         infer.add_arguments,
         infer.run,
     ),
-    Subcommand("robot", "test a real Khepera, or start a virtual one", robot.add_arguments),
+    Subcommand("lab", "set up a laboratory with real robots, and check it", lab.add_arguments),
+    Subcommand("robot", "test a real robot, or start a virtual one", robot.add_arguments),
     Subcommand(
         "camera",
         "calibrate the overhead camera, show its picture, or print the markers",
         camera.add_arguments,
     ),
 )
+
+
+CLOSED_PIPE = 141
+"""Exit status when nobody reads the output any more: that of other programs, 128 + SIGPIPE."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -72,8 +80,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments; those of the process by default.
 
     Returns:
-        Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt.
+        Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt, 141 for a closed pipe.
     """
+    _open_streams()
+    try:
+        try:
+            return _run(argv)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        # Python writes what is left in its buffer when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+
+
+def _open_streams() -> None:
+    """Give the process the output streams that pythonw or `2>&-` took away, and let them write any character."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            # Otherwise the next file that is opened would be the one that libraries write errors to.
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (for the whole process)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _run(argv: Sequence[str] | None) -> int:
     parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
     parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
     add_subcommands(parser, "command", SUBCOMMANDS)
@@ -86,6 +118,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         status: int = arguments.run(arguments)
     except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
+        if isinstance(error, BrokenPipeError):
+            print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -23,6 +23,7 @@ from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recalls import Shown
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import penalty, score
@@ -45,6 +46,7 @@ class CompiledBatch:
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
         decisions: Ours by default.
+        robot: Kind of robot.
 
     Attributes:
         worlds: Their records.
@@ -61,21 +63,22 @@ class CompiledBatch:
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         decisions: Decisions | None = None,
+        robot: str = KHEPERA.name,
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
         self.decisions = checked_decisions(decisions)
         self.foods, self.limit = foods, limit
         self._settings = settings_of(
-            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker
+            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker, robot=robot
         )
         pool = ArenaPool(arena, self.decisions)
         self.largest_diagonal = pool.diagonal
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
-        self.worlds = new_worlds(self.num_worlds, foods, self._arenas.waypoints)
+        self.worlds = new_worlds(self.num_worlds, foods)
         self.shown = np.zeros(self.num_worlds, shown_dtype)
         self._random, self._free = given_records(None, None, foods), np.ones(1, np.bool_)
 
@@ -178,15 +181,10 @@ class CompiledBatch:
             raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places of the arenas of the next episodes of some worlds. There is then room for their records."""
+        """Places of the arenas of the next episodes of some worlds."""
         self._places = self._arenas.forget(self._places)
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
-        places = self._arenas.of_episodes(keys, numbers)
-        missing = self._arenas.waypoints - self.worlds.lengths.shape[2]
-        if missing > 0:
-            lengths = np.pad(self.worlds.lengths, ((0, 0), (0, 0), (0, missing)))
-            self.worlds = self.worlds._replace(lengths=lengths)
-        return places
+        return self._arenas.of_episodes(keys, numbers)
 
 
 def given_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -217,7 +215,6 @@ def _step_worlds(
     tracks: Any,
     links: Any,
     chosen: Any,
-    lengths: Any,
     blocks: Any,
     places: Any,
     settings: Any,
@@ -233,9 +230,7 @@ def _step_worlds(
     `free[0]` becomes False where a new episode has no room.
     """
     # As arguments of their own, which numba hands over faster than a tuple.
-    worlds = World(
-        robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen, lengths
-    )
+    worlds = World(robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen)
     place, arena = places[first], arena_at(blocks, places[first])
     for i in range(first, last):
         world = world_of(worlds, i)

@@ -14,6 +14,7 @@ from khepera_forage.envs.recalls import Shown
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.camera import marker_region
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -23,7 +24,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import State, StateVector
-from khepera_forage.task.way_finding import WayMemory, way_home
+from khepera_forage.task.way_finding import way_home
 
 _FIRST = np.zeros(1, np.int64)
 """The only world of a batch of one."""
@@ -44,8 +45,9 @@ class CompiledRecalls:
         noise: Noise | str | None,
         food_types: FoodOdds,
         decisions: Decisions,
+        robot: str = KHEPERA.name,
     ) -> None:
-        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions)
+        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions, robot)
         self._noise, self._decisions = noise, decisions
         self.largest_diagonal = self._batch.largest_diagonal
         self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
@@ -108,16 +110,15 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     tracker = FoodTracker(*record["tracker"].item())
     tracker.foods = [FoodObject(*food.item()) for food in world.objects]
     tracker.links = [Link(*link.item()) for link in world.links]
-    tracker.memory = WayMemory(
-        [ChosenWaypoint(*chosen.item()) for chosen in world.chosen], world.lengths.tolist()
-    )
+    tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
     robot = SimulatedKhepera(world.robots[0])
-    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, decisions.values())
+    values = decisions.values(robot.has_gripper)
+    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
     forager.own = marker_region(0, world.robots[0])
-    values = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
-    raw = RawData._make(values)
+    numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
+    raw = RawData._make(numbers)
     # Compiled worlds look up the way home when a behaviour uses it.
-    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.memory, arena_map)
+    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.chosen, arena_map)
     forager.raw = raw._replace(
         home_bearing=turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation),
         home_path=max(path, raw.home_distance),

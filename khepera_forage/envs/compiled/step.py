@@ -17,16 +17,16 @@ from khepera_forage.geometry.walls import to_nearest_wall
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
 from khepera_forage.sim.camera import forget_tracks
 from khepera_forage.sim.compiled.world import advance
-from khepera_forage.sim.driving import put_down
+from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
-from khepera_forage.task.food_tracking import NOWHERE, explored, update_food
+from khepera_forage.task.food_tracking import explored, update_food
 from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, FoodType, classify
-from khepera_forage.task.way_finding import Way, WayMemory, way_home
+from khepera_forage.task.way_finding import Way, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _WAIT = Behaviour.WAIT.value
@@ -86,7 +86,6 @@ def stand_ready(world: World, settings: Any) -> None:
         place, food, known = world.places[k], world.foods[k], world.objects[k]
         food.x, food.y = place.x, place.y
         known.x, known.y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
-        known.lengths_x = known.lengths_y = NOWHERE
         known.known = known.side = 0
         known.delivered = known.carried = False
     for k in range(len(world.links)):
@@ -110,14 +109,8 @@ def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any
     The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
     """
     forager = world.foragers[0]
-    given = applicable(decode_motors(action[0], action[1], action[2], action[3]))
-    right = applicable(motors_of(world, map_of(arena), settings, forager.state))
-    same = (
-        given.left == right.left
-        and given.right == right.right
-        and given.arm == right.arm
-        and given.jaw == right.jaw
-    )
+    given = decode_motors(action[0], action[1], action[2], action[3])
+    same = same_motors(given, motors_of(world, map_of(arena), settings, forager.state), settings.decisions)
     forager.behaviour = forager.state if same else _WAIT
     drive(world, given)
 
@@ -145,9 +138,7 @@ def drive(world: World, motors: Motors) -> None:
     robot.left = robot.right = 0.0
     robot.arm_target, robot.jaw_target = ARM_RAISED, JAW_OPEN
     if not robot.first_frame:
-        applied = applicable(motors)
-        robot.left, robot.right = applied.left, applied.right
-        robot.arm_target, robot.jaw_target = applied.arm, applied.jaw
+        set_motors(robot, applicable(motors))
 
 
 @rule
@@ -180,7 +171,7 @@ def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
     update_food(
         tracker,
         world.objects,
-        WayMemory(world.chosen, world.lengths),
+        world.chosen,
         world.links,
         world.tracks,
         arena,
@@ -254,5 +245,4 @@ def _ways_home_can_bend(arena: ArenaMap, settings: Any) -> bool:
 @rule
 def _way_home(world: World, arena: ArenaMap) -> Way:
     robot, tracker = world.robots[0], world.foragers[0].tracker
-    memory = WayMemory(world.chosen, world.lengths)
-    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, memory, arena)
+    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, world.chosen, arena)
