@@ -126,19 +126,20 @@ def measure(width: int, height: int, markers: str, frames: int) -> str:
 
 def main() -> int:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description="The tracker through mixed troubles.")
     parser.add_argument("--frames", type=int, default=1000, help="of each row (1000)")
     parser.add_argument(
         "--widths", type=int, nargs="+", default=[width for width, _ in SIZES], help="pixels across"
     )
-    frames, widths = (parsed := parser.parse_args()).frames, parsed.widths
+    parser.add_argument("--markers", nargs="+", default=["holes", "tags"], help="kinds of markers")
+    given = parser.parse_args()
     cv2.setNumThreads(1)
     print(f"| {' | '.join(_COLUMNS)} |")
     print("| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     for width, height in SIZES:
-        for markers in ("holes", "tags") if width in widths else ():
+        for markers in given.markers if width in given.widths else ():
             if (width, markers) != (640, "tags"):
-                print(measure(width, height, markers, frames), flush=True)
+                print(measure(width, height, markers, given.frames), flush=True)
     return 0
 
 

@@ -122,7 +122,9 @@ class _Preview:
             now = time.monotonic()
             if now - printed >= 1 or seen == self._frames:
                 rate = since_print / max(now - printed, 1e-9)
-                print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
+                print(
+                    f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old"
+                )
                 quality = measure_quality(tracker.reduced(frame))
                 print(f"picture: {quality.described(tracker.settings)}")
                 for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
@@ -167,13 +169,14 @@ def _save(preview: _Preview, out: Path, simulated: bool) -> None:
     print(f"{out}: {len(pictures)} {'picture' if len(pictures) == 1 else 'pictures'}")
 
 
-def described(scene: Scene) -> str:
+def described(scene: Scene, markers: str = "holes") -> str:
     """One line of text: the kind, position in mm and orientation of each region."""
     if not scene.regions:
         return "nothing seen"
     words = []
     for region in scene.regions:
-        what = f"{region.holes}-hole marker" if region.holes else "food"
+        marker = f"{region.holes}-hole marker" if markers == "holes" else f"marker {region.holes}"
+        what = marker if region.holes else "food"
         where = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
         facing = f" {region.orientation} deg" if region.holes else ""
         words.append(f"{what} {where}{facing}{'' if region.found else ' lost'}")
