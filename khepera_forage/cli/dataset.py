@@ -18,6 +18,7 @@ from khepera_forage.cli.arguments import (
     add_seed_argument,
     arena_of,
     decisions_of,
+    experience_files,
     refuse_ignored,
 )
 from khepera_forage.envs.arena_settings import settings_of
@@ -52,7 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=given_path,
         metavar="FILE",
-        help="files of 'khepera-forage train' or of real robots, one episode each, instead of new episodes",
+        help="files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of new "
+        "episodes",
     )
     add_seed_argument(parser, "the same seed gives the same episodes")
     add_out_argument(
@@ -78,9 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
     decisions, arena = decisions_of(arguments), arena_of(arguments)
     if arguments.experience:
         refuse_ignored(arguments, ["--episodes", "--food-type"], "without --experience")
-        parts = [Experience.load(path) for path in arguments.experience]
+        files = experience_files(arguments.experience)
+        parts = [Experience.load(path) for path in files]
         name = _free_name(arguments, {part.arena for part in parts})
-        seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
+        seed, procedure = None, READ.format(files=", ".join(path.name for path in files))
     else:
         name = _free_name(arguments, {_name_of(arena)})
         seed = arguments.seed
