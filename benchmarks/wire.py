@@ -9,6 +9,7 @@ import math
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,11 +21,12 @@ from serial_lines.virtual_fleet import DECISIONS, TIMING, virtual_fleet
 
 from khepera_forage.estimates import Column, Estimate, Table, extremes, pick, quantiles
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.serial.port import BAUD_RATES, BITS_PER_BYTE, seconds_on_wire
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.serial.line import Traffic
+from khepera_forage.robots.serial.protocol import seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.serial.traffic import Traffic
 from khepera_forage.study import Count, Page, Picture, Rows, collect, finish, parse
 
 if TYPE_CHECKING:
@@ -41,7 +43,7 @@ _WARM_UP = 12
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
 _LINE_NOTE = (
     "One robot. The bytes are those that the driver and a virtual Khepera exchange while the robot drives about and "
-    f"moves its gripper, whose arm takes {DECISIONS.arm_travel_time:g} s; a byte takes {BITS_PER_BYTE} bits. Bytes and "
+    f"moves its gripper, whose arm takes {DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. Bytes and "
     "time on the wire: median [lowest, highest]. Measured: `transmit` and `receive` with a virtual Khepera at the pace "
     "of the baud rate, without the time of the simulation; median [5th, 95th percentile]. Rounds in which the driver "
     "reads an unexpected value a second time are included."
@@ -103,10 +105,11 @@ class Drive(NamedTuple):
         rows = []
         with (
             virtual_fleet(self.baud, self.robots, self.seed) as (ports, advance, _),
-            Fleet([SerialKhepera(port.url, baud=self.baud) for port in ports]) as fleet,
+            closing(SerialKhepera(ports[0].url, baud=self.baud)) as first,
+            Fleet([first, *(SerialKhepera(port.url, baud=self.baud) for port in ports[1:])]) as fleet,
         ):
             heard: list[Traffic] = []
-            fleet.robots[0].on_traffic(heard.append)
+            first.on_traffic(heard.append)
             for number, (left, right) in enumerate(wheels, -_WARM_UP):
                 down = number >= 0 and (number // _MOVEMENT_PERIOD) % 2
                 arm, jaw = (ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)

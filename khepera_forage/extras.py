@@ -8,10 +8,10 @@ EXTRAS = {
     "render": ("pygame", "PIL"),
     "plots": ("matplotlib",),
     "robots": ("serial",),
+    "toio": ("toio",),
     "camera": ("cv2",),
     "fast": ("numba",),
     "baselines": ("stable_baselines3",),
-    "inference": ("SALib",),
     "minari": ("minari", "h5py", "PIL"),
 }
 """The modules of each extra of `pyproject.toml`."""

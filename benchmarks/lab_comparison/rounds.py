@@ -15,7 +15,7 @@ from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.clock import SimulatedClock, WallClock
 from khepera_forage.noise import Noise
-from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.rollouts.training import train
 from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.tracker import Tracker

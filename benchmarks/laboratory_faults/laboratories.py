@@ -12,7 +12,7 @@ from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.clock import Clock
 from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.robots.serial.errors import LineTooSlow
+from khepera_forage.robots.serial.line_timing import LineTooSlow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.rendering.frames import RenderedFrameSource
 from khepera_forage.vision.video import VideoSource

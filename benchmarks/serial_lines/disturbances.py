@@ -23,7 +23,8 @@ DISTURBANCES = {
 _NOTE = (
     f"One robot at {BAUD} baud with random speeds of its wheels in every round. A round: `transmit` and `receive`, "
     "median [5th, 95th percentile], and the longest. Undetectable: garbled replies that are well-formed replies to the "
-    "same request. Counter error: largest difference of a wheel's counter from the true one. Unknown: readings that "
+    "same request. Counters wrong: rounds in which a wheel's counter differed from the true one; error at the end: "
+    "after the last round, which is undisturbed. Unknown: readings that "
     "could not be confirmed. Lost: rounds that ended with `RobotLost`."
 )
 
@@ -80,8 +81,10 @@ class DisturbedLine(NamedTuple):
             SerialKhepera(ports[0].url, baud=BAUD) as robot,
         ):
             robot.receive()
-            ports[0].faults = DISTURBANCES[self.disturbance]
             for number, (left, right) in enumerate(wheels):
+                # The last round is undisturbed: it shows what remains.
+                is_last = number == len(wheels) - 1
+                ports[0].faults = Faults() if is_last else DISTURBANCES[self.disturbance]
                 lost, error = False, 0
                 robot.drive(Motors(left, right, 215, 200))
                 begin = time.perf_counter()
@@ -115,7 +118,8 @@ def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
         Column("a round (ms)", digits=0, estimate=True),
         Column("longest (ms)", digits=0),
         Column("undetectable"),
-        Column("counter error (pulses)"),
+        Column("counters wrong (rounds)"),
+        Column("counter error at the end (pulses)"),
         Column("unknown"),
         Column("lost"),
     )
@@ -130,7 +134,8 @@ def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
                 quantiles(taken),
                 max(taken),
                 own[-1].undetectable,
-                max(row.error for row in own),
+                sum(row.error > 0 for row in own[:-1]),
+                own[-1].error,
                 own[-1].unknown,
                 sum(row.lost for row in own),
             )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from khepera_forage.estimates import UNKNOWN, Column, Table, pick, quantiles
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.robots.serial.errors import LineTooSlow
+from khepera_forage.robots.serial.line_timing import LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from serial_lines.virtual_fleet import TIMING, virtual_fleet

@@ -14,7 +14,7 @@ from khepera_forage.task.decisions import VERSIONS, Decisions, decisions_from_wo
 from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"
-"""Value of `--lab` for the virtual laboratory."""
+"""Value of `--lab` for the virtual laboratory; `virtual:e-puck2` and `virtual:toio` for one of other robots."""
 ARENA_FILES = ".toml"
 """Ending of the names of arena files."""
 MOST_EPISODES = 100_000
@@ -120,8 +120,8 @@ def add_lab_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lab",
         metavar="FILE",
-        help=f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated robots "
-        "behind the real drivers",
+        help=f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated "
+        f"robots behind the real drivers, '{VIRTUAL_LAB}:e-puck2' and '{VIRTUAL_LAB}:toio' other ones",
     )
 
 
@@ -175,4 +175,4 @@ def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where:
 
 def is_real(lab: str | None) -> bool:
     """Whether `--lab` names the file of a real laboratory."""
-    return lab not in (None, VIRTUAL_LAB)
+    return lab is not None and lab.partition(":")[0] != VIRTUAL_LAB

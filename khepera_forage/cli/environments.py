@@ -9,6 +9,7 @@ from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.extras import require
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.named import ARENAS
@@ -88,10 +89,20 @@ def _laboratory(lab: str, arena: str | Arena, robots: int, decisions: Decisions)
         ImportError: An extra is not installed.
     """
     require("--lab", "robots", "camera")
-    if lab == VIRTUAL_LAB:
-        from khepera_forage.envs.laboratories import virtual_laboratory
+    name, _, kind = lab.partition(":")
+    if name == VIRTUAL_LAB:
+        from khepera_forage.envs.laboratories import virtual_cubes, virtual_laboratory
 
-        virtual = virtual_laboratory(arena, robots, decisions)
+        kind = kind or KHEPERA.name
+        if kind not in MODELS:
+            raise ValueError(
+                f"--lab {lab}; allowed: {', '.join(f'{VIRTUAL_LAB}:{model}' for model in MODELS)}"
+            )
+        if kind == TOIO.name:
+            cubes = virtual_cubes(arena, robots, decisions)
+            print(f"virtual laboratory: cubes {', '.join(cubes.port_urls)}, on a mat")
+            return cubes
+        virtual = virtual_laboratory(arena, robots, decisions, robot=kind)
         print(f"virtual laboratory: robots at {', '.join(virtual.port_urls)}, a tracker on rendered frames")
         return virtual
     from khepera_forage.envs.laboratories import load_settings
@@ -103,6 +114,7 @@ def _laboratory(lab: str, arena: str | Arena, robots: int, decisions: Decisions)
     elif len(settings.robots) < 2:
         raise ValueError(f"{lab}: robots has one entry; allowed: a teacher and at least one learner")
     for robot in settings.robots:
-        print(f"robot {robot.name} at {robot.port}, {robot.baud} baud")
-    print(f"camera {settings.camera.source}; arena {settings.arena.name}")
+        print(f"robot {robot.name} at {robot.port}" + (f", {robot.baud} baud" if robot.baud else ""))
+    seen = "a mat" if settings.has_mat else f"camera {settings.camera.source}"
+    print(f"{seen}; arena {settings.arena.name}")
     return Laboratory(settings)

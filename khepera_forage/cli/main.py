@@ -9,6 +9,7 @@ from khepera_forage import __version__
 from khepera_forage.cli import compare, dataset, decisions, infer, recall, reproduce, train, watch
 from khepera_forage.cli.arena import command as arena
 from khepera_forage.cli.camera import command as camera
+from khepera_forage.cli.lab import command as lab
 from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 from khepera_forage.cli.teach import command as teach
@@ -58,7 +59,8 @@ SUBCOMMANDS = (
         infer.add_arguments,
         infer.run,
     ),
-    Subcommand("robot", "test a real Khepera, or start a virtual one", robot.add_arguments),
+    Subcommand("lab", "set up a laboratory with real robots, and check it", lab.add_arguments),
+    Subcommand("robot", "test a real robot, or start a virtual one", robot.add_arguments),
     Subcommand(
         "camera",
         "calibrate the overhead camera, show its picture, or print the markers",

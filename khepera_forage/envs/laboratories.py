@@ -1,15 +1,20 @@
 """Laboratories under decisions: what a `lab.toml` leaves open, and laboratories without hardware."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
+from khepera_forage.extras import require
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import load
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+
+if TYPE_CHECKING:
+    from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
 
 
 def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) -> LabSettings:
@@ -45,3 +50,24 @@ def virtual_laboratory(
     return VirtualLaboratory.from_arena(
         arena, robots, set_up_of(decisions), timing_of(decisions), decisions.recall_marker, **options
     )
+
+
+def virtual_cubes(
+    arena: Arena | str = CORRIDOR, robots: int = 2, decisions: Decisions = DEFAULT_DECISIONS
+) -> "VirtualCubeLaboratory":
+    """A laboratory of virtual toio cubes on a mat, with copies of one arena side by side.
+
+    Args:
+        arena: As for `virtual_laboratory`.
+        robots: As for `virtual_laboratory`.
+        decisions: As for `virtual_laboratory`.
+
+    Raises:
+        ValueError: The mat has no room for the arenas.
+        ImportError: toio-py is missing.
+    """
+    require("a laboratory of toio cubes", "toio")
+    from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
+
+    original = named_arena(arena, set_up_of(decisions)) if isinstance(arena, str) else arena
+    return VirtualCubeLaboratory(original, robots, decisions.round_duration, decisions.recall_marker)

@@ -2,12 +2,16 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from typing import Protocol
 
 from khepera_forage.lab.fresh_frames import FreshFrames
+from khepera_forage.lab.mat_camera import MatCamera
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.drivers import open_robot
+from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import FrameSource, VideoSource
@@ -26,7 +30,8 @@ def open_robots(settings: LabSettings) -> Fleet:
     with ExitStack() as opened:
         robots = []
         for entry in settings.robots:
-            robot = SerialKhepera(
+            robot = open_robot(
+                entry.type,
                 entry.port,
                 baud=entry.baud,
                 max_speed=settings.safe_speed,
@@ -52,8 +57,40 @@ def open_source(settings: LabSettings, source: OpenSource) -> FrameSource:
     return source() if callable(source) else source
 
 
+class Frames(Protocol):
+    """What gives a camera its frames, or stands for it."""
+
+    def begin_round(self) -> None:
+        """Accept only what was seen from now on."""
+        ...
+
+    def forget(self) -> None:
+        """Forget what was seen: robots may have been carried, or exchanged."""
+        ...
+
+
+class LabCamera(Protocol):
+    """A camera that a laboratory opens and closes."""
+
+    def reset(self) -> None:
+        """Forget all tracks, and take the first frame."""
+        ...
+
+    def expose(self) -> None:
+        """Take the newest frame, once per round."""
+        ...
+
+    def look(self) -> Scene:
+        """The scene of the last frame."""
+        ...
+
+    def close(self) -> None:
+        """Release the device; a second call does nothing."""
+        ...
+
+
 class Devices:
-    """The robots and the camera, open.
+    """The robots and the camera, open. Toio cubes on a mat need no camera.
 
     Args:
         settings: The laboratory's settings.
@@ -64,6 +101,7 @@ class Devices:
         fleet: The robots.
         camera: The camera with its tracker.
         frames: The frames of the camera.
+        foods: The toio cubes that are food.
 
     Raises:
         OSError: A port or the camera cannot be opened, or the calibration cannot be read; as `RobotLost`, that a robot
@@ -77,6 +115,12 @@ class Devices:
         self._calibration = (
             Calibration.load(file) if calibration is None and file is not None else calibration
         )
+        self.frames: Frames
+        self.camera: LabCamera
+        self.foods: list[ToioRobot] = []
+        if settings.has_mat:
+            self._open_cubes(settings)
+            return
         self.frames, self.camera = self._open_camera(settings)
         try:
             self.fleet = open_robots(settings)
@@ -91,6 +135,10 @@ class Devices:
             OSError, ValueError: As for the class; call it again then.
         """
         self.fleet.close(report=False)
+        if settings.has_mat:
+            self.camera.close()
+            self._open_cubes(settings)
+            return
         if self._source is None or callable(self._source):
             self.camera.close()
             self.frames, self.camera = self._open_camera(settings)
@@ -100,6 +148,24 @@ class Devices:
         """Stop the robots, and close all ports and the camera; a second call does nothing."""
         with closing(self.camera):
             self.fleet.close()
+
+    def _open_cubes(self, settings: LabSettings) -> None:
+        """Open the robots, then the food; if one fails, close the others."""
+        with ExitStack() as opened:
+            self.fleet = open_robots(settings)
+            opened.callback(self.fleet.close)
+            self.foods = []
+            for port in settings.food_cubes:
+                self.foods.append(ToioRobot(port))
+                opened.callback(self.foods[-1].close)
+            opened.pop_all()
+        holes = [entry.holes for entry in settings.robots]
+        self.frames = self.camera = MatCamera(self.cubes, holes, self.foods)
+
+    @property
+    def cubes(self) -> list[ToioRobot]:
+        """The robots, if they are toio cubes."""
+        return [robot for robot in self.fleet.robots if isinstance(robot, ToioRobot)]
 
     def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
         tracker = Tracker(settings.tracker, self._calibration)

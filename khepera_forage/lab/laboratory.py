@@ -1,27 +1,30 @@
 """Real Kheperas under a real overhead camera: the `World` of the thesis's experiments."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Self
 
 import numpy as np
 
 from khepera_forage.lab.clock import Clock, WallClock
-from khepera_forage.lab.devices import Devices, OpenSource
+from khepera_forage.lab.cube_operator import CubeOperator
+from khepera_forage.lab.devices import Devices, LabCamera, OpenSource
 from khepera_forage.lab.food_locator import FoodLocator
 from khepera_forage.lab.localisation import find_marker, pose_of
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost, Senses
-from khepera_forage.robots.serial import emergency_stop
-from khepera_forage.robots.serial.fleet import Fleet
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots import emergency_stop
+from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost, Senses
+from khepera_forage.robots.proximity import clean_readings, reported_readings
+from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30
@@ -37,7 +40,8 @@ class Laboratory:
 
     Args:
         settings: The contents of a `lab.toml`.
-        operator: Places robots and food; a person at the command line by default.
+        operator: Places robots and food; by default a person at the command line, or the cubes themselves if robots and
+            food are toio cubes.
         source: Source of the frames, which then stays open after a loss, or a function that opens one, again after a
             loss; the camera of the settings by default.
         calibration: Calibration of the frames; the one of the settings by default.
@@ -70,21 +74,23 @@ class Laboratory:
         self.round_duration = settings.period
         self.markers = tuple(entry.holes for entry in settings.robots)
         self.clock: Clock = WallClock(settings.period) if clock is None else clock
-        self._operator: Operator = CommandLineOperator() if operator is None else operator
         self._ready = self._closed = False
         self._poses = [arena.start for arena in self.arenas]
         self._foods = FoodLocator((), self.arenas)
         self._lost = ""
         self._devices = Devices(settings, source, calibration)
+        if operator is None and settings.food_cubes:
+            operator = CubeOperator(lambda: self._devices.cubes, lambda: self._devices.foods)
+        self._operator: Operator = CommandLineOperator() if operator is None else operator
 
     @property
-    def robots(self) -> Sequence[SerialKhepera]:
+    def robots(self) -> Sequence[RealRobot]:
         """The robots, the teacher first."""
         return self._fleet.robots
 
     @property
-    def camera(self) -> TrackedCamera:
-        """The camera with its tracker; another one after a loss."""
+    def camera(self) -> LabCamera:
+        """The camera with its tracker, or the mat of toio cubes; another one after a loss."""
         return self._devices.camera
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
@@ -113,6 +119,8 @@ class Laboratory:
                 self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
+            for cube in self._devices.cubes:
+                cube.clearance = None  # the operator may drive it anywhere
             for robot in self.robots:
                 robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
             self._fleet.transmit()
@@ -121,6 +129,8 @@ class Laboratory:
             self._place(OperatorRequest("start of an episode", marks, layout.foods))
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
+            for cube, arena in zip(self._devices.cubes, self.arenas, strict=False):
+                cube.clearance = partial(_clearance, arena)
         self._ready = True
         self.clock.start()
 
@@ -233,7 +243,7 @@ class Laboratory:
                     self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
                 )
                 if new_episode:
-                    errors += gripper_errors(request.robots, self._senses())
+                    errors += gripper_errors(request.robots, self._senses(), self._grippers)
                 if not errors:
                     return
             request = request._replace(errors=errors)
@@ -244,7 +254,34 @@ class Laboratory:
             region = find_marker(scene, arena, holes)
             if region is not None:
                 self._poses[number] = pose_of(region)
-        self._foods.update(scene, list(zip(self._poses, self._senses(), strict=True)))
+        self._senses()  # reads the robots that have not been read yet
+        self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
+        self._note_surroundings()
+
+    @property
+    def _grippers(self) -> list[bool]:
+        return [robot.model.has_gripper for robot in self.robots]
+
+    def _note_surroundings(self) -> None:
+        """Tell robots with fewer sensors than a Khepera what the map shows."""
+        foods = [(food.x, food.y, FOOD_RADIUS) for food in self.food_places()]
+        for number, (robot, pose, arena) in enumerate(
+            zip(self.robots, self._poses, self.arenas, strict=True)
+        ):
+            if robot.model.has_gripper:
+                continue
+            ahead = self._foods.ahead_of(pose, robot.model.reach) is not None
+            readings = None
+            if not robot.model.infra_reds:
+                others = [(p.x, p.y, RADIUS) for i, p in enumerate(self._poses) if i != number]
+                cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
+                clean = clean_readings(pose.x, pose.y, cosine, sine, arena.segments, [*foods, *others])
+                readings = reported_readings(clean, False, 0.0, 0, (0.0,) * 8)
+            robot.note_surroundings(ahead, readings)
 
     def _senses(self) -> list[Senses]:
         return [robot.sense() for robot in self.robots]
+
+
+def _clearance(arena: Arena, x: float, y: float) -> float:
+    return arena.clearance(Point(x, y))

@@ -41,12 +41,15 @@ def placement_errors(
     return tuple(errors)
 
 
-def gripper_errors(robots: Sequence[RobotMark], senses: Sequence[Senses]) -> tuple[str, ...]:
+def gripper_errors(
+    robots: Sequence[RobotMark], senses: Sequence[Senses], has_gripper: Sequence[bool]
+) -> tuple[str, ...]:
     """Grippers that are not raised and open, as at the start of every episode, one sentence each."""
     return tuple(
         f"robot {mark.name}: arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
-        for mark, own in zip(robots, senses, strict=True)
-        if abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE
+        for mark, own, gripper in zip(robots, senses, has_gripper, strict=True)
+        if gripper
+        and (abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE)
     )
 
 

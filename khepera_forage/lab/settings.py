@@ -4,7 +4,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
+from khepera_forage.robots.model import KHEPERA, MODELS, TOIO, RobotModel
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -16,9 +17,11 @@ class RobotSettings:
     """One robot of the laboratory.
 
     Attributes:
-        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
+        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`; name or
+            address of a toio cube.
         name: Name of the robot in requests to the operator.
-        baud: One of `BAUD_RATES`.
+        type: Kind of robot, a name in `MODELS`.
+        baud: Of a serial line; None for the usual one of the robot.
         holes: Number of holes of its marker, 1 or 2.
         offset: From the arena in the file to this robot's copy of it, in mm.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
@@ -27,11 +30,17 @@ class RobotSettings:
 
     port: str
     name: str
-    baud: int = 38400
+    baud: int | None = None
     holes: int = 2
     offset: Point = ORIGIN
     timeout: float = DEFAULT_TIMEOUT
     watchdog: bool = True
+    type: str = KHEPERA.name
+
+    @property
+    def model(self) -> RobotModel:
+        """What the robot can do."""
+        return MODELS[self.type]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +54,7 @@ class CameraSettings:
             shows the scene of the present round.
     """
 
-    source: int | str
+    source: int | str = 0
     calibration: Path | None = None
     oldest: float = 0.5
 
@@ -75,6 +84,7 @@ class LabSettings:
         tracker: Settings of the camera's tracker.
         tolerance: Allowed deviations of the operator's placement.
         safe_speed: Limit of all wheel speeds in speed units (8 mm/s).
+        food_cubes: Names or addresses of the toio cubes that are the food, one per object; empty for other food.
     """
 
     arena: Arena
@@ -84,6 +94,12 @@ class LabSettings:
     tracker: TrackerSettings = field(default_factory=TrackerSettings)
     tolerance: Tolerance = Tolerance()
     safe_speed: int = MAX_SPEED
+    food_cubes: tuple[str, ...] = ()
+
+    @property
+    def has_mat(self) -> bool:
+        """Whether the robots are toio cubes, which see their places on a mat themselves."""
+        return self.robots[0].type == TOIO.name
 
     @property
     def arenas(self) -> tuple[Arena, ...]:

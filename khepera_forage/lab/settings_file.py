@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from khepera_forage.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
+from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
+from khepera_forage.robots.toio.mat import SIMPLE_MAT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, arena_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -20,6 +22,7 @@ from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.toml_table import (
     Table,
     TableError,
+    list_of,
     number,
     numbers,
     one_of,
@@ -84,7 +87,11 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
-    camera = _camera(table.table("camera"), folder)
+    food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text, 0), tuple[str, ...]())
+    if robots[0].type == "toio" and not table.has("camera"):
+        camera = CameraSettings()
+    else:
+        camera = _camera(table.table("camera"), folder)
     tracker = _tracker(table.table("tracker"))
     tolerance_table = table.table("tolerance")
     tolerance_table.check_keys(_names(Tolerance))
@@ -95,23 +102,40 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     )
     safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
     period = table.take("period", number(0.05, 0.5, "seconds"), default_period)
-    settings = LabSettings(arena, robots, camera, period, tracker, tolerance, safe_speed)
+    settings = LabSettings(arena, robots, camera, period, tracker, tolerance, safe_speed, food_cubes)
     _check_robots(settings)
+    _check_mat(settings)
     return settings
 
 
 def _robot(table: Table, index: int) -> RobotSettings:
     name = "teacher" if index == 0 else f"learner_{index - 1}"
     table.check_keys(_names(RobotSettings))
+    kind = table.take("type", _kind, KHEPERA.name)
+    driver = serial_driver(kind)
+    if driver is None and table.has("baud"):
+        raise TableError(
+            f"{table.key('baud')} is given; allowed: for a robot with a serial line, not for {kind}"
+        )
     return RobotSettings(
         port=table.take("port", text),
         name=table.take("name", text, name),
-        baud=table.take("baud", one_of(BAUD_RATES), 38400),
+        type=kind,
+        baud=None
+        if driver is None
+        else table.take("baud", one_of(driver.protocol.baud_rates), driver.default_baud),
         holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
         timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
         watchdog=table.take("watchdog", true_or_false, True),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
     )
+
+
+def _kind(key: str, value: Any) -> str:
+    """A reader of the kind of a robot."""
+    if value not in MODELS:
+        raise TableError(f"{key} is {quoted(value)}; allowed: {', '.join(MODELS)}")
+    return str(value)
 
 
 def _camera(table: Table, folder: Path) -> CameraSettings:
@@ -192,6 +216,27 @@ def _check_robots(settings: LabSettings) -> None:
             check_seen((settings.arenas[i],))
         except ValueError as error:
             raise TableError(f"robots[{i}].offset is {list(robot.offset)}: {error}") from None
+
+
+def _check_mat(settings: LabSettings) -> None:
+    """Check that toio cubes are on a mat that has room for their arenas, and that no other robots are with them."""
+    kinds = {robot.type for robot in settings.robots}
+    if TOIO.name not in kinds:
+        if settings.food_cubes:
+            raise TableError("food_cubes is given; allowed: for robots of type toio")
+        return
+    if len(kinds) > 1:
+        raise TableError(
+            f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots"
+        )
+    width, height = SIMPLE_MAT.size
+    for i, arena in enumerate(settings.arenas):
+        x1, y1, x2, y2 = arena.bounds
+        if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):
+            raise TableError(
+                f"robots[{i}].offset is {list(settings.robots[i].offset)}: its arena leaves the mat; allowed: within "
+                f"0 to {width:.0f} and 0 to {height:.0f} mm"
+            )
 
 
 def _overlap(a: Arena, b: Arena) -> bool:

@@ -14,8 +14,11 @@ from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.lab.virtual_operator import VirtualOperator
 from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.robots.drivers import serial_driver
+from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.client import DEFAULT_TIMEOUT
+from khepera_forage.robots.model import E_PUCK, KHEPERA
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -95,8 +98,11 @@ class VirtualLaboratory(Laboratory):
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
-        self.firmwares = [
-            Firmware(body, self._lock, timing.round_duration) for body in self.simulation.robots
+        self.firmwares: list[Firmware] = [
+            EPuckFirmware(body, self._lock)
+            if robot.type == E_PUCK.name
+            else Firmware(body, self._lock, timing.round_duration)
+            for robot, body in zip(settings.robots, self.simulation.robots, strict=True)
         ]
         self._renderer = FrameRenderer(
             self.simulation.truth,
@@ -114,7 +120,7 @@ class VirtualLaboratory(Laboratory):
             )
         rngs = np.random.default_rng(fault_seed).spawn(len(settings.robots))
         self._line_settings = [
-            (robot.baud if paced else None, fault, rng)
+            (_baud(robot) if paced else None, fault, rng)
             for robot, fault, rng in zip(settings.robots, faults_of_each, rngs, strict=True)
         ]
         self.virtual_kheperas: list[VirtualKhepera] = []
@@ -145,6 +151,7 @@ class VirtualLaboratory(Laboratory):
         timing: Timing,
         recall_marker: int,
         timeout: float = DEFAULT_TIMEOUT,
+        robot: str = KHEPERA.name,
         **options: object,
     ) -> Self:
         """A laboratory with copies of one arena side by side.
@@ -157,6 +164,7 @@ class VirtualLaboratory(Laboratory):
             timing: How long a round lasts, and how fast arm and jaw move.
             recall_marker: Holes of the marker of a single robot, 1 or 2.
             timeout: Of the driver, in seconds: how late the virtual robots of a busy machine may reply.
+            robot: Kind of the robots: khepera or e-puck2.
             **options: Arguments of the class.
         """
         original = named_arena(arena, set_up) if isinstance(arena, str) else arena
@@ -171,6 +179,7 @@ class VirtualLaboratory(Laboratory):
                 name="teacher" if i == 0 and robots > 1 else f"learner_{max(0, i - 1)}",
                 holes=recall_marker if robots == 1 else 1 if i == 0 else 2,
                 timeout=timeout,
+                type=robot,
                 offset=Point(copy.home.x - original.home.x + dx, copy.home.y - original.home.y + dy),
             )
             for i, copy in enumerate(arenas)
@@ -234,6 +243,12 @@ class VirtualLaboratory(Laboratory):
     def _close_lines(self) -> None:
         while self.virtual_kheperas:
             self.virtual_kheperas.pop().close()
+
+
+def _baud(robot: RobotSettings) -> int | None:
+    """The baud rate of a robot's line."""
+    driver = serial_driver(robot.type)
+    return robot.baud or (None if driver is None else driver.default_baud)
 
 
 def _training_layout(arenas: Sequence[Arena]) -> Layout:

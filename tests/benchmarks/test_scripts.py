@@ -64,9 +64,9 @@ SCRIPTS = {
         needs=("numba",),
     ),
     "decisions": Script(
-        ("--sets", "--experiments", "--jobs", "--fresh"),
+        ("--sets", "--experiments", "--jobs", "--fresh", "--tables"),
         (),
-        needs=("numba", "SALib"),
+        needs=("numba",),
         subcommand="infer",
     ),
     "further_work": Script(

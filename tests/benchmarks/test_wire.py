@@ -22,8 +22,9 @@ def test_wire_time_is_that_of_the_bytes(out: Path) -> None:
     for row in rows:
         count = int(row["sent"]) + int(row["received"])
         assert float(row["wire"]) == pytest.approx(1000 * 11 * count / int(row["baud"]), rel=1e-3)
-        # The first robot's bytes cannot pass faster than its line carries them; its thread may see them a little late.
-        assert float(row["taken"]) > 0.8 * float(row["wire"])
+        # Both directions at once: requests are sent while the first replies arrive.
+        longer = max(int(row["sent"]), int(row["received"])) / count * float(row["wire"])
+        assert float(row["taken"]) > 0.8 * longer
 
 
 def test_a_round_asks_for_what_a_step_needs_and_fits_at_38400_baud(out: Path) -> None:
@@ -55,7 +56,7 @@ def test_every_baud_rate_and_number_of_robots_has_its_line(out: Path) -> None:
 def test_every_latency_is_pipelined_or_rejected(out: Path) -> None:
     lines = {int(row["latency (ms)"]): row for row in read(out / "table_latency.csv")}
     assert [lines[latency]["requests"] for latency in (0, 16, 80, 100, 1000)] == [
-        "one by one",
+        "pipelined",
         "pipelined",
         "pipelined",
         "rejected",
@@ -72,7 +73,8 @@ def test_counters_are_right_on_disturbed_lines(out: Path) -> None:
     rows = read(out / "table_disturbances.csv")
     assert len(rows) == 4
     for row in rows:
-        assert int(row["counter error (pulses)"]) <= 60
+        assert int(row["counter error at the end (pulses)"]) == 0
+        assert int(row["counters wrong (rounds)"]) <= int(row["undetectable"])
         assert int(row["lost"]) <= (1 if "late" in row["replies"] else 0)
 
 

@@ -70,18 +70,19 @@ def test_probe_prints_versions_and_response_times(port: str, capsys: pytest.Capt
     trips = [float(ms) for ms in re.findall(r"([\d.]+) ms round trip", out)]
     assert len(trips) == 5
     assert all(1 < ms < 1000 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
-    rate = re.search(r"at most ([\d.]+) rounds a second, requests one by one", out)
+    rate = re.search(r"at most ([\d.]+) rounds a second\n", out)
     assert rate is not None
     assert 1 < float(rate[1]) < 57, "61 bytes take 17 ms"
 
 
-def test_probe_reports_the_rate_of_a_line_that_is_too_slow_for_the_other_commands(
+def test_commands_accept_a_line_that_is_too_slow_for_a_laboratory(
     frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    frozen.faults = Faults(delay=1.0, lateness=(0.15, 0.15))
-    assert "requests pipelined" in output(capsys, "probe", "--port", frozen.url)
-    assert main(["robot", "sensors", "--port", frozen.url, "--rounds", "1"]) == 2
-    assert "too slow for rounds of 0.1 s" in capsys.readouterr().err
+    frozen.faults = Faults(delay=1.0, lateness=(0.12, 0.12))
+    output(capsys, "drive", "--port", frozen.url, "--seconds", "0.2")
+    output(capsys, "grip", "open", "--port", frozen.url)
+    assert main(["robot", "selftest", "--port", frozen.url]) == 1
+    assert re.search(r"^a round +FAIL   \d+ ms", capsys.readouterr().out, re.MULTILINE)
     frozen.faults = Faults()
 
 
@@ -114,6 +115,33 @@ def test_drive_turns_the_wheels_and_stops(port: str, capsys: pytest.CaptureFixtu
         assert robot.request("H") == before
 
 
+def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str]) -> None:
+    """The power supply fails for a moment, after half a second."""
+    world = PymunkWorld([CORRIDOR], (2,), Noise.none(), timing=TIMING)
+    world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
+    firmware = Firmware(world.robots[0])
+    handle, rounds = firmware.handle, iter(range(1000))
+
+    def handle_and_advance(line: bytes) -> bytes:
+        if line.startswith(b"H"):
+            world.advance()
+            firmware.tick()
+            if next(rounds) == 5:
+                return firmware.power_on()
+        return handle(line)
+
+    firmware.handle = handle_and_advance  # type: ignore[method-assign]
+    with VirtualKhepera(firmware, baud=None) as khepera:
+        out = output(
+            capsys, "drive", "--port", khepera.url, "--left", "4", "--right", "4", "--seconds", "1.5"
+        )
+    assert "the robot restarted 1 time: check its power supply" in out
+    left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
+    true_left = world.robots[0].sense().left_pulses
+    assert 0 <= true_left - left <= 2 * 40
+    assert left == right
+
+
 @pytest.mark.parametrize(("option", "watchdogs"), [([], 1), (["--no-watchdog"], 0)])
 def test_no_watchdog_starts_none(
     port: str,
@@ -125,9 +153,9 @@ def test_no_watchdog_starts_none(
     started: list[str] = []
     original = Watchdog.__init__
 
-    def recorded(self: Watchdog, port: str, descriptor: int) -> None:
+    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
         started.append(port)
-        original(self, port, descriptor)
+        original(self, port, descriptor, stop)
 
     monkeypatch.setattr(Watchdog, "__init__", recorded)
     output(capsys, "grip", "open", "--port", port, *option)

@@ -15,7 +15,8 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial.errors import LineTooSlow
+from khepera_forage.robots.serial.line_timing import LineTooSlow
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.vision.video import CameraLost, FrameSource
 from tests.lab.laboratories import (
@@ -161,7 +162,7 @@ def test_slow_line_is_rejected_before_anything_moves(lab: VirtualLaboratory) -> 
     with pytest.raises(LineTooSlow, match=r"too slow for rounds of 0\.1 s"):
         open_robots(settings)
     with open_robots(replace(settings, period=0.3)) as fleet:
-        assert fleet.robots[0].timing.pipelined
+        assert isinstance(fleet.robots[0], SerialKhepera)
 
 
 def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:

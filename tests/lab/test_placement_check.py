@@ -82,8 +82,9 @@ def test_food_under_a_marker_counts_as_placed() -> None:
 
 def test_gripper_errors_name_lowered_or_closed_grippers() -> None:
     still = Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, 215, 200, 0)
-    assert gripper_errors(MARKS, (still, still._replace(arm=222, jaw=192))) == ()
-    assert gripper_errors(MARKS, (still, still._replace(arm=255))) == (
+    assert gripper_errors(MARKS, (still, still._replace(arm=222, jaw=192)), (True, True)) == ()
+    assert gripper_errors(MARKS, (still, still._replace(arm=255)), (True, True)) == (
         "robot Bob: arm at 255 and jaw at 200 instead of 215 and 200",
     )
-    assert len(gripper_errors(MARKS, (still._replace(jaw=0), still._replace(jaw=126)))) == 2
+    assert len(gripper_errors(MARKS, (still._replace(jaw=0), still._replace(jaw=126)), (True, True))) == 2
+    assert gripper_errors(MARKS, (still._replace(arm=255), still._replace(arm=255)), (False, False)) == ()

@@ -139,7 +139,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ('port = "/dev/ttyUSB1"', 'port = ""', "robots[1].port is ''; allowed: a text that is not empty"),
         ("offset =", 'name = "teacher"\noffset =', "robots[1].name is 'teacher', as robots[0].name"),
         ("offset =", "ofset =", "robots[1].ofset is unknown (did you mean offset?); allowed: baud, holes, name, "
-         "offset, port, timeout, watchdog"),
+         "offset, port, timeout, type, watchdog"),
         ('port = "/dev/ttyUSB1"', 'prt = "b"', "robots[1].prt is unknown (did you mean port?); allowed: "),
         ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, oldest, "),
         ("[camera]", "[tolerance]\npositon = 9\n[camera]", "tolerance.positon is unknown (did you mean position?); "),

@@ -188,6 +188,23 @@ def test_training_with_several_learners() -> None:
         assert result.rounds > 50
 
 
+def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
+    with virtual_laboratory("corridor", 2, V0_1, robot="e-puck2", noise=Noise.none()) as lab:
+        starts = tuple(arena.start for arena in lab.arenas)
+        lab.reset(np.random.default_rng(0), Layout(starts, tuple(f for a in lab.arenas for f in a.foods)))
+        seen = set()
+        for _ in range(70):
+            for robot in lab.robots:
+                robot.drive(Motors(6, 6, 255, 0))
+            lab.advance()
+            senses = lab.robots[0].sense()
+            seen.add((senses.arm, senses.jaw, senses.object_presence))
+        assert seen == {(255, 200, 0), (255, 200, 255)}, "food comes before it; it has no gripper"
+        for pose, truth in zip(lab.poses(), lab.simulation.poses(), strict=True):
+            assert pose.x == pytest.approx(truth.x, abs=8)
+        assert lab.food_places()[0].x > lab.arenas[0].foods[0].x + 20, "it was pushed"
+
+
 def test_close_closes_all_ports() -> None:
     lab = virtual_laboratory("corridor", 2)
     ports = list(lab.virtual_kheperas)
@@ -336,6 +353,6 @@ def test_simulation_advances_by_the_period(period: float) -> None:
         for _ in range(5):
             lab.advance()
         assert lab.simulation.poses()[0].x == pytest.approx(start.x + 5 * 5 * 8 * period)
-        assert lab.robots[0].request("E") == (5, 5)
+        assert b"".join(lab.firmwares[0].handle(b"E").split()) == b"e,5,5"
     with pytest.raises(ValueError, match="2 faults for 1 robots"):
         quiet(file, faults=[None, None])

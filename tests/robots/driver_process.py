@@ -3,11 +3,15 @@
 import subprocess
 import sys
 import textwrap
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+
+_PATIENCE = 20.0
+"""Seconds after which an expected event counts as missing: a busy machine takes long."""
 
 DRIVE = """
 import os, signal, sys, time
-from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 robots = [SerialKhepera(port, {options}) for port in sys.argv[1:]]
@@ -24,7 +28,13 @@ def drive_and_receive():
 
 
 def start_driver(
-    ports: Sequence[str], body: str, *, before: str = "", options: str = "", stdin: int | None = None
+    ports: Sequence[str],
+    body: str,
+    *,
+    before: str = "",
+    options: str = "",
+    stdin: int | None = None,
+    definitions: str = DRIVE,
 ) -> "subprocess.Popen[str]":
     """Start a process that drives robots, and wait until they drive.
 
@@ -33,9 +43,10 @@ def start_driver(
         body: Program after the definitions above; calls `drive()`.
         before: Program before them.
         options: Further arguments of `SerialKhepera`.
+        definitions: Program between them.
         stdin: Standard input, as for `subprocess.Popen`.
     """
-    program = "\n".join((before, DRIVE.format(options=options), textwrap.dedent(body)))
+    program = "\n".join((before, definitions.format(options=options), textwrap.dedent(body)))
     child = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", program, *ports],
         stdin=stdin,
@@ -48,6 +59,14 @@ def start_driver(
     assert child.stdout is not None
     assert child.stdout.readline() == "driving\n", child.communicate()[1]
     return child
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Wait until something happens."""
+    end = time.monotonic() + _PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
 
 
 def wait_for_exit(child: "subprocess.Popen[str]") -> tuple[int, str]:

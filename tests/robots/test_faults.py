@@ -5,14 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.protocol import Reply, decode_reply, encode_reply
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.serial.protocol import Reply
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, FaultInjector, Faults
 
-REPLY = encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
+REPLY = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
 
 
 def make_injector(faults: Faults, seed: int = 0) -> FaultInjector:
-    return FaultInjector(faults, np.random.default_rng(seed))
+    return FaultInjector(KHEPERA, faults, np.random.default_rng(seed))
 
 
 def test_faults_occur_at_their_rates_and_are_counted() -> None:
@@ -52,12 +53,12 @@ def test_new_rates_apply_to_the_next_reply() -> None:
 
 
 def test_faults_without_a_random_generator_are_rejected() -> None:
-    injector = FaultInjector()
+    injector = FaultInjector(KHEPERA)
     assert injector.draw() is None
     with pytest.raises(ValueError, match="default_rng"):
         injector.rates = Faults(drop=0.1)
     with pytest.raises(ValueError, match="default_rng"):
-        FaultInjector(Faults(garble=0.1))
+        FaultInjector(KHEPERA, Faults(garble=0.1))
 
 
 @pytest.mark.parametrize(
@@ -95,12 +96,12 @@ def _common_bytes(one: bytes, other: bytes) -> int:
 
 def test_undetectable_garbling_is_counted_separately() -> None:
     injector = make_injector(Faults(garble=1.0))
-    original, undetectable = decode_reply(REPLY), 0
+    original, undetectable = KHEPERA.decode_reply(REPLY), 0
     for _ in range(2000):
         garbled = injector.garble(REPLY)
         if garbled.endswith((b"\r", b"\n")) and b"\r" not in garbled[:-2] and b"\n" not in garbled[:-2]:
             try:
-                decoded = decode_reply(garbled)
+                decoded = KHEPERA.decode_reply(garbled)
             except ValueError:
                 continue
             undetectable += isinstance(decoded, Reply) and decoded.command == "N" and decoded != original

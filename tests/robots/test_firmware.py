@@ -6,15 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.command_table import COMMANDS, RESTART
-from khepera_forage.robots.serial.framing import LineSplitter
-from khepera_forage.robots.serial.protocol import (
-    ErrorReply,
-    Reply,
-    TextLine,
-    decode_reply,
-    decode_request,
-)
+from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
+from khepera_forage.robots.serial.protocol import RESTART, ErrorReply, LineSplitter, Reply, TextLine
 from khepera_forage.sim.arena import Pose
 from tests.robots.stage import Stage, make_stage
 
@@ -56,7 +49,7 @@ def test_every_reply_matches_byte_for_byte(stage: Stage, line: str) -> None:
 
 
 def test_every_command_has_an_expected_reply() -> None:
-    commands = {decode_request(line.encode()).command for line in AT_POWER_ON}
+    commands = {KHEPERA.decode_request(line.encode()).command for line in AT_POWER_ON}
     assert commands | {RESTART} == set(COMMANDS)
 
 
@@ -78,7 +71,7 @@ def test_any_bytes_get_a_reply_that_decodes(line: bytes) -> None:
     replies = _FUZZED.firmware.handle(line)
     assert replies.endswith(b"\r\n")
     for reply in LineSplitter().feed(replies):
-        assert isinstance(decode_reply(reply), Reply | ErrorReply | TextLine)
+        assert isinstance(KHEPERA.decode_reply(reply), Reply | ErrorReply | TextLine)
 
 
 _FUZZED = make_stage()
@@ -87,16 +80,15 @@ _FUZZED = make_stage()
 def test_registers_store_settings(stage: Stage) -> None:
     stage.request("A,1,2,3")
     stage.request("F,4,5,6")
-    assert stage.firmware.registers.speed_gains == (1, 2, 3)
-    assert stage.firmware.registers.position_gains == (4, 5, 6)
+    assert stage.firmware.speed_gains == (1, 2, 3)
+    assert stage.firmware.position_gains == (4, 5, 6)
     for action, on in ((1, True), (2, False), (2, True), (0, False)):
         stage.request(f"L,1,{action}")
-        assert stage.firmware.registers.leds == [False, on]
+        assert stage.firmware.leds == [False, on]
     stage.request("W,170,32")
     assert stage.numbers("R,32") == [170]
     assert stage.numbers("R,33") == [0]
-    stage.firmware.registers.analogue[2] = 1023
-    assert stage.numbers("I,2") == [1023]
+    assert stage.numbers("I,2") == [0]
 
 
 def test_proximity_is_that_of_the_robot() -> None:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from khepera_forage.robots.serial.protocol import BANNER
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from tests.robots.stage import Stage, make_stage
@@ -186,11 +186,11 @@ class TestPowerOn:
             stage.request(line)
         stage.rounds(5)
         banner = stage.firmware.handle(b"restart")
-        assert banner == b"".join(line.encode() + b"\r\n" for line in BANNER)
+        assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
         assert banner.startswith(b"ROM of minirobot KHEPERA")
-        registers = stage.firmware.registers
-        assert (registers.speed_gains, registers.position_gains) == ((3800, 800, 100), (3000, 20, 4000))
-        assert registers.leds == [False, False]
+        firmware = stage.firmware
+        assert (firmware.speed_gains, firmware.position_gains) == ((3800, 800, 100), (3000, 20, 4000))
+        assert firmware.leds == [False, False]
         assert stage.numbers("R,9") == [0]
         assert stage.numbers("H") == [0, 0]
         assert stage.numbers("E") == [0, 0]

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial.fleet import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from tests.robots.rig import FORWARD, Rig, make_rig
@@ -48,18 +48,6 @@ def test_each_robot_receives_its_own_command(count: int) -> None:
     assert rig.is_stopped()
 
 
-def test_four_robots_take_about_as_long_as_one() -> None:
-    """At 9600 baud the transmission takes far longer than the computations for four robots."""
-    taken = []
-    for count in (1, 4):
-        with make_fleet(count, baud=9600) as (rig, fleet):
-            run_rounds(rig, fleet, FORWARD, 2)
-            begin = time.monotonic()
-            run_rounds(rig, fleet, FORWARD, 2)
-            taken.append(time.monotonic() - begin)
-    assert taken[1] < 2.5 * taken[0], "in sequence it would take four times as long"
-
-
 def test_lost_robot_stops_all_and_is_reported() -> None:
     with make_fleet(3) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
@@ -93,7 +81,8 @@ def test_slow_robot_holds_the_others() -> None:
         for robot in fleet.robots:
             robot.drive(FORWARD)
         late = fleet.robots[0].begin_receive()
-        time.sleep(0.05)
+        while not rig.ports[0].fault_counts.delay:
+            time.sleep(0.001)
         rig.ports[0].faults = Faults()
         fleet.receive()
         late.result(5.0)
@@ -113,19 +102,17 @@ def test_robot_that_is_done_after_the_hold_is_held_too() -> None:
         received.start()
         time.sleep(0.1)
         rig.ports[1].faults = Faults()
-        end, stopped = time.monotonic() + 0.8, False
-        while time.monotonic() < end:
-            stopped = stopped or not rig.firmwares[1].turning
+        while rig.firmwares[1].turning:
+            assert received.is_alive(), "it stops before the other counts as lost"
             time.sleep(0.002)
         rig.ports[0].interrupted = False
         received.join()
-        assert stopped
 
 
 def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
     """While requests to one robot are repeated, the other robot is stopped."""
 
-    opening = 5
+    opening = 11
 
     def silent_after_opening(request: bytes, number: int) -> list[Action]:
         return NumberedReplies({})(request, number) if number < opening else []

@@ -6,21 +6,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.command_table import COMMANDS, RESTART, Version
-from khepera_forage.robots.serial.framing import MAX_LINE
+from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
 from khepera_forage.robots.serial.protocol import (
-    BANNER,
+    MAX_LINE,
+    RESTART,
     ArgumentError,
     ErrorReply,
     ProtocolError,
     Reply,
     Request,
+    Text,
     TextLine,
     UnknownCommandError,
-    decode_reply,
-    decode_request,
-    encode_reply,
-    encode_request,
 )
 
 EXAMPLES = [
@@ -56,11 +53,11 @@ EXAMPLES = [
 def test_bytes_of_every_command(
     request_: Request, request_bytes: bytes, reply: Reply, reply_bytes: bytes
 ) -> None:
-    assert encode_request(request_) == request_bytes
-    assert encode_reply(reply) == reply_bytes
+    assert KHEPERA.encode_request(request_) == request_bytes
+    assert KHEPERA.encode_reply(reply) == reply_bytes
     for ending in (b"", b"\n", b"\r", b"\r\n"):
-        assert decode_request(request_bytes.rstrip() + ending) == request_
-        assert decode_reply(reply_bytes.rstrip() + ending) == reply
+        assert KHEPERA.decode_request(request_bytes.rstrip() + ending) == request_
+        assert KHEPERA.decode_reply(reply_bytes.rstrip() + ending) == reply
 
 
 def test_examples_cover_every_command() -> None:
@@ -68,10 +65,10 @@ def test_examples_cover_every_command() -> None:
 
 
 def test_restart_has_no_reply_but_the_banner() -> None:
-    assert encode_request(Request(RESTART)) == b"restart\n"
-    assert decode_request(b"restart") == Request(RESTART)
+    assert KHEPERA.encode_request(Request(RESTART)) == b"restart\n"
+    assert KHEPERA.decode_request(b"restart") == Request(RESTART)
     with pytest.raises(UnknownCommandError, match="banner"):
-        encode_reply(Reply(RESTART))
+        KHEPERA.encode_reply(Reply(RESTART))
 
 
 @st.composite
@@ -85,7 +82,7 @@ def replies(draw: st.DrawFn) -> Reply:
     name = draw(st.sampled_from(sorted(set(COMMANDS) - {RESTART})))
     versions = st.from_regex(r"\A[0-9]{1,3}(\.[0-9]{1,3})?\Z")
     values: list[int | str] = [
-        draw(versions) if isinstance(allowed, Version) else draw(st.integers(*allowed))
+        draw(versions) if isinstance(allowed, Text) else draw(st.integers(*allowed))
         for allowed in COMMANDS[name].results
     ]
     return Reply(name, tuple(values))
@@ -93,22 +90,22 @@ def replies(draw: st.DrawFn) -> Reply:
 
 @given(requests())
 def test_requests_survive_encoding_and_decoding(request_: Request) -> None:
-    line = encode_request(request_)
+    line = KHEPERA.encode_request(request_)
     assert line.endswith(b"\n")
     assert b"\r" not in line
-    assert decode_request(line) == request_
+    assert KHEPERA.decode_request(line) == request_
 
 
 @given(replies())
 def test_replies_survive_encoding_and_decoding(reply: Reply) -> None:
-    line = encode_reply(reply)
+    line = KHEPERA.encode_reply(reply)
     assert len(line) < 64 < MAX_LINE
-    assert decode_reply(line) == reply
+    assert KHEPERA.decode_reply(line) == reply
 
 
 @given(st.text(st.characters(min_codepoint=32, max_codepoint=126)))
 def test_error_replies_survive_encoding_and_decoding(text: str) -> None:
-    assert decode_reply(encode_reply(ErrorReply(text))) == ErrorReply(text)
+    assert KHEPERA.decode_reply(KHEPERA.encode_reply(ErrorReply(text))) == ErrorReply(text)
 
 
 def near_protocol() -> st.SearchStrategy[bytes]:
@@ -132,35 +129,35 @@ def near_protocol() -> st.SearchStrategy[bytes]:
 @given(near_protocol())
 def test_decoded_lines_encode_to_the_same_bytes(line: bytes) -> None:
     with contextlib.suppress(ProtocolError):
-        assert encode_request(decode_request(line)).rstrip() == line.rstrip(b"\r\n")
+        assert KHEPERA.encode_request(KHEPERA.decode_request(line)).rstrip() == line.rstrip(b"\r\n")
     with contextlib.suppress(ProtocolError):
-        reply = decode_reply(line)
+        reply = KHEPERA.decode_reply(line)
         if not isinstance(reply, TextLine):
-            assert encode_reply(reply).rstrip(b"\r\n") == line.rstrip(b"\r\n")
+            assert KHEPERA.encode_reply(reply).rstrip(b"\r\n") == line.rstrip(b"\r\n")
 
 
 @given(replies(), st.data())
 def test_one_wrong_byte_is_rejected_or_gives_another_reply(reply: Reply, data: st.DataObject) -> None:
-    line = bytearray(encode_reply(reply).rstrip())
+    line = bytearray(KHEPERA.encode_reply(reply).rstrip())
     place = data.draw(st.integers(0, len(line) - 1))
     if data.draw(st.booleans()):
         del line[place]
     else:
         line[place] = data.draw(st.integers(0, 255))
     with contextlib.suppress(ProtocolError):
-        decoded = decode_reply(bytes(line))
+        decoded = KHEPERA.decode_reply(bytes(line))
         assert not isinstance(decoded, TextLine), "one byte cannot make a word"
 
 
 def test_bytes_of_error_replies() -> None:
-    assert encode_reply(ErrorReply("Command not found")) == b"z,Command not found\r\n"
-    assert decode_reply(b"z,Protocol error.\r\n") == ErrorReply("Protocol error.")
+    assert KHEPERA.encode_reply(ErrorReply("Command not found")) == b"z,Command not found\r\n"
+    assert KHEPERA.decode_reply(b"z,Protocol error.\r\n") == ErrorReply("Protocol error.")
     with pytest.raises(ArgumentError, match="printable"):
-        encode_reply(ErrorReply("two\nlines"))
+        KHEPERA.encode_reply(ErrorReply("two\nlines"))
 
 
 def test_banner_is_decoded_as_text_even_after_a_partial_reply() -> None:
-    for text in BANNER:
-        assert decode_reply(text.encode()) == TextLine(text)
+    for text in KHEPERA.banner:
+        assert KHEPERA.decode_reply(text.encode()) == TextLine(text)
     partial = b"n,12,3ROM of minirobot KHEPERA, Edoardo Franzi"
-    assert decode_reply(partial) == TextLine(partial.decode())
+    assert KHEPERA.decode_reply(partial) == TextLine(partial.decode())

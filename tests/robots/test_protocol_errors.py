@@ -2,18 +2,16 @@
 
 import pytest
 
-from khepera_forage.robots.serial.command_table import COMMANDS, RESTART, Range
+from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
 from khepera_forage.robots.serial.protocol import (
+    RESTART,
     ArgumentError,
     ProtocolError,
+    Range,
     Reply,
     Request,
     TextLine,
     UnknownCommandError,
-    decode_reply,
-    decode_request,
-    encode_reply,
-    encode_request,
 )
 
 INVALID_NUMBERS = (
@@ -29,18 +27,18 @@ def test_values_just_outside_each_range_are_rejected(name: str) -> None:
             values = [r.low for r in command.arguments]
             values[i] = value
             with pytest.raises(ArgumentError, match=f"{value}.*allowed.*{allowed.low}..{allowed.high}"):
-                encode_request(Request(name, tuple(values)))
+                KHEPERA.encode_request(Request(name, tuple(values)))
             with pytest.raises(ArgumentError):
-                decode_request(",".join([name, *map(str, values)]).encode())
+                KHEPERA.decode_request(",".join([name, *map(str, values)]).encode())
     ranges = [r for r in command.results if isinstance(r, Range)]
     for i, allowed in enumerate(ranges):
         for value in (allowed.low - 1, allowed.high + 1):
             values = [r.low for r in ranges]
             values[i] = value
             with pytest.raises(ArgumentError):
-                encode_reply(Reply(name, tuple(values)))
+                KHEPERA.encode_reply(Reply(name, tuple(values)))
             with pytest.raises(ArgumentError):
-                decode_reply(",".join([name.lower(), *map(str, values)]).encode())
+                KHEPERA.decode_reply(",".join([name.lower(), *map(str, values)]).encode())
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))
@@ -48,40 +46,42 @@ def test_wrong_number_of_values_is_rejected(name: str) -> None:
     fields = ["1"] * len(COMMANDS[name].arguments)
     for wrong in ([*fields, "1"], [*fields, ""], fields[1:] if fields else ["1", "1"]):
         with pytest.raises(ArgumentError):
-            decode_request(",".join([name, *wrong]).encode())
+            KHEPERA.decode_request(",".join([name, *wrong]).encode())
     with pytest.raises(ArgumentError, match="allowed"):
-        encode_request(Request(name, (1,) * (len(fields) + 1)))
+        KHEPERA.encode_request(Request(name, (1,) * (len(fields) + 1)))
     if name != RESTART:
         with pytest.raises(ArgumentError):
-            decode_reply(",".join([name.lower(), *["1"] * (len(COMMANDS[name].results) + 1)]).encode())
+            KHEPERA.decode_reply(
+                ",".join([name.lower(), *["1"] * (len(COMMANDS[name].results) + 1)]).encode()
+            )
 
 
 @pytest.mark.parametrize("number", INVALID_NUMBERS)
 def test_numbers_that_are_not_plain_decimals_are_rejected(number: str) -> None:
     with pytest.raises(ProtocolError):
-        decode_request(f"D,{number},5".encode())
+        KHEPERA.decode_request(f"D,{number},5".encode())
     line = f"e,{number},5".encode()
     if number in ("nan", "inf"):
-        assert decode_reply(line) == TextLine(line.decode()), "words are decoded as text"
+        assert KHEPERA.decode_reply(line) == TextLine(line.decode()), "words are decoded as text"
         return
     with pytest.raises(ProtocolError):
-        decode_reply(line)
+        KHEPERA.decode_reply(line)
 
 
 @pytest.mark.parametrize("value", [True, 5.0, float("nan"), "5", None])
 def test_values_of_the_wrong_type_are_rejected(value: object) -> None:
     with pytest.raises(ArgumentError, match="whole number"):
-        encode_request(Request("D", (value, 5)))  # type: ignore[arg-type]
+        KHEPERA.encode_request(Request("D", (value, 5)))  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match="version"):
-        encode_reply(Reply("B", (5, "5.01")))
+        KHEPERA.encode_reply(Reply("B", (5, "5.01")))
 
 
 @pytest.mark.parametrize("version", ["5.", ".5", "5.0.1", "v5", "-5", "5.0221", ""])
 def test_versions_that_are_not_dotted_decimals_are_rejected(version: str) -> None:
     with pytest.raises(ProtocolError):
-        decode_reply(f"b,{version},5.01".encode())
+        KHEPERA.decode_reply(f"b,{version},5.01".encode())
     with pytest.raises(ArgumentError):
-        encode_reply(Reply("B", (version, "5.01")))
+        KHEPERA.encode_reply(Reply("B", (version, "5.01")))
 
 
 @pytest.mark.parametrize(
@@ -89,18 +89,18 @@ def test_versions_that_are_not_dotted_decimals_are_rejected(version: str) -> Non
 )
 def test_unknown_commands_are_rejected(line: bytes) -> None:
     with pytest.raises(UnknownCommandError):
-        decode_request(line)
+        KHEPERA.decode_request(line)
 
 
 @pytest.mark.parametrize("line", [b"T", b"T,", b"T,1", b"T,2,B", b"T,01,B", b"T,,B"])
 def test_absent_turrets_are_rejected(line: bytes) -> None:
     with pytest.raises(ArgumentError, match="turret"):
-        decode_request(line)
+        KHEPERA.decode_request(line)
 
 
 @pytest.mark.parametrize("line", [b"", b"\n", b"D,5,5\x00", b"\xffD,5,5", b"D\n,5,5", b"D,5,5\n\n"])
 def test_lines_that_are_not_printable_are_rejected(line: bytes) -> None:
-    for decode in (decode_request, decode_reply):
+    for decode in (KHEPERA.decode_request, KHEPERA.decode_reply):
         with pytest.raises(ProtocolError, match="printable"):
             decode(line)
 
@@ -110,4 +110,4 @@ def test_lines_that_are_not_printable_are_rejected(line: bytes) -> None:
 )
 def test_lines_that_are_not_replies_are_rejected(line: bytes) -> None:
     with pytest.raises(ProtocolError):
-        decode_reply(line)
+        KHEPERA.decode_reply(line)

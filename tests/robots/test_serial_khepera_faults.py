@@ -5,7 +5,6 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-import serial
 
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -59,10 +58,8 @@ def test_unplugged_robot_is_lost_at_once(caplog: pytest.LogCaptureFixture) -> No
         robot = SerialKhepera(rig.url)
         run_rounds(rig, robot, FORWARD)
         rig.ports[0].faults = Faults(unplug=1.0)
-        begin = time.monotonic()
         with pytest.raises(RobotLost, match="the port failed") as lost:
             robot.receive()
-        assert time.monotonic() - begin < 1.0
         assert lost.value.port == rig.url
         robot.close()
     assert "may still be moving" in caplog.text
@@ -86,7 +83,7 @@ ROUNDS = 150
 RATES = {
     "drop": Faults(drop=0.02),
     "delay": Faults(delay=0.01, lateness=(0.08, 0.2)),
-    "garble": Faults(garble=0.04),
+    "garble": Faults(garble=0.2),
     "duplicate": Faults(duplicate=0.2),
     "reset": Faults(reset=0.01),
     "all": Faults(drop=0.01, delay=0.005, garble=0.02, duplicate=0.05, reset=0.005, lateness=(0.08, 0.2)),
@@ -97,12 +94,13 @@ RATES = {
 def test_senses_are_correct_under_faults(name: str) -> None:
     """Drive wheels, arm and jaw: the driver's senses equal those of the simulated robot in every round.
 
-    Two deviations are allowed. After a restart the counters lack the pulses since their last reading. A garbled digit
-    may leave a plausible reading, so infra-reds and counters may be wrong within the plausibility limits.
+    What enters the experience is always right. A garbled digit may leave a well-formed reading of the infra-reds or the
+    counters, which is wrong until the next round. After a restart the counters lack what came after
+    their last reading.
     """
     with make_rig(faults=Faults(), seed=5) as rig, SerialKhepera(rig.url, baud=115200, timeout=0.05) as robot:
         rig.ports[0].faults = RATES[name]
-        rng = np.random.default_rng(1)
+        rng, wrong = np.random.default_rng(1), 0
         for number in range(ROUNDS):
             if number % 30 == 0:
                 arm, jaw = (int(v) for v in (rng.choice((215, 255)), rng.choice((0, 200))))
@@ -115,33 +113,19 @@ def test_senses_are_correct_under_faults(name: str) -> None:
             robot.receive()
             truth, senses = rig.robots[0].sense(), robot.sense()
             assert (senses.arm, senses.jaw, senses.object_presence) == truth[3:]
-            assert max(abs(a - b) for a, b in zip(senses.proximity, truth.proximity, strict=True)) <= 200
+            wrong += senses.proximity != truth.proximity
             if "reset" not in name and name != "all":
-                assert abs(senses.left_pulses - truth.left_pulses) <= 60
+                wrong += senses[1:3] != truth[1:3]
                 assert truth.left_pulses - before.left_pulses == 10 * left
                 assert truth.right_pulses - before.right_pulses == 10 * right
         counts = rig.ports[0].fault_counts
+        assert wrong <= counts.undetectable
         occurred = {
             field.name: getattr(counts, field.name) for field in fields(Faults) if hasattr(counts, field.name)
         }
         assert all(occurred[fault] for fault in (RATES if name == "all" else [name]) if fault != "all")
         rig.ports[0].faults = Faults()
+        robot.receive()
+        if "reset" not in name and name != "all":
+            assert robot.sense() == rig.robots[0].sense()
     assert rig.is_stopped()
-
-
-def test_write_timeout_is_a_lost_request_and_no_lost_robot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """pyserial reports it on a blocked port, and when the process was not scheduled for half a second."""
-    write, timeouts = serial.Serial.write, [True, False, True]
-
-    def slow(port: serial.Serial, data: bytes) -> int | None:
-        if timeouts:
-            if timeouts.pop():
-                write(port, data)
-            raise serial.SerialTimeoutException("Write timeout")
-        return write(port, data)
-
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        monkeypatch.setattr(serial.Serial, "write", slow)
-        run_rounds(rig, robot, FORWARD)
-        assert not timeouts
-        assert rig.wheel_pulses() == (50, 50)

@@ -3,16 +3,15 @@
 import os
 import signal
 import subprocess
-import time
 
 import pytest
 
+from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial.errors import RobotSuspended
-from khepera_forage.robots.serial.fleet import Fleet
+from khepera_forage.robots.real_robot import RobotSuspended
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from tests.robots.driver_process import start_driver, wait_for_exit
-from tests.robots.rig import FORWARD, Rig, make_rig, run_rounds
+from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
+from tests.robots.rig import FORWARD, make_rig, run_rounds
 
 CONTINUE = """
 from khepera_forage.robots.khepera import RobotLost
@@ -47,14 +46,6 @@ def command(child: "subprocess.Popen[str]") -> str:
     return child.stdout.readline()
 
 
-def wait_for_stop(rig: Rig) -> None:
-    """Wait at most one second."""
-    end = time.monotonic() + 1.0
-    while not rig.is_stopped():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 @pytest.mark.parametrize(("name", "options"), [("SIGTSTP", "watchdog=False"), ("SIGSTOP", "")])
 def test_suspended_program_stops_its_robots_until_the_next_command(name: str, options: str) -> None:
     """The watchdog stops them on SIGSTOP, which cannot be caught."""
@@ -66,7 +57,7 @@ def test_suspended_program_stops_its_robots_until_the_next_command(name: str, op
         assert rig.wheel_pulses(0) == rig.wheel_pulses(1) == (50, 50)
         child.send_signal(signal.Signals[name])
         wait_for_suspension(child)
-        wait_for_stop(rig)
+        wait_for(rig.is_stopped)
         child.send_signal(signal.SIGCONT)
         assert "the program was suspended, and the robot was stopped" in child.stdout.readline()
         assert rig.is_stopped()

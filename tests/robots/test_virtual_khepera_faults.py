@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import serial
 
-from khepera_forage.robots.serial.protocol import BANNER, TextLine, decode_reply
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.serial.protocol import TextLine
 from khepera_forage.robots.virtual.faults import FaultCounts, Faults
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.hosts import SILENCE, WAIT, connected_host, send_until_disconnected
@@ -89,13 +90,13 @@ def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | Non
             stage.rounds(1)
             khepera.faults = Faults(reset=1.0)
             host.write(b"H\n")
-            first, *rest = (host.readline().rstrip() for _ in BANNER)
+            first, *rest = (host.readline().rstrip() for _ in KHEPERA.banner)
             khepera.faults = Faults()
-            read = decode_reply(first)
+            read = KHEPERA.decode_reply(first)
             assert isinstance(read, TextLine)
-            assert read.text.endswith(BANNER[0])
-            beginnings.add(read.text.removesuffix(BANNER[0]))
-            assert rest == [line.encode() for line in BANNER[1:]]
+            assert read.text.endswith(KHEPERA.banner[0])
+            beginnings.add(read.text.removesuffix(KHEPERA.banner[0]))
+            assert rest == [line.encode() for line in KHEPERA.banner[1:]]
             stage.rounds(2)
             host.write(b"H\n")
             assert host.readline() == b"h,0,0\r\n", "stopped, counters at 0"

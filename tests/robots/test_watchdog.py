@@ -6,31 +6,20 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable
 
 import pytest
 
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
-from tests.robots.driver_process import start_driver, wait_for_exit
+from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rfc2217_server import rfc2217_server
 from tests.robots.rig import FORWARD, make_rig
 from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
-
-LIMIT = 1.0
-"""Seconds that wheels may turn after the end of a process."""
 
 
 def last_speeds(robot: ScriptedRobot) -> bytes:
     """The last speed command that a robot has received."""
     return next(request for request in reversed(robot.requests) if request.startswith(b"D,"))
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.005)
 
 
 @pytest.mark.parametrize(
@@ -139,8 +128,8 @@ def test_watchdog_ends_with_the_driver(no_leaks: None, monkeypatch: pytest.Monke
     pids: list[int] = []
     original = Watchdog.__init__
 
-    def recorded(self: Watchdog, port: str, descriptor: int) -> None:
-        original(self, port, descriptor)
+    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
+        original(self, port, descriptor, stop)
         pids.append(self.pid)
 
     monkeypatch.setattr(Watchdog, "__init__", recorded)
@@ -159,7 +148,7 @@ def test_watchdog_ends_with_the_driver(no_leaks: None, monkeypatch: pytest.Monke
 
 def test_lost_watchdog_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     reader, writer = os.pipe()
-    watchdog = Watchdog("somewhere", writer)
+    watchdog = Watchdog("somewhere", writer, b"D,0,0\n")
     os.kill(watchdog.pid, signal.SIGKILL)
     wait_for(lambda: "the watchdog of somewhere has ended" in caplog.text)
     watchdog.end()
@@ -169,5 +158,5 @@ def test_lost_watchdog_is_reported(caplog: pytest.LogCaptureFixture) -> None:
 
 def test_port_without_a_descriptor_has_no_watchdog(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING):
-        assert start_watchdog("loop://", None) is None
+        assert start_watchdog("loop://", None, b"") is None
     assert "loop:// has no watchdog" in caplog.text

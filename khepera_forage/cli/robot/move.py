@@ -4,10 +4,11 @@ import argparse
 import math
 import time
 
-from khepera_forage.cli.robot.port import add_port_arguments, open_robot
+from khepera_forage.cli.robot.port import add_port_arguments, open_robot, open_serial_robot, require_gripper
 from khepera_forage.option_values import real_number, whole_number
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.model import MODELS
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 
 _MAX_SECONDS = 60.0
 """Longest drive of one command: an operator does not watch a robot for longer."""
@@ -43,15 +44,24 @@ def drive(arguments: argparse.Namespace) -> int:
         OSError: The port cannot be opened, or the robot is lost.
     """
     with open_robot(arguments) as robot:
-        left, right = counters(robot)
-        robot.request("D", arguments.left, arguments.right)
+        robot.receive()
+        before = robot.sense()
         end = time.monotonic() + arguments.seconds
         while (rest := end - time.monotonic()) > 0:
-            time.sleep(min(rest, CONTROL_PERIOD))
-            counters(robot)  # raises an error if the robot was lost
+            # Again and again: a robot that restarts meanwhile drives on, and one that is lost raises an error.
+            robot.turn_wheels(arguments.left, arguments.right)
+            robot.receive()
+            time.sleep(max(0.0, min(rest, CONTROL_PERIOD)))
         robot.stop()
-        left, right = (after - before for after, before in zip(counters(robot), (left, right), strict=True))
-    print(f"left {left} pulses, {left * PULSE:.0f} mm; right {right} pulses, {right * PULSE:.0f} mm")
+        robot.receive()
+        after = robot.sense()
+        restarts = robot.statistics.restarts if isinstance(robot, SerialRobot) else 0
+        scale = robot.model.scale
+    left, right = after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+    if restarts:
+        print(f"the robot restarted {restarts} time{'s' * (restarts > 1)}: check its power supply")
+    left_mm, right_mm = (pulses * PULSE * scale for pulses in (left, right))
+    print(f"left {left} pulses, {left_mm:.0f} mm; right {right} pulses, {right_mm:.0f} mm")
     return 0
 
 
@@ -65,9 +75,11 @@ def grip(arguments: argparse.Namespace) -> int:
     """Move the arm or the jaw, wait until it stands still, and print its position.
 
     Raises:
+        ValueError: A kind of robot without a gripper.
         OSError: The port cannot be opened, the robot is lost, or it has no gripper.
     """
-    with open_robot(arguments) as robot:
+    require_gripper(MODELS[arguments.robot])
+    with open_serial_robot(arguments) as robot:
         command, value = _GRIPPER_COMMANDS[arguments.action]
         robot.request(command, value)
         is_arm = command == "T,1,E"
@@ -77,7 +89,7 @@ def grip(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def wait_for_rest(robot: SerialKhepera, is_arm: bool) -> int:
+def wait_for_rest(robot: SerialRobot, is_arm: bool) -> int:
     """Wait until the arm or the jaw stands still, at most 4 s; returns its position."""
     end = time.monotonic() + _REST_TIMEOUT
     last, equal = math.nan, 0
@@ -88,9 +100,3 @@ def wait_for_rest(robot: SerialKhepera, is_arm: bool) -> int:
         last = position = int(position)
         if equal >= _REST_READINGS or time.monotonic() > end:
             return position
-
-
-def counters(robot: SerialKhepera) -> tuple[int, int]:
-    """The encoder counts of the left and right wheel, in pulses."""
-    left, right = robot.request("H")
-    return int(left), int(right)

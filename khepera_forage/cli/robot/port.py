@@ -1,27 +1,35 @@
-"""The arguments of a robot's serial port."""
+"""The arguments of a robot's port."""
 
 import argparse
 
 from khepera_forage.option_values import real_number
-from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.serial.port import BAUD_RATES
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.drivers import open_robot as open_any
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS, RobotModel
+from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
+from khepera_forage.robots.serial.serial_robot import SerialRobot
+
+
+def add_robot_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--robot`."""
+    parser.add_argument(
+        "--robot", choices=tuple(MODELS), default=KHEPERA.name, help=f"kind of robot ({KHEPERA.name})"
+    )
 
 
 def add_port_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `--port`, `--baud`, `--timeout` and `--no-watchdog`."""
+    """Add `--robot`, `--port`, `--baud`, `--timeout` and `--no-watchdog`."""
+    add_robot_argument(parser)
     parser.add_argument(
         "--port",
         required=True,
-        help="the robot's port: a device such as /dev/ttyUSB0, socket://host:port or rfc2217://host:port",
+        help="the robot's port: /dev/ttyUSB0, socket://host:port or rfc2217://host:port; or the name of a "
+        "toio cube, such as toio-A1b",
     )
     bauds = ", ".join(map(str, BAUD_RATES))
     parser.add_argument(
-        "--baud",
-        type=int,
-        default=DEFAULT_BAUD,
-        help=f"as set by the robot's mode switch: {bauds} ({DEFAULT_BAUD})",
+        "--baud", type=int, help=f"as set by a Khepera's mode switch: {bauds} (38400; of an e-puck2 115200)"
     )
     parser.add_argument(
         "--timeout",
@@ -38,22 +46,43 @@ def add_port_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_robot(arguments: argparse.Namespace, period: float | None = CONTROL_PERIOD) -> SerialKhepera:
-    """The driver of the robot at the port.
-
-    Args:
-        arguments: Of the command.
-        period: Seconds of a round, which the line must keep; None accepts any line.
+def open_robot(arguments: argparse.Namespace) -> RealRobot:
+    """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep.
 
     Raises:
         ValueError: A baud rate or a time-out that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
-            line does not keep the period.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies.
     """
-    return SerialKhepera(
+    return open_any(
+        arguments.robot,
         arguments.port,
         baud=arguments.baud,
         timeout=arguments.timeout,
         watchdog=arguments.watchdog,
-        period=period,
+        period=None,
     )
+
+
+def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
+    """As `open_robot`, for a robot with a serial line.
+
+    Raises:
+        ValueError: Another robot.
+    """
+    if arguments.robot not in (KHEPERA.name, E_PUCK.name):
+        raise ValueError(
+            f"--robot {arguments.robot}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line"
+        )
+    robot = open_robot(arguments)
+    assert isinstance(robot, SerialRobot)
+    return robot
+
+
+def require_gripper(model: RobotModel) -> None:
+    """Refuse a robot without a gripper.
+
+    Raises:
+        ValueError: It has none.
+    """
+    if not model.has_gripper:
+        raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")

@@ -4,13 +4,15 @@ import argparse
 import statistics
 import time
 
-from khepera_forage.cli.robot.port import add_port_arguments, open_robot
-from khepera_forage.robots.serial.errors import RequestRejected
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.cli.robot.port import add_port_arguments, open_serial_robot
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
+from khepera_forage.robots.serial.line import RequestRejected
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 
 _ROUND_TRIPS = 10
 """Measurements of each response time."""
-_TIMED_COMMANDS = (("B", ()), ("N", ()), ("H", ()), ("T,1,G", ()), ("T,1,H", (1,)))
+_COUNTERS = {KHEPERA.name: "H", E_PUCK.name: "Q"}
+_GRIPPER: tuple[tuple[str, tuple[int, ...]], ...] = (("T,1,G", ()), ("T,1,H", (1,)))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,17 +26,29 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, or no robot answers.
     """
-    with open_robot(arguments, period=None) as robot:
+    model = MODELS[arguments.robot]
+    with open_serial_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
-        bios, protocol = robot.request("B")
-        print(f"robot      BIOS {bios}, protocol {protocol}")
-        print(f"gripper    {_gripper(robot)}")
+        identity = robot.protocol.identity
+        version = robot.request(identity.command, *identity.values)
+        if model.has_gripper:
+            print(f"robot      BIOS {version[0]}, protocol {version[1]}")
+            print(f"gripper    {_gripper(robot)}")
+        else:
+            print(f"robot      {model.name}, {version[0]}")
+        directions = ", ".join(f"{degrees:g}" for degrees in model.infra_reds)
+        print(f"proximity  {_numbers(robot.request('N'))}   (degrees to the left: {directions})")
+        print(f"light      {_numbers(robot.request('O'))}   (the higher, the darker)")
         print(
-            f"proximity  {_numbers(robot.request('N'))}   (left 90, 45, 10, right 10, 45, 90, back right, left)"
+            f"counters   {_numbers(robot.request(_COUNTERS[model.name]))}   (left, right; {model.pulse:.3g} mm each)"
         )
-        print(f"light      {_numbers(robot.request('O'))}   (about 500 is dark)")
-        print(f"counters   {_numbers(robot.request('H'))}   (left, right; 0.08 mm each)")
-        for command, values in _TIMED_COMMANDS:
+        timed = [
+            (identity.command, ()),
+            ("N", ()),
+            (_COUNTERS[model.name], ()),
+            *(_GRIPPER if model.has_gripper else ()),
+        ]
+        for command, values in timed:
             try:
                 print(f"{_name(command, values):10s} {_round_trips(robot, command, values)}")
             except RequestRejected:
@@ -42,14 +56,14 @@ def run(arguments: argparse.Namespace) -> int:
         timing, counts = robot.timing, robot.statistics
         print(
             f"latency    {1000 * timing.latency:.1f} ms in addition to the transmission; a round takes "
-            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second, requests "
-            f"{'pipelined' if timing.pipelined else 'one by one'}"
+            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second"
+            f"{'' if timing.pipelined else ', because the robot answers only one request at a time'}"
         )
         print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
     return 0
 
 
-def _gripper(robot: SerialKhepera) -> str:
+def _gripper(robot: SerialRobot) -> str:
     """The gripper's version and state, or why it does not answer."""
     try:
         version, revision = robot.request("T,1,B")
@@ -65,7 +79,7 @@ def _gripper(robot: SerialKhepera) -> str:
     )
 
 
-def _round_trips(robot: SerialKhepera, command: str, values: tuple[int, ...]) -> str:
+def _round_trips(robot: SerialRobot, command: str, values: tuple[int, ...]) -> str:
     """Median and range of the response time of one command."""
     taken = []
     for _ in range(_ROUND_TRIPS):

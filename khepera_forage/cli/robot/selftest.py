@@ -1,13 +1,15 @@
 """`khepera-forage robot selftest`: test every part of a robot with small movements."""
 
 import argparse
+import math
 import statistics
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from khepera_forage.cli.robot.move import counters, wait_for_rest
+from khepera_forage.cli.robot.move import wait_for_rest
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
+from khepera_forage.robots.epuck.protocol import INFRA_RED
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,
@@ -18,12 +20,15 @@ from khepera_forage.robots.khepera import (
     SPEED_UNIT,
     Motors,
 )
+from khepera_forage.robots.model import E_PUCK, KHEPERA, TOIO
 from khepera_forage.robots.proximity import MAX_READING
-from khepera_forage.robots.serial.errors import RequestRejected
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.serial.line import RequestRejected
+from khepera_forage.robots.serial.serial_robot import SerialRobot
+from khepera_forage.robots.toio.driver import ToioRobot
 
-_SPEED, _SECONDS = 4, 0.5
-"""Speed in units and duration of the wheel test: 16 mm each way."""
+_SPEED, _SECONDS = 6, 0.3
+"""Speed in units and duration of the wheel test: 14 mm each way, within the 0.3 s of a cube's command."""
 _LOWERED = ARM_DOWN - 15
 """Arm position near the floor, above any object that may lie there."""
 _ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
@@ -39,7 +44,7 @@ class Check(NamedTuple):
     """A part, and a function that tests it: it returns what it measured, or raises `CheckError`."""
 
     name: str
-    run: Callable[[SerialKhepera], str]
+    run: Callable[[Any], str]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,10 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OSError: The port cannot be opened, or the robot is lost.
     """
-    failed = 0
+    failed, checks = 0, CHECKS[arguments.robot]
     with open_robot(arguments) as robot:
-        print("Keep 30 mm free around the robot: wheels, arm and jaw will move a little.", flush=True)
-        for check in CHECKS:
+        moving = "wheels, arm and jaw" if robot.model.has_gripper else "the wheels"
+        print(f"Keep 30 mm free around the robot: {moving} will move a little.", flush=True)
+        for check in checks:
             try:
                 verdict, measured = "pass", check.run(robot)
             except CheckError as failure:
@@ -68,67 +74,85 @@ def run(arguments: argparse.Namespace) -> int:
                 verdict, measured = "FAIL", f"{refusal.command}: {refusal.reason}"
             failed += verdict == "FAIL"
             print(f"{check.name:18s} {verdict}   {measured}", flush=True)
-    print(f"{len(CHECKS) - failed} of {len(CHECKS)} passed")
+    print(f"{len(checks) - failed} of {len(checks)} passed")
     return 1 if failed else 0
 
 
-def _versions(robot: SerialKhepera) -> str:
-    bios, protocol = robot.request("B")
-    return f"BIOS {bios}, protocol {protocol}"
+def _versions(robot: SerialRobot) -> str:
+    return ", ".join(map(str, robot.request(robot.protocol.identity.command)))
 
 
-def _lamps(robot: SerialKhepera) -> str:
-    for lamp in (0, 1):
+def _lamps(robot: SerialRobot) -> str:
+    lamps = (0, 1) if robot.model is KHEPERA else range(8)
+    for lamp in lamps:
         for action in (1, 0):
             robot.request("L", lamp, action)
             time.sleep(CONTROL_PERIOD)
-    return "both were switched on and off; check that you saw them"
+    return f"all {len(lamps)} were switched on and off; check that you saw them"
 
 
-def _infra_reds(robot: SerialKhepera) -> str:
+def _mat(robot: ToioRobot) -> str:
+    robot.receive()
+    if not robot.on_mat:
+        raise CheckError(
+            "it does not see the mat: put it on the simple mat, and check that its sensor is clean"
+        )
+    x, y, heading = robot.pose
+    return f"at x {x:.0f} mm, y {y:.0f} mm of the plan, heading {math.degrees(heading):.0f} degrees"
+
+
+def _infra_reds(robot: SerialRobot) -> str:
     rounds = [_readings(robot, "N") for _ in range(5)]
-    if any(len(set(readings)) == 1 and readings[0] == MAX_READING for readings in rounds):
+    highest = MAX_READING if robot.model is KHEPERA else INFRA_RED.high
+    if any(set(readings) == {highest} for readings in rounds):
         raise CheckError(f"all eight read {rounds[0][0]}")
     medians = [int(statistics.median(column)) for column in zip(*rounds, strict=True)]
     return f"proximity {' '.join(map(str, medians))}"
 
 
-def _light(robot: SerialKhepera) -> str:
+def _light(robot: SerialRobot) -> str:
     light = _readings(robot, "O")
     if max(light) == 0:
         raise CheckError("all eight read 0, the value of the brightest light")
     return f"{min(light)}..{max(light)} (about 500 is dark)"
 
 
-def _wheels(robot: SerialKhepera) -> str:
-    start = counters(robot)
+def _wheels(robot: RealRobot) -> str:
+    start = _counters(robot)
     forth = _travel(robot, _SPEED)
     back = _travel(robot, -_SPEED)
-    off = [b - a for a, b in zip(start, counters(robot), strict=True)]
+    off = [b - a for a, b in zip(start, _counters(robot), strict=True)]
     if max(map(abs, off)) > 0.3 * _SPEED * SPEED_UNIT / PULSE * _SECONDS:
         raise CheckError(f"forward {forth} and back {back} pulses end {off} pulses from the start")
     return f"forward {forth}, back {back} pulses, {off} from the start"
 
 
-def _travel(robot: SerialKhepera, speed: int) -> list[int]:
+def _travel(robot: RealRobot, speed: int) -> list[int]:
     """Turn both wheels and return their pulses; half to one and a half times the expected number passes.
 
-    The range is wide because a low supply voltage slows the motors. A wheel that turns the wrong way fails.
+    The range is wide because a low supply voltage slows the motors, and a cube has few speeds. A wheel that turns the
+    wrong way fails.
     """
-    before = counters(robot)
+    before = _counters(robot)
     begin = time.monotonic()
-    robot.request("D", speed, speed)
+    robot.turn_wheels(speed, speed)
     time.sleep(_SECONDS)
     robot.stop()
     expected = speed * SPEED_UNIT / PULSE * (time.monotonic() - begin)
     time.sleep(2 * CONTROL_PERIOD)
-    gone = [after - b for after, b in zip(counters(robot), before, strict=True)]
+    gone = [after - b for after, b in zip(_counters(robot), before, strict=True)]
     if any(not 0.5 < pulses / expected < 1.5 for pulses in gone):
         raise CheckError(f"{gone} pulses at speed {speed}; expected: about {expected:.0f}")
     return gone
 
 
-def _arm(robot: SerialKhepera) -> str:
+def _counters(robot: RealRobot) -> tuple[int, int]:
+    """The encoder counts of the left and right wheel, in pulses."""
+    robot.receive()
+    return robot.sense()[1:3]
+
+
+def _arm(robot: SerialRobot) -> str:
     positions = []
     for target in (ARM_RAISED, _LOWERED, ARM_RAISED):
         robot.request("T,1,E", target)
@@ -138,7 +162,7 @@ def _arm(robot: SerialKhepera) -> str:
     return f"at {', '.join(map(str, positions))}"
 
 
-def _jaw(robot: SerialKhepera) -> str:
+def _jaw(robot: SerialRobot) -> str:
     positions = []
     for closed, target in ((1, JAW_CLOSED), (0, JAW_OPEN)):
         robot.request("T,1,D", closed)
@@ -150,14 +174,14 @@ def _jaw(robot: SerialKhepera) -> str:
     return f"closed at {positions[0]}, open at {positions[1]}"
 
 
-def _barrier(robot: SerialKhepera) -> str:
+def _barrier(robot: SerialRobot) -> str:
     (barrier,) = robot.request("T,1,G")
     if int(barrier) > 100:
         raise CheckError(f"{barrier} with nothing between the fingers")
     return f"{barrier} with nothing between the fingers"
 
 
-def _rounds(robot: SerialKhepera) -> str:
+def _rounds(robot: RealRobot) -> str:
     taken = []
     for _ in range(_ROUNDS):
         begin = time.monotonic()
@@ -172,27 +196,34 @@ def _rounds(robot: SerialKhepera) -> str:
     return measured
 
 
-def _line(robot: SerialKhepera) -> str:
+def _line(robot: SerialRobot) -> str:
     counts = robot.statistics
     if counts.timeouts + counts.garbled + counts.rejected + counts.restarts:
         raise CheckError(f"{counts}")
     return f"{counts.sent} requests, all answered"
 
 
-def _readings(robot: SerialKhepera, command: str) -> list[int]:
+def _readings(robot: SerialRobot, command: str) -> list[int]:
     return [int(value) for value in robot.request(command)]
 
 
-CHECKS = (
-    Check("versions", _versions),
-    Check("lamps", _lamps),
-    Check("arm", _arm),
-    Check("jaw", _jaw),
-    Check("optical barrier", _barrier),
+_SERIAL = (
     Check("infra-reds", _infra_reds),
     Check("ambient light", _light),
     Check("wheels", _wheels),
     Check("a round", _rounds),
     Check("line", _line),
 )
-"""The arm comes before the infra-reds: raised, it does not cover them."""
+CHECKS = {
+    KHEPERA.name: (
+        Check("versions", _versions),
+        Check("lamps", _lamps),
+        Check("arm", _arm),
+        Check("jaw", _jaw),
+        Check("optical barrier", _barrier),
+        *_SERIAL,
+    ),
+    E_PUCK.name: (Check("version", _versions), Check("lamps", _lamps), *_SERIAL),
+    TOIO.name: (Check("mat", _mat), Check("wheels", _wheels), Check("a round", _rounds)),
+}
+"""By the kind of robot. The arm comes before the infra-reds: raised, it does not cover them."""

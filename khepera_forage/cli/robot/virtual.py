@@ -12,8 +12,10 @@ import numpy as np
 from khepera_forage.cli.arguments import add_seed_argument
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
+from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.serial.port import BAUD_RATES
+from khepera_forage.robots.model import E_PUCK, KHEPERA
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -33,7 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     bauds = ", ".join(map(str, BAUD_RATES))
     parser.add_argument(
-        "--baud", type=int, default=38400, help=f"speed of the line: {bauds}, or 0 for no limit (38400)"
+        "--baud",
+        type=int,
+        help=f"speed of the line: {bauds}, or 0 for no limit (38400; of an e-puck2 115200)",
     )
     for fault in FAULTS:
         parser.add_argument(
@@ -50,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=Faults().lateness,
         metavar=("FROM", "TO"),
         help="range of the delay of a delayed reply, in seconds (0.3 1.0)",
+    )
+    parser.add_argument(
+        "--robot",
+        choices=(KHEPERA.name, E_PUCK.name),
+        default=KHEPERA.name,
+        help=f"kind of robot ({KHEPERA.name})",
     )
     add_seed_argument(parser, "seed of the simulation and of the faults")
 
@@ -72,14 +82,19 @@ def run(arguments: argparse.Namespace) -> int:
     world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing)
     world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
-    firmware = Firmware(world.robots[0], lock)
+    is_khepera = arguments.robot == KHEPERA.name
+    firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
+    baud = arguments.baud if arguments.baud is not None else 38400 if is_khepera else 115200
     with (
         _collected_signals() as signals,
         VirtualKhepera(
-            firmware, tcp=arguments.tcp, baud=arguments.baud or None, faults=faults, rng=fault_rng
+            firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
         ) as khepera,
     ):
-        print(f"a virtual Khepera at {khepera.url}; Ctrl-C ends it", flush=True)
+        print(
+            f"a virtual {'Khepera' if is_khepera else E_PUCK.name} at {khepera.url}; Ctrl-C ends it",
+            flush=True,
+        )
         overruns = _advance_in_real_time(world, firmware, lock, khepera, signals)
         print("stopped" if khepera.connected else "unplugged", flush=True)
     world.close()

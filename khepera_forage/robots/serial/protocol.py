@@ -1,30 +1,24 @@
-"""The K-Team ASCII protocol: encoding and decoding of requests and replies, for host and robot. No input or output.
+"""Request-reply protocols in lines of ASCII: encoding and decoding, for host and robot. No input or output.
 
-A request is a capital letter followed by decimal numbers, separated by commas and terminated by LF. Its reply repeats
-the letter in lower case and ends with CR LF. `command_table` lists the commands.
+A request is a capital letter followed by decimal numbers, separated by commas; its reply repeats the letter in lower
+case and ends with CR LF. The Khepera and the e-puck share this form; a `Protocol` has the commands of one of them.
 
-Decoding is strict: a line that decodes encodes to the same bytes again. The protocol has no checksum, but a plus
-sign, a space, a leading zero or a minus zero shows that bytes were lost or changed in transmission.
+Decoding is strict: a line that decodes encodes to the same bytes again. There is no checksum, but a plus sign, a space,
+a leading zero or a minus zero shows that bytes were lost or changed in transmission.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
-from khepera_forage.robots.serial.command_table import COMMANDS, RESTART, Command, Range, Version
-from khepera_forage.robots.serial.framing import MAX_LINE
-
-BANNER = (
-    "ROM of minirobot KHEPERA, Edoardo Franzi",
-    "K-Team S.A.",
-    "October 22, 1998",
-    "Rev. 5.01",
-    "Serial Communication Protocol",
-)
-"""Lines that the robot sends when it starts. The text is K-Team's; the line breaks are an assumption."""
-
+MAX_LINE = 256
+"""Bytes of a line that `LineSplitter` keeps; the longest replies have fewer than 60."""
 NOT_FOUND_TEXT = "Command not found"
 PROTOCOL_ERROR_TEXT = "Protocol error"
+RESTART = "restart"
+"""The only command that is a word; the robot replies with its banner (WEP)."""
 
 
 class ProtocolError(ValueError):
@@ -32,23 +26,62 @@ class ProtocolError(ValueError):
 
 
 class UnknownCommandError(ProtocolError):
-    """An unknown letter or gripper message; a Khepera replies `z,Command not found`."""
+    """An unknown letter or gripper message; a robot replies `z,Command not found`."""
 
 
 class ArgumentError(ProtocolError):
-    """Wrong number, format or range of values, or an absent turret; a Khepera replies `z,Protocol error`."""
+    """Wrong number, format or range of values, or an absent turret; a robot replies `z,Protocol error`."""
+
+
+class Range(NamedTuple):
+    """Whole numbers from `low` to `high`, both allowed."""
+
+    low: int
+    high: int
+
+
+class Text(NamedTuple):
+    """A value that is not a number.
+
+    Attributes:
+        pattern: Regular expression of the allowed values.
+        example: For messages.
+    """
+
+    pattern: str
+    example: str
+
+
+VERSION = Text(r"[0-9]{1,3}(\.[0-9]{1,3})?", "a version such as 5.02")
+
+
+class Command(NamedTuple):
+    """One command.
+
+    Attributes:
+        arguments: Ranges of the values in the request.
+        results: Ranges of the values in the reply.
+        meaning: Short description.
+    """
+
+    arguments: tuple[Range, ...]
+    results: tuple[Range | Text, ...]
+    meaning: str
 
 
 class Request(NamedTuple):
     """A message from host to robot.
 
     Attributes:
-        command: A key of `COMMANDS`: a capital letter, a gripper message such as "T,1,G", or "restart".
+        command: A capital letter, a gripper message such as "T,1,G", or "restart".
         values: Arguments.
     """
 
     command: str
     values: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        return ",".join((self.command, *map(str, self.values)))
 
 
 class Reply(NamedTuple):
@@ -56,7 +89,7 @@ class Reply(NamedTuple):
 
     Attributes:
         command: The command of the request, in the same form.
-        values: Results: numbers; for B two strings such as "5.02".
+        values: Results: numbers, or strings such as "5.02".
     """
 
     command: str
@@ -75,92 +108,153 @@ class TextLine(NamedTuple):
     text: str
 
 
-def encode_request(request: Request) -> bytes:
-    """Encode a request, terminated by LF.
+@dataclass(frozen=True)
+class Protocol:
+    """The protocol of one kind of robot.
 
-    Raises:
-        UnknownCommandError: The command is not in the table.
-        ArgumentError: Wrong number of values, or a value out of range or not a whole number.
+    Attributes:
+        commands: By the command name of a `Request`.
+        banner: Lines that the robot sends when it starts.
+        identity: A request that tells this kind of robot from others.
+        queries: Requests that change nothing, the shortest first; more than the number of tries before a robot counts
+            as lost.
+        baud_rates: Those that the robot supports.
+        stop_bits: 1 or 2.
+        remark: Beginning of a line of text that follows a reply, and has no meaning.
+        end: End of a request.
+        hint: What to check if no such robot replies.
     """
-    fields = _encode_fields(request.command, request.values, _command(request.command).arguments)
-    return ",".join([request.command, *fields]).encode() + b"\n"
+
+    commands: Mapping[str, Command]
+    banner: tuple[str, ...]
+    identity: Request
+    queries: tuple[Request, ...]
+    baud_rates: tuple[int, ...]
+    stop_bits: int
+    remark: str = "\n"
+    end: bytes = b"\n"
+    hint: str = ""
+
+    @cached_property
+    def _names(self) -> dict[str, str]:
+        """The commands by the beginning of their replies."""
+        return {name.lower(): name for name in self.commands if name != RESTART}
+
+    @cached_property
+    def _banner_words(self) -> frozenset[str]:
+        return frozenset(word for line in self.banner for word in _WORD.findall(line))
+
+    def encode_request(self, request: Request) -> bytes:
+        """Encode a request.
+
+        Raises:
+            UnknownCommandError: The command is not in the table.
+            ArgumentError: Wrong number of values, or a value out of range or not a whole number.
+        """
+        fields = _encoded(request.command, request.values, self._command(request.command).arguments)
+        return ",".join([request.command, *fields]).encode() + self.end
+
+    def decode_request(self, line: bytes) -> Request:
+        """Decode a request.
+
+        Args:
+            line: With or without its ending.
+
+        Raises:
+            UnknownCommandError: The command is not in the table.
+            ArgumentError: Wrong number of values, or a value out of range or not a whole number; an absent turret.
+            ProtocolError: The line is not printable ASCII.
+        """
+        name, fields = _split_command(_text(line))
+        values = _decoded(name, fields, self._command(name).arguments)
+        return Request(name, tuple(value for value in values if isinstance(value, int)))
+
+    def encode_reply(self, reply: Reply | ErrorReply) -> bytes:
+        """Encode a reply, terminated by CR LF.
+
+        Raises:
+            UnknownCommandError: The command is not in the table, or is restart: the robot sends its banner instead.
+            ArgumentError: Wrong number of values, a value out of range or of the wrong type, or an error text that is
+                not printable ASCII.
+        """
+        if isinstance(reply, ErrorReply):
+            if not _printable(reply.text):
+                raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
+            return f"z,{reply.text}\r\n".encode()
+        if reply.command == RESTART:
+            raise UnknownCommandError(f"a reply to {RESTART!r}; allowed: the banner")
+        fields = _encoded(reply.command, reply.values, self._command(reply.command).results)
+        return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
+
+    def decode_reply(self, line: bytes) -> Reply | ErrorReply | TextLine:
+        """Decode a reply.
+
+        A line that contains a word is decoded as text, even if it begins like a reply: if the power supply fails while
+        the robot is sending a reply, the banner follows on the same line.
+
+        Args:
+            line: With or without its ending.
+
+        Raises:
+            ProtocolError: The line is not one that the robot sends.
+        """
+        text = _text(line)
+        if text.startswith("z,"):
+            return ErrorReply(text[2:])
+        fields = text.split(",")
+        parts = 3 if fields[0] == "t" else 1
+        letters = ",".join(fields[:parts])
+        try:
+            name = self._names.get(letters)
+            if name is None:
+                raise UnknownCommandError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
+            return Reply(name, _decoded(name, fields[parts:], self.commands[name].results))
+        except ProtocolError:
+            if NOT_FOUND_TEXT in text or PROTOCOL_ERROR_TEXT in text or not re.search("[A-Za-z]{3}", text):
+                raise
+            return TextLine(text)
+
+    def is_banner(self, line: TextLine) -> bool:
+        """Whether a line contains a whole word of the restart banner, wherever the robot breaks its lines."""
+        return not self._banner_words.isdisjoint(_WORD.findall(line.text))
+
+    def _command(self, name: str) -> Command:
+        if name not in self.commands:
+            raise UnknownCommandError(f"command {name!r}; allowed: {', '.join(self.commands)}")
+        return self.commands[name]
 
 
-def decode_request(line: bytes) -> Request:
-    """Decode a request.
+class LineSplitter:
+    """Splits bytes, received in chunks of any size, into lines without their endings: LF, CR or CR LF.
 
-    Args:
-        line: With or without its ending.
-
-    Raises:
-        UnknownCommandError: The command is not in the table.
-        ArgumentError: Wrong number of values, or a value out of range or not a whole number; an absent turret.
-        ProtocolError: The line is not printable ASCII.
+    Empty lines are dropped. Of a longer line, the first `MAX_LINE` bytes are kept.
     """
-    name, fields = _split_command(_text(line))
-    allowed = _command(name).arguments
-    _check_count(name, fields, allowed)
-    return Request(
-        name, tuple(_decode_number(name, field, r) for field, r in zip(fields, allowed, strict=True))
-    )
+
+    def __init__(self) -> None:
+        self._incomplete = bytearray()
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """Take the next chunk; returns the lines that it completes, oldest first. Never raises."""
+        lines = []
+        *ends, rest = re.split(rb"[\r\n]", data)
+        for end in ends:
+            line = (bytes(self._incomplete) + end)[:MAX_LINE]
+            self._incomplete.clear()
+            if line:
+                lines.append(line)
+        self._incomplete += rest[: MAX_LINE - len(self._incomplete)]
+        return lines
 
 
-def encode_reply(reply: Reply | ErrorReply) -> bytes:
-    """Encode a reply, terminated by CR LF.
-
-    Raises:
-        UnknownCommandError: The command is not in the table, or is restart: the robot sends its banner instead.
-        ArgumentError: Wrong number of values, a value out of range or of the wrong type, or an error text that is
-            not printable ASCII.
-    """
-    if isinstance(reply, ErrorReply):
-        if not _printable(reply.text):
-            raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
-        return f"z,{reply.text}\r\n".encode()
-    if reply.command == RESTART:
-        raise UnknownCommandError(f"a reply to {RESTART!r}; allowed: the banner")
-    fields = _encode_fields(reply.command, reply.values, _command(reply.command).results)
-    return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
+def seconds_on_wire(count: int, baud: int, stop_bits: int = 2) -> float:
+    """Transmission time of a number of bytes, each with a start bit and 8 data bits."""
+    return count * (9 + stop_bits) / baud
 
 
-def decode_reply(line: bytes) -> Reply | ErrorReply | TextLine:
-    """Decode a reply.
-
-    A line that contains a word is decoded as text, even if it begins like a reply: if the power supply fails
-    while the robot is sending a reply, the banner follows on the same line.
-
-    Args:
-        line: With or without its ending.
-
-    Raises:
-        ProtocolError: The line is not one that a Khepera sends.
-    """
-    text = _text(line)
-    if text.startswith("z,"):
-        return ErrorReply(text[2:])
-    if re.search("[A-Za-z]{3}", text):
-        if NOT_FOUND_TEXT in text or PROTOCOL_ERROR_TEXT in text:
-            raise ProtocolError(f"reply {text!r}; allowed: an error reply begins with z")
-        return TextLine(text)
-    if text != text.lower():
-        raise UnknownCommandError(f"reply {text!r}; allowed: lower case")
-    name, fields = _split_command(text.upper())
-    allowed = _command(name).results
-    _check_count(name, fields, allowed)
-    return Reply(
-        name, tuple(_decode_result(name, field, r) for field, r in zip(fields, allowed, strict=True))
-    )
-
-
-def is_banner(line: TextLine) -> bool:
-    """Whether a line contains a whole word of the restart banner, wherever the robot breaks its lines."""
-    return not _BANNER_WORDS.isdisjoint(_WORD.findall(line.text))
-
-
-def _command(name: str) -> Command:
-    if name not in COMMANDS:
-        raise UnknownCommandError(f"command {name!r}; allowed: {', '.join(COMMANDS)}")
-    return COMMANDS[name]
+def wrap_counter(count: int, bits: int = 32) -> int:
+    """A count as a signed counter holds it; also the difference of two readings across a wrap-around."""
+    half = 1 << (bits - 1)
+    return (count + half) % (2 * half) - half
 
 
 def _split_command(text: str) -> tuple[str, list[str]]:
@@ -185,48 +279,38 @@ def _printable(text: str) -> bool:
     return all(" " <= character <= "~" for character in text)
 
 
-def _check_count(name: str, values: Sequence[object], allowed: Sequence[object]) -> None:
-    if len(values) != len(allowed):
-        raise ArgumentError(f"{name} with {len(values)} values; allowed: {len(allowed)}")
-
-
-def _encode_fields(name: str, values: Sequence[int | str], allowed: Sequence[Range | Version]) -> list[str]:
-    _check_count(name, values, allowed)
-    for value, range_ in zip(values, allowed, strict=True):
-        # isinstance would accept True; 5.0 and numpy's numbers would not be encoded as plain digits.
-        if type(value) is not (str if isinstance(range_, Version) else int):
+def _encoded(name: str, values: Sequence[int | str], allowed: Sequence[Range | Text]) -> list[str]:
+    fields = [str(value) for value in values]
+    # `_decoded` would accept the string of True, of "5" or of numpy's numbers.
+    for value, range_ in zip(values, allowed, strict=False):
+        if type(value) is not (str if isinstance(range_, Text) else int):
             raise ArgumentError(f"{name} with {value!r}; allowed: {_allowed_values(range_)}")
-        _decode_result(name, str(value), range_)
-    return [str(value) for value in values]
+    _decoded(name, fields, allowed)
+    return fields
 
 
-def _decode_result(name: str, field: str, allowed: Range | Version) -> int | str:
-    if isinstance(allowed, Range):
-        return _decode_number(name, field, allowed)
-    if not _VERSION.fullmatch(field):
-        raise ArgumentError(f"{name} with {field!r}; allowed: {_allowed_values(allowed)}")
-    return field
+def _decoded(name: str, fields: Sequence[str], allowed: Sequence[Range | Text]) -> tuple[int | str, ...]:
+    if len(fields) != len(allowed):
+        raise ArgumentError(f"{name} with {len(fields)} values; allowed: {len(allowed)}")
+    values: list[int | str] = []
+    for text, range_ in zip(fields, allowed, strict=True):
+        if isinstance(range_, Text):
+            valid = re.fullmatch(range_.pattern, text) is not None
+        else:  # Check the length first: int() rejects strings of thousands of digits with another error.
+            is_number = len(text) <= _MAX_DIGITS and _DECIMAL.fullmatch(text)
+            valid = bool(is_number) and range_.low <= int(text) <= range_.high
+        if not valid:
+            raise ArgumentError(f"{name} with {text[:MAX_LINE]!r}; allowed: {_allowed_values(range_)}")
+        values.append(text if isinstance(range_, Text) else int(text))
+    return tuple(values)
 
 
-def _decode_number(name: str, field: str, allowed: Range) -> int:
-    # Check the length first: int() rejects strings of thousands of digits with another error.
-    if (
-        len(field) > _MAX_DIGITS
-        or not _DECIMAL.fullmatch(field)
-        or not allowed.low <= int(field) <= allowed.high
-    ):
-        raise ArgumentError(f"{name} with {field[:MAX_LINE]!r}; allowed: {_allowed_values(allowed)}")
-    return int(field)
-
-
-def _allowed_values(allowed: Range | Version) -> str:
+def _allowed_values(allowed: Range | Text) -> str:
     if isinstance(allowed, Range):
         return f"a whole number {allowed.low}..{allowed.high}"
-    return "a version such as 5.02"
+    return allowed.example
 
 
 _DECIMAL = re.compile(r"0|-?[1-9][0-9]*")
 _WORD = re.compile(r"[A-Za-z-]{4,}")
-_BANNER_WORDS = frozenset(word for line in BANNER for word in _WORD.findall(line))
-_VERSION = re.compile(r"[0-9]{1,3}(\.[0-9]{1,3})?")
 _MAX_DIGITS = len("-2147483648")

@@ -1,246 +1,174 @@
-"""The driver: a real Khepera behind a serial port."""
+"""The driver of a real Khepera with a gripper."""
 
-from collections.abc import Callable
-from queue import SimpleQueue
-from types import TracebackType
-from typing import Any, Self
-
-from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, Motors, Senses, applicable, check_finite
-from khepera_forage.robots.serial import emergency_stop
-from khepera_forage.robots.serial.call_limits import MOTION_COMMANDS, turns_wheels
-from khepera_forage.robots.serial.client import DEFAULT_BAUD, DEFAULT_TIMEOUT, DEFAULT_TRIES, ProtocolClient
-from khepera_forage.robots.serial.line_timing import LineTiming
-from khepera_forage.robots.serial.port_thread import Task
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    JAW_CLOSED,
+    JAW_OPEN,
+    PRESENT,
+    Motors,
+    Senses,
+)
+from khepera_forage.robots.model import KHEPERA
+from khepera_forage.robots.serial import khepera_protocol
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.robot_thread import RobotThread
-from khepera_forage.robots.serial.traffic import LineStatistics, Traffic
-from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
+from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
 
-_STOP_TIMEOUT = 10.0
-"""Seconds that `stop` waits for the port's thread."""
+BARRIER_THRESHOLD = 100
+"""The optical barrier reads more than this with an object in it (PYRO)."""
+
+_PROXIMITY, _BARRIER, _COUNTERS = Request("N"), Request("T,1,G"), Request("H")
+_JAW, _ARM = Request("T,1,H", (0,)), Request("T,1,H", (1,))
+_REFRESH_ROUNDS = 10
+"""Rounds after which a position is requested although nothing moves."""
+_AT_TARGET = 3
+"""Positions within which a target counts as reached. Assumption."""
 
 
-class SerialKhepera:
-    """A `Robot` over a serial port; `transmit` and `receive` exchange the data of one round.
+class SerialKhepera(SerialRobot):
+    """A Khepera over a serial port. See `SerialRobot`.
 
-    `transmit` always sends the wheel speeds (D), so that a robot that was held, or that restarted unnoticed, moves
-    again. It sends the targets of arm and jaw (T,1,E and T,1,D) when they change. `receive` always requests proximity
-    (N), optical barrier (T,1,G) and counters (H). It requests the positions of arm and jaw (T,1,H) until they are at
-    rest, then every tenth round. An implausible reading is requested again; see `readings`.
+    `transmit` sends the wheel speeds (D), and the targets of arm and jaw (T,1,E and T,1,D) when they change. `receive`
+    always requests proximity (N), optical barrier (T,1,G) and counters (H). It requests the positions of arm and jaw
+    (T,1,H) until they are at rest, then every tenth round.
 
-    The wheels are stopped on every exit path: `close`, `with`, an exception, signals, the exit of the interpreter; see
-    `emergency_stop`. A `watchdog` process stops them if this process is killed or frozen. After a suspension (Ctrl-Z)
-    they remain stopped, and the next request raises `RobotSuspended` once. The driver notices a restart of the robot
-    (its power supply failed) by the banner or by the counters. It then sends the last command again and continues the
-    counters.
-
-    All methods are thread-safe; the port itself belongs to one thread per robot.
-
-    Args:
-        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
-        baud: 9600, 19200, 38400, 57600 or 115200, as set by the robot's mode switch.
-        max_speed: Limit of the wheel speeds in speed units, 1..20.
-        timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
-        tries: The robot counts as lost after this number of requests in a row without any reply, or of tries for the
-            same request.
-        watchdog: Whether to start a watchdog process. A port without a file descriptor (`loop://`) cannot have one.
-        period: Seconds of a round, which the line must keep; None accepts any line. It is also the time that a wheel
-            turns from one reading of its counter to the next.
-
-    Raises:
-        ValueError: An argument that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
-            line does not keep the period.
-        ImportError: pyserial is missing.
+    The barrier and the two positions enter the experience. A digit changed in transmission may leave a well-formed
+    reply, so an unexpected value is requested again, and counts once two readings in a row agree.
     """
 
-    def __init__(
-        self,
-        port: str,
-        *,
-        baud: int = DEFAULT_BAUD,
-        max_speed: int = MAX_SPEED,
-        timeout: float = DEFAULT_TIMEOUT,
-        tries: int = DEFAULT_TRIES,
-        watchdog: bool = True,
-        period: float | None = CONTROL_PERIOD,
-    ) -> None:
-        if not 1 <= max_speed <= MAX_SPEED:
-            raise ValueError(f"max_speed {max_speed}; allowed: 1..{MAX_SPEED} speed units")
-        self.port = port
-        self.baud = baud
-        self._max_speed = max_speed
-        self._command: Motors | None = None
-        self._senses: Senses | None = None
-        self._closed = self._turned_by_request = False
-        self._watchdog: Watchdog | None = None
-        self._client = ProtocolClient(port, baud=baud, timeout=timeout, tries=tries)
-        self._thread = RobotThread(self._client, period)
-        emergency_stop.register(self)
-        try:
-            self._thread.begin(self._thread.session.begin).result()
-            if watchdog:
-                self._watchdog = start_watchdog(port, self._client.transport.descriptor)
-        except BaseException:
-            self._release()
-            raise
+    model = KHEPERA
+    protocol = khepera_protocol.KHEPERA
+    default_baud = 38400
+    motion_commands = ("C", "D", "P")
+    lamps = (0, 1)
 
-    @property
-    def stop_confirmed(self) -> bool:
-        """Whether the robot has confirmed a stop, and was sent no command since that turns its wheels."""
-        return self._thread.session.stop_confirmed
+    def turn_wheels(self, left: int, right: int) -> None:
+        """See `RealRobot`."""
+        self.request("D", left, right)
 
-    @property
-    def timing(self) -> LineTiming:
-        """The latency of the line, and the time that a round takes on it."""
-        return self._thread.session.timing
+    def _prepare(self) -> None:
+        self._arm = Reading(max_change=8, can_stall=False, phase=0)
+        self._jaw = Reading(max_change=45, can_stall=True, phase=5)
+        self._barrier = Reading(max_change=0, can_stall=False, phase=0)
+        self._counters = Counters(bits=32)
 
-    @property
-    def timeout(self) -> float:
-        """Seconds that a reply may take in addition to the transmission time; on a slow line more than the argument."""
-        return self._client.timeout
+    def _requests(self, command: Motors) -> list[Request]:
+        requests = [Request("D", (int(command.left), int(command.right)))]
+        if command.arm != self._arm.target:
+            requests.append(Request("T,1,E", (command.arm,)))
+        if command.jaw != self._jaw.target:
+            requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
+        return requests
 
-    @property
-    def statistics(self) -> LineStatistics:
-        """Counts of events on the line so far."""
-        return self._client.transport.statistics
+    def _note_sent(self, command: Motors) -> None:
+        self._arm.set_target(command.arm)
+        self._jaw.set_target(command.jaw)
 
-    def on_traffic(self, callback: Callable[[Traffic], None] | None) -> None:
-        """Call a function, in the port's thread, with all bytes sent and received; None ends that."""
-        self._client.transport.on_traffic = callback
+    def _forget_targets(self) -> None:
+        self._arm.set_target(None)
+        self._jaw.set_target(None)
 
-    def drive(self, motors: Motors) -> Motors:
-        """Set the command for the next `transmit`.
-
-        Returns:
-            The command as it will be sent: whole speed units within `max_speed`, arm within its travel, jaw open or
-            closed.
-
-        Raises:
-            ValueError: A value that is not a finite number.
-        """
-        check_finite(motors)
-        left, right, arm, jaw = applicable(motors)
-        limit = self._max_speed
-        self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
-        return self._command
-
-    def sense(self) -> Senses:
-        """The senses of the last `receive`; calls it if there was none.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
-        if self._senses is None:
-            self.receive()
-        assert self._senses is not None
-        return self._senses
-
-    def transmit(self) -> None:
-        """Send the last command.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
-        self.begin_transmit().result()
-
-    def receive(self) -> None:
-        """Read the sensors.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
-        self.begin_receive().result()
-
-    def stop(self) -> None:
-        """Stop the wheels, before any other request; arm and jaw still move to their last targets.
-
-        Raises:
-            RobotLost: The robot does not confirm.
-        """
-        self.begin_stop().result(_STOP_TIMEOUT)
-
-    def close(self, stop: bool = True) -> None:
-        """Stop the wheels and close the port, even if the robot is lost; a second call does nothing.
-
-        Args:
-            stop: False for a robot that was just stopped.
-        """
-        if not self._closed:
-            if stop:
-                emergency_stop.stop_and_log((self,), emergency_stop.PORT_CLOSED)
-            self._release()
-
-    def request(self, command: str, *values: int) -> tuple[int | str, ...]:
-        """Send any other request of the protocol.
-
-        Returns:
-            The values of the reply.
-
-        Raises:
-            ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
-            RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
-        """
-        if command in MOTION_COMMANDS:
-            self._turned_by_request = turns_wheels(Request(command, values))
-        return self._thread.begin(lambda: self._thread.session.request(command, *values)).result()
-
-    def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
-        """Begin `transmit`; the task is put into the queue when it is done."""
-        return self._thread.begin(self._transmit, done_queue)
-
-    def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
-        """Begin `receive`; the task is put into the queue when it is done."""
-        return self._thread.begin(self._receive, done_queue)
-
-    def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels are turning; `begin_stop` stops them.
-
-        Returns:
-            Whether they are turning.
-        """
-        turning = self._turned_by_request or (self._command is not None and any(self._command[:2]))
-        self._thread.was_suspended = self._thread.was_suspended or turning
-        return turning
-
-    def end_watchdog(self) -> None:
-        """End the watchdog: the wheels were stopped. A second call does nothing."""
-        if self._watchdog is not None:
-            self._watchdog.end()
-
-    def begin_stop(self) -> Task[None]:
-        """Begin `stop`; never blocks, so signal handlers may call it."""
-        self._turned_by_request = False
-        if self._command is not None:
-            self._command = self._command._replace(left=0, right=0)
-        return self._thread.begin_stop(discard_command=True)
-
-    def begin_hold(self) -> Task[None]:
-        """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
-        return self._thread.begin_stop(discard_command=False)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def _release(self) -> None:
-        self._closed = True
-        emergency_stop.unregister(self)
-        self._thread.end()
-        self.end_watchdog()
-        self._client.close()
-
-    # The methods below run in the port's thread.
-
-    def _transmit(self) -> None:
-        # Read the command only now: `begin_stop` may have changed it since `begin_transmit`.
-        command = self._command
-        if command is not None:
-            self._thread.session.transmit(command)
+    def _on_restart(self) -> None:
+        self._counters.restarted()
 
     def _receive(self) -> None:
-        self._senses = self._thread.session.receive()
+        self._begin_call()
+        begin = self._line.now()
+        # Equal letters never follow each other: their replies could not be told apart.
+        arm = [_ARM] if self._arm.is_due() else []
+        jaw = [_JAW] if self._jaw.is_due() else []
+        requests = [_PROXIMITY, *arm, _BARRIER, *jaw, _COUNTERS]
+        values = self._read(requests)
+        unconfirmed = self._unconfirmed(values)
+        if unconfirmed:
+            between = [_BARRIER] if unconfirmed == [_ARM, _JAW] else []
+            again = [*unconfirmed[:1], *between, *unconfirmed[1:]]
+            if self._has_time(begin, again):
+                unconfirmed = self._unconfirmed(self._read(again))
+            self.statistics.unknown += len(unconfirmed)
+        left, right = values[_COUNTERS]
+        if self._counters.update(left, right):
+            self._must_restore = True
+        a, b, c, d, e, f, g, h = values[_PROXIMITY]
+        # A real arm can be raised further, or lie at the back.
+        arm_position = max(ARM_RAISED, min(ARM_DOWN, self._arm.value))
+        jaw_position = max(JAW_CLOSED, min(JAW_OPEN, self._jaw.value))
+        presence = PRESENT if self._barrier.value else 0
+        counts = self._counters.total
+        self._senses = Senses((a, b, c, d, e, f, g, h), *counts, arm_position, jaw_position, presence)
+        self._last_round = self._line.now()
+
+    def _read(self, requests: list[Request]) -> dict[Request, tuple[int, ...]]:
+        """The values of replies that are numbers."""
+        replies = zip(requests, self._exchange(requests), strict=True)
+        return {request: tuple(map(int, reply.values)) for request, reply in replies}
+
+    def _unconfirmed(self, values: dict[Request, tuple[int, ...]]) -> list[Request]:
+        """Take readings; returns the requests of those that another reading must confirm."""
+        unconfirmed = []
+        for request, reading in ((_ARM, self._arm), (_BARRIER, self._barrier), (_JAW, self._jaw)):
+            if request in values:
+                (value,) = values[request]
+                is_barrier = request == _BARRIER
+                if not reading.take(int(value > BARRIER_THRESHOLD) if is_barrier else value):
+                    unconfirmed.append(request)
+        return unconfirmed
+
+
+class Reading:
+    """A reading of the gripper: its value, what is expected, and when to request it.
+
+    Args:
+        max_change: Largest change from round to round that needs no confirmation.
+        can_stall: Whether it may stop short of its target for good, as a jaw does that closes on food. An arm that
+            rests on an obstacle moves on once there is room, so its position is requested in every round until it
+            reaches its target.
+        phase: Round of `_REFRESH_ROUNDS` in which it is always requested.
+
+    Attributes:
+        value: The last reading that counts.
+        target: The position that was commanded; None if unknown.
+    """
+
+    def __init__(self, *, max_change: int, can_stall: bool, phase: int) -> None:
+        self.value = 0
+        self.target: int | None = None
+        self._max_change, self._can_stall = max_change, can_stall
+        self._doubt: int | None = None
+        self._has_value = False
+        self._rounds_at_rest = 0
+        self._round = -phase
+
+    def set_target(self, target: int | None) -> None:
+        """Record a target; None if the robot has lost it in a restart."""
+        if target != self.target:
+            self.target = target
+            self._rounds_at_rest = 0
+
+    def is_due(self) -> bool:
+        """Begin a round; returns whether the reading must be requested in it."""
+        self._round += 1
+        arrived = self.target is not None and abs(self.value - self.target) <= _AT_TARGET
+        at_rest = self._rounds_at_rest >= (1 if arrived else 10)
+        settled = at_rest and (arrived or self._can_stall or self.target is None)
+        return not self._has_value or not settled or self._round % _REFRESH_ROUNDS == 0
+
+    def take(self, value: int) -> bool:
+        """Take a reading: it counts if it is expected, or agrees with the one before.
+
+        Expected is a value between the last one and the target, and not too far from the last one.
+
+        Returns:
+            Whether it counts; if not, another reading must confirm it.
+        """
+        target = self.value if self.target is None else self.target
+        low, high = min(self.value, target), max(self.value, target)
+        on_the_way = low - _AT_TARGET <= value <= high + _AT_TARGET
+        expected = self._has_value and on_the_way and abs(value - self.value) <= self._max_change
+        if not expected and (self._doubt is None or abs(value - self._doubt) > self._max_change):
+            self.value = self.value if self._has_value else value
+            self._doubt = value
+            return False
+        self._rounds_at_rest = self._rounds_at_rest + 1 if value == self.value else 0
+        self.value, self._doubt, self._has_value = value, None, True
+        return True

@@ -25,16 +25,17 @@ class Watchdog:
     Args:
         port: Name of the port in messages.
         descriptor: File descriptor of the open port, which the process inherits.
+        stop: The request that stops the robot.
 
     Raises:
         OSError: The process cannot be started.
     """
 
-    def __init__(self, port: str, descriptor: int) -> None:
+    def __init__(self, port: str, descriptor: int, stop: bytes) -> None:
         self._port = port
         self._ended = threading.Event()
         self._process = subprocess.Popen(
-            [sys.executable, "-I", "-S", watchdog_process.__file__, str(descriptor), port],
+            [sys.executable, "-I", "-S", watchdog_process.__file__, str(descriptor), port, stop.decode()],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             pass_fds=(descriptor,),
@@ -78,12 +79,13 @@ class Watchdog:
                 return
 
 
-def start_watchdog(port: str, descriptor: int | None) -> Watchdog | None:
+def start_watchdog(port: str, descriptor: int | None, stop: bytes) -> Watchdog | None:
     """Start the watchdog of a port; log why there is none, where it cannot work.
 
     Args:
         port: Name of the port.
         descriptor: Its file descriptor, or None if it has none.
+        stop: The request that stops the robot.
     """
     reason = "the port has no file descriptor" if descriptor is None else ""
     if os.name != "posix":
@@ -91,7 +93,7 @@ def start_watchdog(port: str, descriptor: int | None) -> Watchdog | None:
     if not reason:
         assert descriptor is not None
         try:
-            return Watchdog(port, descriptor)
+            return Watchdog(port, descriptor, stop)
         except OSError as error:
             reason = str(error)
     _LOG.warning("%s has no watchdog, a kill -9 would not stop the robot: %s", port, reason)

@@ -2,7 +2,7 @@
 
 `Watchdog` starts this file as a script, one process a port:
 
-    python -I -S watchdog_process.py DESCRIPTOR PORT
+    python -I -S watchdog_process.py DESCRIPTOR PORT STOP
 
 It imports the standard library alone, so that it runs after some milliseconds. The open port is inherited: a port
 opened again could be locked, a terminal server could refuse a second connection. Standard input is a pipe from the
@@ -23,9 +23,8 @@ CLOSED = b"c"
 MAX_SILENCE = 0.5
 """Seconds without a sign of life after which the driver counts as frozen."""
 
-_STOP = b"D,0,0\n"
 _CONFIRMATION = re.compile(rb"(?:^|[\r\n\xf0])d[\r\n]")
-"""The reply to `_STOP`. Over `rfc2217://` a telnet command, which ends with byte 240, may precede it."""
+"""The reply to a stop. Over `rfc2217://` a telnet command, which ends with byte 240, may precede it."""
 _CONFIRMATIONS = 2
 """Replies to wait for: one may belong to the driver's last command."""
 _REPEAT = 0.2
@@ -36,12 +35,13 @@ _DRIVER = 0
 """Descriptor of the pipe from the driver: standard input."""
 
 
-def watch(port: int, name: str) -> int:
+def watch(port: int, name: str, request: bytes) -> int:
     """Watch the driver until it ends or closes the port.
 
     Args:
         port: Descriptor of the open port.
         name: Name of the port in messages.
+        request: The request that stops the robot.
 
     Returns:
         0, or 1 if a robot may still be moving.
@@ -56,25 +56,25 @@ def watch(port: int, name: str) -> int:
                 break
             stopped = False
         elif not stopped:
-            stopped = stop(port, until_driver_returns=True)
-    if stop(port):
+            stopped = stop(port, request, until_driver_returns=True)
+    if stop(port, request):
         return 0
     with contextlib.suppress(OSError):
         print(f"{name} may still be moving: its driver has ended, and it confirms no stop", file=sys.stderr)
     return 1
 
 
-def stop(port: int, until_driver_returns: bool = False) -> bool:
+def stop(port: int, request: bytes, until_driver_returns: bool = False) -> bool:
     """Send stops until the robot has confirmed them; returns whether it has, within 5 s."""
     received = b""
     # The first line end terminates a request that the driver has not finished.
-    request = b"\n" + _STOP
+    data = request[-1:] + request
     end = time.monotonic() + _STOP_TIMEOUT
     try:
         _read(port)  # replies to the driver
         while time.monotonic() < end:
-            _write(port, request)
-            request = _STOP
+            _write(port, data)
+            data = request
             repeat = time.monotonic() + _REPEAT
             while (rest := repeat - time.monotonic()) > 0:
                 sources = [port, _DRIVER] if until_driver_returns else [port]
@@ -123,4 +123,4 @@ def _ignore_signals() -> None:
 
 if __name__ == "__main__":
     _ignore_signals()
-    sys.exit(watch(int(sys.argv[1]), sys.argv[2]))
+    sys.exit(watch(int(sys.argv[1]), sys.argv[2], sys.argv[3].encode()))

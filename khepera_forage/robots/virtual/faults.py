@@ -11,8 +11,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from khepera_forage.robots.serial.framing import LineSplitter
-from khepera_forage.robots.serial.protocol import ProtocolError, Reply, decode_reply
+from khepera_forage.robots.serial.protocol import LineSplitter, Protocol, ProtocolError, Reply
 
 Fault = Literal["drop", "delay", "garble", "duplicate", "reset", "unplug"]
 FAULTS: tuple[Fault, ...] = get_args(Fault)
@@ -88,6 +87,7 @@ class FaultInjector:
     """Draws the faults of one line. All methods are thread-safe.
 
     Args:
+        protocol: Of the line.
         faults: Rates of the faults.
         rng: Required if any rate is not zero.
 
@@ -95,8 +95,10 @@ class FaultInjector:
         ValueError: Rates without a random generator.
     """
 
-    def __init__(self, faults: Faults | None = None, rng: np.random.Generator | None = None) -> None:
-        self._rng = rng
+    def __init__(
+        self, protocol: Protocol, faults: Faults | None = None, rng: np.random.Generator | None = None
+    ) -> None:
+        self._protocol, self._rng = protocol, rng
         self._lock = threading.Lock()
         self._counts = dict.fromkeys((field.name for field in fields(FaultCounts)), 0)
         self.rates = Faults() if faults is None else faults
@@ -159,23 +161,22 @@ class FaultInjector:
                 del garbled[place]
             else:
                 garbled.insert(place, int(rng.integers(256)))
-        if _undetectable(bytes(garbled), reply):
+        if self._undetectable(bytes(garbled), reply):
             with self._lock:
                 self._counts["undetectable"] += 1
         return bytes(garbled)
+
+    def _undetectable(self, garbled: bytes, reply: bytes) -> bool:
+        """Whether a garbled reply decodes to another reply to the same command."""
+        for line in LineSplitter().feed(garbled):
+            with contextlib.suppress(ProtocolError):
+                decoded, original = self._protocol.decode_reply(line), self._protocol.decode_reply(reply)
+                if isinstance(decoded, Reply) and isinstance(original, Reply):
+                    return decoded.command == original.command and decoded != original
+        return False
 
     @property
     def _generator(self) -> np.random.Generator:
         if self._rng is None:
             raise ValueError("faults without a random generator; allowed: rng=numpy.random.default_rng(seed)")
         return self._rng
-
-
-def _undetectable(garbled: bytes, reply: bytes) -> bool:
-    """Whether a garbled reply decodes to another reply to the same command."""
-    for line in LineSplitter().feed(garbled):
-        with contextlib.suppress(ProtocolError):
-            decoded, original = decode_reply(line), decode_reply(reply)
-            if isinstance(decoded, Reply) and isinstance(original, Reply):
-                return decoded.command == original.command and decoded != original
-    return False

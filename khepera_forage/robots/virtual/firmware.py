@@ -18,21 +18,19 @@ from khepera_forage.robots.khepera import (
     Motors,
     Robot,
 )
-from khepera_forage.robots.serial.command_table import PWM, RESTART, SPEED, wrap_counter
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA, PWM, SPEED
 from khepera_forage.robots.serial.protocol import (
-    BANNER,
     NOT_FOUND_TEXT,
     PROTOCOL_ERROR_TEXT,
+    RESTART,
     ArgumentError,
     ErrorReply,
+    Protocol,
     ProtocolError,
     Reply,
-    decode_request,
-    encode_reply,
+    wrap_counter,
 )
-from khepera_forage.robots.virtual import sensor_replies
 from khepera_forage.robots.virtual.position_control import WheelPositionController
-from khepera_forage.robots.virtual.registers import Registers
 
 VERSIONS = ("5.02", "5.01")
 """Of the BIOS and of the protocol (K-Team)."""
@@ -43,6 +41,19 @@ FULL_PWM, FULL_SPEED = PWM.high, SPEED.high
 
 _SPEED_MODE, _POSITION_MODE = 0, 1
 """The mode in the reply to K, as KIKS has it."""
+
+SPEED_GAINS, POSITION_GAINS = (3800, 800, 100), (3000, 20, 4000)
+"""Kp, Ki and Kd at power-on (KH2PY). They have no effect: the simulated motors need no gains."""
+BARRIER_FREE, BARRIER_CROSSED = 0, 200
+"""Readings of the optical barrier: 0 without an object (KNET, KH2PY, WSU-R), more than 100 with one (PYRO)."""
+INSULATED, CONDUCTING = 0, 255
+"""Replies to T,1,F. The only source is PYRO, which takes more than 20 for closed fingers and less for open ones: the
+reading is high while a current flows from finger to finger. The food is of wood, so only closed, empty fingers conduct.
+Assumption: the ends of the scale, and that PYRO's threshold is right; the text of K-Team's manual was not found."""
+DARK = 500
+"""Ambient light reading without a lamp (Khepera manual 3.1.7, by way of RN)."""
+_FINGERS_TOUCH = 3
+"""Jaw position up to which the fingers touch each other: 0 but for the noise of the position. Assumption."""
 
 Values = tuple[int | str, ...]
 
@@ -60,8 +71,15 @@ class Firmware:
         period: Seconds of a control period, from one `tick` to the next.
 
     Attributes:
-        registers: Settings that have no effect here: the simulated motors need no gains.
+        protocol: That of the robot.
+        speed_gains: Kp, Ki, Kd of the speed controller.
+        position_gains: Kp, Ki, Kd of the position controller.
+        leds: Whether each of the two LEDs is on.
+        bus: The 64 bytes of the extension bus. No device is attached: a read returns the byte last written.
     """
+
+    protocol: Protocol = KHEPERA
+    argument_error = PROTOCOL_ERROR_TEXT
 
     def __init__(
         self,
@@ -95,16 +113,16 @@ class Firmware:
             The whole reply with its ending: several lines for `restart`.
         """
         try:
-            request = decode_request(line)
+            request = self.protocol.decode_request(line)
         except ArgumentError:
-            return encode_reply(ErrorReply(PROTOCOL_ERROR_TEXT))
+            return self.protocol.encode_reply(ErrorReply(self.argument_error))
         except ProtocolError:
-            return encode_reply(ErrorReply(NOT_FOUND_TEXT))
+            return self.protocol.encode_reply(ErrorReply(NOT_FOUND_TEXT))
         if request.command == RESTART:
             return self.power_on()
         with self._lock:
             values = self._handler(request.command)(*request.values)
-        return encode_reply(Reply(request.command, values))
+        return self.protocol.encode_reply(Reply(request.command, values))
 
     def tick(self) -> None:
         """End a control period: measure the speeds, and control the wheels that move to a target position.
@@ -133,7 +151,7 @@ class Firmware:
         with self._lock:
             self._robot.stop()
             self._initialise()
-        return b"".join(f"{line}\r\n".encode() for line in BANNER)
+        return b"".join(f"{line}\r\n".encode() for line in self.protocol.banner)
 
     def attach(self, robot: Robot) -> None:
         """Connect another simulated body: a reset of a simulated world builds new bodies.
@@ -158,37 +176,51 @@ class Firmware:
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
-        self.registers = Registers()
+        self.speed_gains, self.position_gains = SPEED_GAINS, POSITION_GAINS
+        self.leds = [False, False]
+        self.bus = bytearray(64)
 
     def _handler(self, command: str) -> Callable[..., Values]:
-        registers = self.registers
+        sense = self._robot.sense
         handlers: dict[str, Callable[..., Values]] = {
-            "A": registers.set_speed_gains,
+            "A": lambda *gains: self._set(speed_gains=gains),
             "B": lambda: VERSIONS,
             "C": self._set_targets,
             "D": self._set_speeds,
             "E": lambda: self._measured_speeds,
-            "F": registers.set_position_gains,
+            "F": lambda *gains: self._set(position_gains=gains),
             "G": self._set_counters,
             "H": self._counters,
-            "I": registers.read_analogue,
+            "I": lambda channel: (0,),
             "J": self._set_profiles,
             "K": self._position_status,
-            "L": registers.switch_led,
-            "N": lambda: sensor_replies.proximity(self._robot.sense()),
-            "O": lambda: sensor_replies.ambient_light(self._robot.sense()),
+            "L": self._switch_led,
+            "N": lambda: sense().proximity,
+            "O": lambda: (DARK,) * 8,
             "P": self._set_pwm,
-            "R": registers.read_bus,
-            "W": registers.write_bus,
+            "R": lambda address: (self.bus[address],),
+            "W": self._write_bus,
             "T,1,B": lambda: GRIPPER_VERSION,
             "T,1,D": lambda closed: self._drive(jaw=JAW_CLOSED if closed else JAW_OPEN),
             "T,1,E": lambda position: self._drive(arm=position),
-            "T,1,F": lambda: sensor_replies.resistivity(self._robot.sense()),
-            "T,1,G": lambda: sensor_replies.barrier(self._robot.sense()),
-            "T,1,H": lambda arm: sensor_replies.gripper_position(self._robot.sense(), arm),
+            "T,1,F": lambda: (CONDUCTING if sense().jaw <= _FINGERS_TOUCH else INSULATED,),
+            "T,1,G": lambda: (BARRIER_CROSSED if sense().object_presence else BARRIER_FREE,),
+            "T,1,H": lambda arm: (sense().arm if arm else sense().jaw,),
             "T,1,J": lambda: (0,),
         }
         return handlers[command]
+
+    def _set(self, **gains: tuple[int, ...]) -> Values:
+        self.__dict__.update(gains)
+        return ()
+
+    def _switch_led(self, led: int, action: int) -> Values:
+        self.leds[led] = not self.leds[led] if action == 2 else action == 1
+        return ()
+
+    def _write_bus(self, data: int, address: int) -> Values:
+        self.bus[address] = data
+        return ()
 
     def _drive(self, **changes: int) -> tuple[()]:
         """Change a part of the motor command and keep the rest."""

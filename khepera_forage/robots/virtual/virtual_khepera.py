@@ -10,8 +10,7 @@ from typing import Self
 
 import numpy as np
 
-from khepera_forage.robots.serial.framing import LineSplitter
-from khepera_forage.robots.serial.port import BAUD_RATES, seconds_on_wire
+from khepera_forage.robots.serial.protocol import LineSplitter, seconds_on_wire
 from khepera_forage.robots.virtual.endpoints import Endpoint, PtyEndpoint, TcpEndpoint
 from khepera_forage.robots.virtual.faults import Fault, FaultCounts, FaultInjector, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
@@ -56,12 +55,12 @@ class VirtualKhepera:
         faults: Faults | None = None,
         rng: np.random.Generator | None = None,
     ) -> None:
-        if baud is not None and baud not in BAUD_RATES:
-            raise ValueError(
-                f"baud is {baud!r}; allowed: {', '.join(map(str, BAUD_RATES))}, or None for unlimited speed"
-            )
-        self._injector = FaultInjector(faults, rng)
-        self._byte_time = 0.0 if baud is None else seconds_on_wire(1, baud)
+        protocol = firmware.protocol
+        if baud is not None and baud not in protocol.baud_rates:
+            allowed = ", ".join(map(str, protocol.baud_rates))
+            raise ValueError(f"baud is {baud!r}; allowed: {allowed}, or None for unlimited speed")
+        self._injector = FaultInjector(protocol, faults, rng)
+        self._byte_time = 0.0 if baud is None else seconds_on_wire(1, baud, protocol.stop_bits)
         self._firmware = firmware
         self._endpoint: Endpoint = PtyEndpoint() if tcp is None else TcpEndpoint(tcp)
         self.url = self._endpoint.url

@@ -19,7 +19,6 @@ from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of
 from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import carry_out, command_behaviour, drive, motors_of, stand_ready
 from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
-from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import dtype_of
@@ -87,7 +86,7 @@ def train_learners(
     arena: Arena | str = "corridor",
     seed: int = 0,
     *,
-    noise: Noise | str | None = None,
+    noise: Noise | str | None = "laboratory",
     food_types: FoodOdds = None,
     max_cycles: int = 600,
     patience: int | None = None,
@@ -137,7 +136,6 @@ def train_learners(
     for side, holes in zip(arenas, (1, 2), strict=True):
         settings = settings_of(foods, limit, noise, food_types, decisions, holes)
         sides += [arena_block(side, anchor), settings, *given_records(side.start, side.foods, foods)]
-    waypoints = len(arena_map_of(arenas[0]).ways.waypoints)
     learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
     at_once = min(keys.size, max(_LEAST, _ROOM // (limit * (HEARD + 1) * 2 + most * attempt_dtype.itemsize)))
@@ -151,7 +149,7 @@ def train_learners(
             _train,
             some.size,
             *(*sides, some, rows, records, made, free),
-            scratch=lambda: (new_worlds(2, foods, waypoints), terms.copy()),
+            scratch=lambda: (new_worlds(2, foods), terms.copy()),
             least=_LEAST,
         )
         if not free.all():

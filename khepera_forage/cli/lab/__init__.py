@@ -1,0 +1,1 @@
+"""`khepera-forage lab`: its subcommands, for a laboratory with real robots."""

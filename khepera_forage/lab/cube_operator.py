@@ -1,0 +1,132 @@
+"""An operator that needs nobody: toio cubes drive to their places by themselves."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
+from khepera_forage.robots.khepera import SPEED_UNIT
+from khepera_forage.robots.toio.driver import COMMAND_DURATION, ToioRobot
+from khepera_forage.robots.toio.mat import CubePose
+
+_FAST, _SLOW = 8, 5
+"""Speed units of a wheel on the way, and near the place."""
+_CLOSE, _EXACT = 60.0, 6.0
+"""mm on the plan: distance from which a cube drives slowly, and at which it has arrived."""
+_TURN_EXACT = math.radians(4)
+_AROUND = 80.0
+"""mm on the plan by which a cube keeps away from the others on its way."""
+_STEP = 0.05
+"""Seconds from one command to the next."""
+_MAX_DRIVE = 40.0
+"""Seconds after which a cube gives up."""
+_MAX_REPEATS = 10
+"""Repetitions of a request before the operator gives up: the cubes cannot reach their places."""
+
+
+class CubeOperator:
+    """Drives robots and food to the places of a request, one after the other.
+
+    A cube leaves out the others on its way. What it has pushed nevertheless is placed again when the laboratory
+    repeats the request.
+
+    Args:
+        robots: The robots, in the order of the laboratory.
+        foods: The cubes that are food.
+        sleep: Waits for a number of seconds.
+    """
+
+    def __init__(
+        self,
+        robots: Callable[[], Sequence[ToioRobot]],
+        foods: Callable[[], Sequence[ToioRobot]],
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._robots, self._foods, self._sleep = robots, foods, sleep
+        self._repeats = 0
+
+    def __call__(self, request: OperatorRequest) -> None:
+        """Carry out a request.
+
+        Raises:
+            OperatorGaveUp: A device is lost, which takes a person; or the cubes do not reach their places.
+            RobotLost: A cube does not reply.
+        """
+        if not request.robots and request.foods is None:
+            raise OperatorGaveUp(f"this needs a person: {request.reason}")
+        self._repeats = self._repeats + 1 if request.errors else 0
+        if self._repeats >= _MAX_REPEATS:
+            raise OperatorGaveUp(f"the cubes do not reach their places: {'; '.join(request.errors)}")
+        robots, foods = self._robots(), self._foods()
+        for food in foods:
+            food.receive()
+        if request.foods is not None:
+            for cube, (x, y) in self._assigned(foods, request.foods):
+                self._drive(cube, CubePose(x, y, 0.0), None)
+        for mark in request.robots:
+            self._drive(
+                robots[mark.number], CubePose(mark.pose.x, mark.pose.y, mark.pose.heading), mark.pose.heading
+            )
+
+    def _assigned(
+        self, foods: Sequence[ToioRobot], places: Sequence[tuple[float, float]]
+    ) -> list[tuple[ToioRobot, tuple[float, float]]]:
+        """The food cube for each place: the nearest that is free."""
+        free, assigned = list(foods), []
+        for place in places:
+            if not free:
+                raise OperatorGaveUp(f"{len(foods)} food cubes for {len(places)} places; allowed: one each")
+            cube = min(free, key=lambda cube: math.dist(cube.pose[:2], place))
+            free.remove(cube)
+            assigned.append((cube, place))
+        return assigned
+
+    def _drive(self, cube: ToioRobot, place: CubePose, heading: float | None) -> None:
+        """Drive a cube to a place, and turn it; stops it in any case."""
+        try:
+            for _ in range(round(_MAX_DRIVE / _STEP)):
+                cube.receive()
+                dx, dy = self._way(cube, place)
+                distance = math.hypot(place.x - cube.pose.x, place.y - cube.pose.y)
+                if distance > _EXACT:
+                    turn = math.remainder(math.atan2(dy, dx) - cube.pose.heading, math.tau)
+                elif heading is not None:
+                    turn = math.remainder(heading - cube.pose.heading, math.tau)
+                    if abs(turn) <= _TURN_EXACT:
+                        return
+                else:
+                    return
+                self._step(cube, distance, turn)
+        finally:
+            cube.stop()
+
+    def _step(self, cube: ToioRobot, distance: float, turn: float) -> None:
+        """One short command: turn on the spot, or drive with a small correction."""
+        speed = _FAST if distance > _CLOSE else _SLOW
+        if distance <= _EXACT or abs(turn) > math.radians(20 if distance > _CLOSE else 12):
+            # Wheels do not turn slower than the slowest speed: turn for a shorter time.
+            rate = 2 * _SLOW * SPEED_UNIT / (cube.model.wheel_base / cube.model.scale)
+            milliseconds = max(10, min(1000 * _STEP, 1000 * abs(turn) / rate))
+            side = math.copysign(_SLOW, turn)
+            cube.turn_for(-side, side, 10 * round(milliseconds / 10))
+        else:
+            correction = max(-2.0, min(2.0, 4 * turn))
+            cube.turn_for(speed - correction, speed + correction, COMMAND_DURATION)
+        self._sleep(_STEP)
+
+    def _way(self, cube: ToioRobot, place: CubePose) -> tuple[float, float]:
+        """The direction to a place, around the other cubes."""
+        x, y, _ = cube.pose
+        dx, dy = place.x - x, place.y - y
+        distance = math.hypot(dx, dy) or 1e-6
+        ux, uy = dx / distance, dy / distance
+        for other in (*self._robots(), *self._foods()):
+            if other is cube:
+                continue
+            ox, oy = other.pose.x - x, other.pose.y - y
+            ahead, aside = ox * ux + oy * uy, oy * ux - ox * uy
+            if 0 < ahead < min(distance, 2 * _AROUND) and abs(aside) < _AROUND:
+                side = -1.0 if aside >= 0 else 1.0
+                away = side * (_AROUND - abs(aside)) / max(ahead, _AROUND / 2)
+                return ux - uy * away, uy + ux * away
+        return dx, dy

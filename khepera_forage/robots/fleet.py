@@ -1,0 +1,147 @@
+"""Several real robots in parallel: a round with all of them takes about as long as a round with one."""
+
+import time
+from collections.abc import Callable, Sequence
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, Self
+
+from khepera_forage.robots import emergency_stop
+from khepera_forage.robots.khepera import RobotLost
+from khepera_forage.robots.real_robot import RealRobot, Task
+
+_STOP_TIMEOUT = 4.0
+"""Seconds to wait for a robot to confirm its stop."""
+_Begin = Callable[[RealRobot, "SimpleQueue[Task[Any]]"], Task[None]]
+
+
+class Fleet:
+    """Robots on one port each, served in parallel.
+
+    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
+    a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
+    repeated), the others are held: their wheels are stopped until the next `transmit`.
+
+    Args:
+        robots: In any order.
+
+    Raises:
+        ValueError: No robot, or two on one port.
+    """
+
+    def __init__(self, robots: Sequence[RealRobot]) -> None:
+        ports = [robot.port for robot in robots]
+        if not ports or len(set(ports)) < len(ports):
+            raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
+        self.robots = tuple(robots)
+        self._hold_after = max(robot.longest_exchange for robot in robots)
+
+    def transmit(self) -> None:
+        """Send every robot its command.
+
+        Raises:
+            RobotLost: One or more robots do not reply; the others have been stopped.
+        """
+        self._run(RealRobot.begin_transmit)
+
+    def receive(self) -> None:
+        """Read the sensors of all robots.
+
+        Raises:
+            RobotLost: One or more robots do not reply; the others have been stopped.
+        """
+        self._run(RealRobot.begin_receive)
+
+    def stop(self) -> None:
+        """Stop all wheels.
+
+        Raises:
+            RobotLost: One or more robots do not confirm; the others have been stopped.
+        """
+        _raise_any([error for _, error in emergency_stop.stop_all(self.robots)])
+
+    def stop_all(self) -> None:
+        """Stop all wheels, and raise no error: `stop_confirmed` of each robot has the result."""
+        emergency_stop.stop_all(self.robots)
+
+    def close(self, report: bool = True) -> None:
+        """Stop all robots in parallel, then close their ports; a second call does nothing.
+
+        Args:
+            report: Whether to log the robots that do not confirm.
+        """
+        if report:
+            emergency_stop.stop_and_log(self.robots, emergency_stop.PORT_CLOSED)
+        else:
+            self.stop_all()
+        for robot in self.robots:
+            robot.close(stop=False)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _run(self, begin: _Begin) -> None:
+        done_queue: SimpleQueue[Task[Any]] = SimpleQueue()
+        try:
+            pending = {begin(robot, done_queue): robot for robot in self.robots}
+            errors = self._wait(pending, done_queue)
+        except BaseException:
+            emergency_stop.stop_all(self.robots)
+            raise
+        _raise_any(errors)
+
+    def _wait(
+        self, pending: dict[Task[None], RealRobot], done_queue: "SimpleQueue[Task[Any]]"
+    ) -> list[Exception]:
+        """Wait for all tasks; after the first failure, stop the other robots. Returns the errors."""
+        errors: list[Exception] = []
+        stops: list[Task[None]] = []
+        held = False
+        end = time.monotonic() + self._hold_after
+        while pending:
+            try:
+                task = done_queue.get(timeout=None if held else max(0.0, end - time.monotonic()))
+            except Empty:
+                held = True
+                for robot in set(self.robots) - set(pending.values()):
+                    robot.begin_hold()
+                continue
+            robot = pending.pop(task)
+            if task.error is None:
+                if held and pending:  # it is done after the others were held
+                    robot.begin_hold()
+                continue
+            if not isinstance(task.error, Exception):
+                raise task.error
+            if not errors:
+                # At once: a stop is urgent and interrupts the requests of this round.
+                stops = [other.begin_stop() for other in self.robots if other is not robot]
+            # The lost robot may still receive requests; do not wait for its reply.
+            robot.begin_stop()
+            errors.append(task.error)
+        lost = {error.port for error in errors if isinstance(error, RobotLost)}
+        for stop in stops:
+            try:
+                stop.result(_STOP_TIMEOUT)
+            except RobotLost as error:
+                if error.port not in lost:
+                    errors.append(error)
+            except TimeoutError as error:
+                errors.append(error)
+        return errors
+
+
+def _raise_any(errors: Sequence[Exception]) -> None:
+    """Raise the errors, if any; one `RobotLost` names all lost robots."""
+    if not errors:
+        return
+    first, *others = sorted(errors, key=lambda error: not isinstance(error, RobotLost))
+    if not others or not isinstance(first, RobotLost):
+        raise first
+    also = "; also lost: ".join(map(str, others))
+    raise RobotLost(first.port, first.command, first.tries, f"{first.reason}; also lost: {also}") from first

@@ -1,0 +1,96 @@
+"""What the kinds of robots can do, as data: dimensions, speeds, sensors, gripper."""
+
+from dataclasses import dataclass
+
+from khepera_forage.robots.khepera import (
+    BARRIER,
+    FOOD_RADIUS,
+    MAX_SPEED,
+    PULSE,
+    RADIUS,
+    SPEED_UNIT,
+    WHEEL_BASE,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """One kind of robot.
+
+    Every robot acts in the thesis's arenas, whose plans are drawn for a Khepera. For a robot of another size the arena,
+    its food and its markers are built `scale` times as large, so that all distances of the task remain those of the
+    thesis. Lengths below are those of the real robot; the driver converts speeds and counters.
+
+    Attributes:
+        name: As in `lab.toml`.
+        radius: Of the body, in mm.
+        wheel_base: Distance of the wheels, in mm.
+        scale: Millimetres on the real floor for one millimetre of the plan.
+        max_speed: Highest wheel speed in speed units: 8 mm/s on the plan.
+        unit: What a wheel is commanded, in the robot's own unit, for one speed unit.
+        pulse: Millimetres of real wheel travel for one count; 0 for a robot without counters.
+        infra_reds: Direction of each sensor in degrees, counter-clockwise from straight ahead, in the robot's order;
+            none for a robot that has no such sensors.
+        reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
+            without a gripper.
+        has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw
+            as open.
+    """
+
+    name: str
+    radius: float
+    wheel_base: float
+    scale: float
+    max_speed: int
+    unit: float
+    pulse: float
+    infra_reds: tuple[float, ...]
+    reach: float
+    has_gripper: bool
+
+
+KHEPERA = RobotModel(
+    name="khepera",
+    radius=RADIUS,
+    wheel_base=WHEEL_BASE,
+    scale=1.0,
+    max_speed=MAX_SPEED,
+    unit=1.0,
+    pulse=PULSE,
+    infra_reds=(90.0, 45.0, 10.0, -10.0, -45.0, -90.0, 180.0, 180.0),
+    reach=0.0,
+    has_gripper=True,
+)
+_STEP = 128.8 / 1000
+_E_PUCK_SCALE = 35.0 / RADIUS
+E_PUCK = RobotModel(
+    name="e-puck2",
+    radius=35.0,
+    wheel_base=53.0,
+    scale=_E_PUCK_SCALE,
+    max_speed=int(1100 * _STEP / (SPEED_UNIT * _E_PUCK_SCALE)),
+    unit=SPEED_UNIT * _E_PUCK_SCALE / _STEP,
+    pulse=_STEP,
+    infra_reds=(-17.0, -49.0, -90.0, -150.0, 150.0, 90.0, 49.0, 17.0),
+    reach=BARRIER + FOOD_RADIUS,
+    has_gripper=False,
+)
+"""GCtronic: 70 mm across, 1,000 steps or 128.8 mm a turn of a wheel, at most 1,100 steps/s."""
+_TOIO_SCALE = 32.0 / 55.0
+_TOIO_SPEED = 2.81
+"""mm/s of a wheel for one unit of a cube's motor speed."""
+TOIO = RobotModel(
+    name="toio",
+    radius=16.0,
+    wheel_base=26.6,
+    scale=_TOIO_SCALE,
+    max_speed=MAX_SPEED,
+    unit=SPEED_UNIT * _TOIO_SCALE / _TOIO_SPEED,
+    pulse=0.0,
+    infra_reds=(),
+    reach=BARRIER + FOOD_RADIUS,
+    has_gripper=False,
+)
+"""Sony: cubes of 31.8 mm, which know their place on a printed mat."""
+
+MODELS = {model.name: model for model in (KHEPERA, E_PUCK, TOIO)}

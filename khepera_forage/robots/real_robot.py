@@ -1,0 +1,375 @@
+"""What all drivers of real robots share: a thread that owns the connection, so that stopping never waits for a lock.
+
+Other threads submit tasks and wait for their results. A signal handler may submit a task and wait for it even if the
+thread that it interrupted is waiting for another task: the robot's thread continues. `SimpleQueue` is reentrant and
+therefore safe in signal handlers; locks, conditions and futures are not.
+"""
+
+import threading
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
+from khepera_forage.robots import emergency_stop
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    JAW_OPEN,
+    Motors,
+    RobotLost,
+    Senses,
+    applicable,
+    check_finite,
+)
+from khepera_forage.robots.model import RobotModel
+
+T = TypeVar("T")
+
+Proximity = tuple[int, int, int, int, int, int, int, int]
+
+_STOP_TIMEOUT = 10.0
+"""Seconds that `stop` waits for the robot's thread."""
+
+
+class RobotSuspended(RobotLost):
+    """The program was suspended while the wheels turned; they were stopped, and a new command starts them again."""
+
+    def __init__(self, port: str) -> None:
+        super().__init__(port, "", 0, "the program was suspended, and the robot was stopped")
+
+
+class Interrupted(Exception):  # noqa: N818 (an event, not an error)
+    """A stop needs the connection; the interrupted work starts over afterwards."""
+
+
+class Task(Generic[T]):
+    """Work for a robot's thread, and its result.
+
+    Args:
+        work: The function to run.
+        done_queue: Queue for the task once it is done; a new queue by default.
+
+    Attributes:
+        error: What the work raised, or None.
+        done: Whether the work has returned or raised.
+    """
+
+    def __init__(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> None:
+        self._work = work
+        self._done_queue: SimpleQueue[Task[Any]] = SimpleQueue() if done_queue is None else done_queue
+        self._value: list[T] = []
+        self.error: BaseException | None = None
+        self.done = False
+
+    def run(self) -> None:
+        """Run the work; never raises."""
+        try:
+            self._value.append(self._work())
+        except BaseException as error:
+            self.error = error
+        self.done = True
+        self._done_queue.put(self)
+
+    def result(self, timeout: float | None = None) -> T:
+        """Wait for the return value of the work; raises what the work raised.
+
+        Only for a task with its own queue and one waiting thread.
+
+        Raises:
+            TimeoutError: The work is not done within `timeout` seconds.
+        """
+        if not self.done:
+            try:
+                self._done_queue.get(timeout=timeout)
+            except Empty:
+                raise TimeoutError(f"the robot's thread is not done after {timeout:g} s") from None
+        if self.error is not None:
+            raise self.error
+        return self._value[0]
+
+
+class RealRobot(ABC):
+    """A `Robot` behind a connection; `transmit` and `receive` exchange the data of one round.
+
+    All methods are thread-safe. The wheels are stopped on every exit path; see `emergency_stop`. After a suspension
+    (Ctrl-Z) they remain stopped, and the next request raises `RobotSuspended` once.
+
+    Args:
+        port: Name of the connection.
+        max_speed: Limit of the wheel speeds in speed units; at most that of the model.
+
+    Attributes:
+        model: What this kind of robot can do.
+        port: Name of the connection.
+        stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
+
+    Raises:
+        ValueError: A speed that is not allowed.
+    """
+
+    model: ClassVar[RobotModel]
+
+    def __init__(self, port: str, max_speed: int) -> None:
+        if not 1 <= max_speed <= self.model.max_speed:
+            raise ValueError(f"max_speed {max_speed}; allowed: 1..{self.model.max_speed} speed units")
+        self.port = port
+        self.stop_confirmed = self._food_ahead = False
+        self._proximity: Proximity | None = None
+        self._max_speed = max_speed
+        self._command: Motors | None = None
+        self._senses: Senses | None = None
+        self._suspended = self._closed = self._in_urgent = False
+        self._urgent: deque[Task[Any]] = deque()
+        self._ordinary: deque[Task[Any]] = deque()
+        self._wake: SimpleQueue[bool] = SimpleQueue()
+        # A daemon: the interpreter waits for other threads at its exit before the robots can be stopped.
+        self._thread = threading.Thread(target=self._serve, name=f"port {port}", daemon=True)
+
+    @property
+    @abstractmethod
+    def longest_exchange(self) -> float:
+        """Seconds after which `transmit` or `receive` of an undisturbed robot is over."""
+
+    def drive(self, motors: Motors) -> Motors:
+        """Set the command for the next `transmit`.
+
+        Returns:
+            The command as it will be sent: whole speed units within `max_speed`, arm within its travel, jaw open or
+            closed; without a gripper, the arm is lowered and the jaw open.
+
+        Raises:
+            ValueError: A value that is not a finite number.
+        """
+        check_finite(motors)
+        left, right, arm, jaw = applicable(motors)
+        if not self.model.has_gripper:
+            arm, jaw = ARM_DOWN, JAW_OPEN
+        limit = self._max_speed
+        self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
+        return self._command
+
+    def flash(self) -> None:
+        """Switch its lamps on for a moment, so that a person sees which robot this is.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self._begin(self._flash).result()
+
+    def turn_wheels(self, left: int, right: int) -> None:
+        """Turn the wheels at speeds in speed units, and move nothing else.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self.drive(Motors(left, right, ARM_DOWN, JAW_OPEN))
+        self.transmit()
+
+    def sense(self) -> Senses:
+        """The senses of the last `receive`; calls it if there was none.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        if self._senses is None:
+            self.receive()
+        assert self._senses is not None
+        senses = self._senses
+        if not (self.model.has_gripper or self._food_ahead):
+            senses = senses._replace(object_presence=0)
+        return senses if self._proximity is None else senses._replace(proximity=self._proximity)
+
+    @property
+    def touches(self) -> bool:
+        """Whether its own sensors report an object, food or wall; always true for a robot that has none for this."""
+        return self._senses is not None and self._senses.object_presence > 0
+
+    def note_surroundings(self, food_ahead: bool, proximity: Proximity | None) -> None:
+        """Complete the senses of a robot that has fewer sensors than a Khepera, once a round.
+
+        Args:
+            food_ahead: Whether food is before the robot. Without a gripper, it reports an object only then.
+            proximity: Infra-red readings as they follow from the map, for a robot without infra-reds.
+        """
+        self._food_ahead, self._proximity = food_ahead, proximity
+
+    def transmit(self) -> None:
+        """Send the last command.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self.begin_transmit().result()
+
+    def receive(self) -> None:
+        """Read the sensors.
+
+        Raises:
+            RobotLost: The robot does not reply.
+        """
+        self.begin_receive().result()
+
+    def stop(self) -> None:
+        """Stop the wheels, before any other request; arm and jaw still move to their last targets.
+
+        Raises:
+            RobotLost: The robot does not confirm.
+        """
+        self.begin_stop().result(_STOP_TIMEOUT)
+
+    def close(self, stop: bool = True) -> None:
+        """Stop the wheels and close the connection, even if the robot is lost; a second call does nothing.
+
+        Args:
+            stop: False for a robot that was just stopped.
+        """
+        if not self._closed:
+            if stop:
+                emergency_stop.stop_and_log((self,), emergency_stop.PORT_CLOSED)
+            self._release()
+
+    def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
+        """Begin `transmit`; the task is put into the queue when it is done."""
+        return self._begin(self._transmit, done_queue)
+
+    def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
+        """Begin `receive`; the task is put into the queue when it is done."""
+        return self._begin(self._receive, done_queue)
+
+    def begin_stop(self) -> Task[None]:
+        """Begin `stop`; never blocks, so signal handlers may call it."""
+        if self._command is not None:
+            self._command = self._command._replace(left=0, right=0)
+        return self.begin_hold()
+
+    def begin_hold(self) -> Task[None]:
+        """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
+        task: Task[None] = Task((lambda: None) if self._closed else self._stop_wheels)
+        if self._closed:
+            task.run()
+        else:
+            self._urgent.append(task)
+            self._wake.put(True)
+        return task
+
+    def suspend(self) -> bool:
+        """Make the next request raise `RobotSuspended` if the wheels are turning; `begin_stop` stops them.
+
+        Returns:
+            Whether they are turning.
+        """
+        turning = self._turning()
+        self._suspended = self._suspended or turning
+        return turning
+
+    def end_watchdog(self) -> None:  # noqa: B027 (not every robot has one)
+        """End the watchdog, if there is one: the wheels were stopped. A second call does nothing."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _turning(self) -> bool:
+        """Whether the wheels were commanded to turn."""
+        return self._command is not None and any(self._command[:2])
+
+    def _open(self, work: Callable[[], None]) -> None:
+        """Start the thread, and open the connection in it; release everything if that fails."""
+        self._thread.start()
+        emergency_stop.register(self)
+        try:
+            self._begin(work).result()
+        except BaseException:
+            self._release()
+            raise
+
+    def _release(self) -> None:
+        self._closed = True
+        emergency_stop.unregister(self)
+        self._wake.put(False)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=5.0)
+        self.end_watchdog()
+        self._disconnect()
+
+    def _begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
+        """Begin work in the robot's thread; the task is put into the queue when it is done.
+
+        Raises:
+            ConnectionError: The robot is closed.
+        """
+        if self._closed:
+            raise ConnectionError(f"{self.port} is closed")
+        task = Task(lambda: self._complete(work), done_queue)
+        self._ordinary.append(task)
+        self._wake.put(True)
+        return task
+
+    # The methods below run in the robot's thread.
+
+    def _serve(self) -> None:
+        while self._wake.get():
+            self._run_urgent()
+            # An urgent task may have run inside an ordinary one; its wake-up then finds empty queues.
+            if self._ordinary:
+                self._ordinary.popleft().run()
+
+    def _run_urgent(self) -> None:
+        self._in_urgent = True
+        try:
+            while self._urgent:
+                self._urgent.popleft().run()
+        finally:
+            self._in_urgent = False
+
+    def _check_interruption(self) -> None:
+        """Called again and again during a wait.
+
+        Raises:
+            Interrupted: Ordinary work must pause for a stop, or give up because the robot is closed.
+        """
+        if (self._closed or self._urgent) and not self._in_urgent:
+            raise Interrupted
+
+    def _complete(self, work: Callable[[], T]) -> T:
+        """Run work; from its beginning again after an interruption."""
+        while True:
+            if self._suspended:
+                self._suspended = False
+                raise RobotSuspended(self.port)
+            try:
+                return self._attempt(work)
+            except Interrupted:
+                self._run_urgent()
+                if self._closed:
+                    raise ConnectionError(f"{self.port} is closed") from None
+
+    def _attempt(self, work: Callable[[], T]) -> T:
+        """Run work once."""
+        return work()
+
+    @abstractmethod
+    def _transmit(self) -> None:
+        """Send `_command`, which `begin_stop` may have changed since `begin_transmit`."""
+
+    @abstractmethod
+    def _receive(self) -> None:
+        """Set `_senses`."""
+
+    @abstractmethod
+    def _stop_wheels(self) -> None:
+        """Stop the wheels until the next `_transmit`, and confirm it."""
+
+    @abstractmethod
+    def _flash(self) -> None:
+        """See `flash`."""
+
+    @abstractmethod
+    def _disconnect(self) -> None:
+        """Close the connection; a second call does nothing."""

@@ -1,0 +1,365 @@
+"""A robot at a serial port: what the drivers of Khepera and e-puck share."""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import ClassVar, TypeVar
+
+from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost
+from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.serial.line import (
+    DEFAULT_TIMEOUT,
+    DEFAULT_TRIES,
+    Line,
+    LineStatistics,
+    RobotRestarted,
+    Traffic,
+)
+from khepera_forage.robots.serial.line_timing import FAST, MAX_ROUND_BYTES, MAX_ROUND_REQUESTS, LineTiming
+from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
+from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
+
+T = TypeVar("T")
+
+STOP = Request("D", (0, 0))
+HOLD_AFTER = 0.5
+"""Seconds after which a call that is not complete stops the wheels."""
+MAX_DURATION = 4.0
+"""Seconds after which a robot whose call is not complete counts as lost."""
+
+_MAX_TIMEOUTS = 40
+"""The same in timeouts, for a user who has chosen a long one."""
+_MAX_RESTARTS = 5
+"""Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
+_FLASH = 0.3
+"""Seconds."""
+_SHORT_EXCHANGE = 20
+"""Bytes of a request and its reply with one number."""
+_RESTART_JUMP = 1000
+"""Counts: a restart has reset a counter that changed by more than this and is now nearer to zero than this."""
+
+
+class SerialRobot(RealRobot):
+    """A `Robot` over a serial port. See `RealRobot`; the port belongs to the robot's thread.
+
+    `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again.
+
+    A `watchdog` process stops the wheels when this process ends in any way or is frozen. A robot whose replies are lost
+    or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the beginning of a call that is
+    not complete, and *held* until the next `transmit`, like those of a robot in a fleet whose others are late: whatever
+    would turn them is sent as a stop meanwhile. The driver notices a restart of the robot (its power supply failed) by
+    the banner or by the counters. It then sends the last command again and continues the counters.
+
+    Args:
+        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
+        baud: Of the line.
+        max_speed: Limit of the wheel speeds in speed units.
+        timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
+        tries: The robot counts as lost after this number of tries in a row that bring no reply.
+        watchdog: Whether to start a watchdog process. A port without a file descriptor (`loop://`) cannot have one.
+        period: Seconds of a round, which the line must keep; None accepts any line.
+
+    Raises:
+        ValueError: An argument that is not allowed.
+        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
+            line does not keep the period.
+        ImportError: pyserial is missing.
+    """
+
+    protocol: ClassVar[Protocol]
+    default_baud: ClassVar[int]
+    motion_commands: ClassVar[tuple[str, ...]]
+    """Requests that set the wheels in motion."""
+    lamps: ClassVar[tuple[int, ...]]
+    """Arguments of request L that switch all lamps."""
+
+    def __init__(
+        self,
+        port: str,
+        *,
+        baud: int | None = None,
+        max_speed: int | None = None,
+        timeout: float = DEFAULT_TIMEOUT,
+        tries: int = DEFAULT_TRIES,
+        watchdog: bool = True,
+        period: float | None = CONTROL_PERIOD,
+    ) -> None:
+        super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
+        self.baud = self.default_baud if baud is None else baud
+        self._period = period
+        self._base_timeout = timeout
+        self._watchdog: Watchdog | None = None
+        self._speeds = (0, 0)
+        self._turned_by_request = self._held = self._must_restore = False
+        self._restarts = 0
+        self._hold_at = float("inf")
+        self._last_round = float("-inf")
+        self._line = Line(
+            port,
+            self.protocol,
+            baud=self.baud,
+            timeout=timeout,
+            tries=tries,
+            replace=lambda request: STOP if self._held and self._turns(request) else request,
+            check=self._check,
+        )
+        self._prepare()
+        self._open(self._begin_session)
+        if watchdog:
+            self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
+
+    @property
+    def timing(self) -> LineTiming:
+        """The latency of the line, and the time that a round takes on it."""
+        return self._line.timing
+
+    @property
+    def timeout(self) -> float:
+        """Seconds that a reply may take in addition to the transmission time; on a slow line more than the argument."""
+        return self._line.timeout
+
+    @property
+    def statistics(self) -> LineStatistics:
+        """Counts of events on the line so far."""
+        return self._line.statistics
+
+    @property
+    def longest_exchange(self) -> float:
+        """See `RealRobot`."""
+        return self.timeout + self.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES)
+
+    def on_traffic(self, callback: Callable[[Traffic], None] | None) -> None:
+        """Call a function, in the robot's thread, with all bytes sent and received; None ends that."""
+        self._line.on_traffic = callback
+
+    def request(self, command: str, *values: int) -> tuple[int | str, ...]:
+        """Send any other request of the protocol.
+
+        Returns:
+            The values of the reply.
+
+        Raises:
+            ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
+            RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
+        """
+        request = Request(command, values)
+        if command in self.motion_commands:
+            self._turned_by_request = self._turns(request)
+        return self._begin(lambda: self._request(request)).result().values
+
+    def end_watchdog(self) -> None:
+        """End the watchdog: the wheels were stopped. A second call does nothing."""
+        if self._watchdog is not None:
+            self._watchdog.end()
+
+    def _turning(self) -> bool:
+        return self._turned_by_request or super()._turning()
+
+    def _turns(self, request: Request) -> bool:
+        """Whether a request sets the wheels in motion."""
+        return request.command in self.motion_commands and (request.command == "C" or any(request.values))
+
+    # The methods below run in the robot's thread.
+
+    def _begin_session(self) -> None:
+        """Check that a robot replies, stop its wheels, and measure the line.
+
+        The identity comes first: it is sent again if the robot rejects it because another program left an unfinished
+        request on the line.
+        """
+        try:
+            self.stop_confirmed = self._line.measure(STOP, self._period)
+        except RobotLost as lost:
+            if not self.protocol.hint:
+                raise
+            raise RobotLost(
+                self.port, lost.command, lost.tries, f"{lost.reason}; {self.protocol.hint}"
+            ) from lost
+        if self._period is not None:
+            self.timing.check(self.port, self._period)
+
+    def _begin_call(self) -> None:
+        """Begin a call, whose time is limited."""
+        now = self._line.now()
+        self._line.deadline = now + max(MAX_DURATION, _MAX_TIMEOUTS * self._base_timeout)
+        self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+
+    def _check(self) -> None:
+        """While waiting: pause for a stop, and hold the wheels of a robot that has not replied in time."""
+        self._check_interruption()
+        now = self._line.now()
+        if now >= self._hold_at and not self.stop_confirmed:
+            self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+            self._held = True
+            self._line.send_aside(STOP)
+
+    def _attempt(self, work: Callable[[], T]) -> T:
+        """Run work; after a restart of the robot, send the last command again and run it from its beginning."""
+        while True:
+            try:
+                self._restore()
+                result = work()
+            except RobotRestarted:
+                self._note_restart()
+            else:
+                self._restarts = 0
+                return result
+
+    def _note_restart(self) -> None:
+        """Record that the robot sent its banner."""
+        self._must_restore = True
+        self._restarts += 1
+        self._on_restart()
+        if self._restarts > _MAX_RESTARTS:
+            count, self._restarts = self._restarts, 0
+            raise RobotLost(self.port, "restart", count, "it restarts again and again")
+
+    def _restore(self) -> None:
+        if self._must_restore:
+            held = self._held
+            self._forget_targets()
+            if self._command is not None:
+                self._send_command(self._command, held)
+            self._must_restore = False
+
+    def _transmit(self) -> None:
+        if self._command is not None:
+            self._send_command(self._command, False)
+
+    def _send_command(self, command: Motors, held: bool) -> None:
+        """Send a command; as a stop if the wheels are held."""
+        self._begin_call()
+        self._held = held
+        self._turned_by_request = False
+        requests = self._requests(command)
+        self._speeds = (0, 0) if held else (int(command.left), int(command.right))
+        if any(self._speeds):
+            self.stop_confirmed = False
+        # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
+        if self.timing.latency <= FAST or not self._line.send_ahead(requests):
+            self._exchange(requests)
+        self._note_sent(command)
+
+    def _exchange(self, requests: Sequence[Request]) -> list[Reply]:
+        """Send requests; returns their replies, once those to the last command have arrived, too."""
+        replies = self._line.exchange(requests)
+        if self._speeds == (0, 0) and not self._held:
+            self.stop_confirmed = True
+        return replies
+
+    def _request(self, request: Request) -> Reply:
+        self._begin_call()
+        if not self._turns(request):
+            if request.command in self.motion_commands:
+                self._speeds = (0, 0)
+            return self._exchange([request])[0]
+        self._speeds, self._held, self.stop_confirmed = (1, 1), False, False
+        reply = self._exchange([request])[0]
+        if self._held:  # The robot replies again: once more, for one time-out.
+            self._held, self._hold_at = False, self._line.now() + self.timeout
+            reply = self._exchange([request])[0]
+        return reply
+
+    def _stop_wheels(self) -> None:
+        self._begin_call()
+        self._held = True
+        if self._line.forget_ahead():
+            self._forget_targets()  # Their replies can no longer be told from others: send them again.
+        while True:
+            try:
+                self._line.exchange([STOP], insist=True)
+            except RobotRestarted:
+                self._note_restart()
+            else:
+                self._restarts = 0
+                self._speeds, self.stop_confirmed = (0, 0), True
+                return
+
+    def _flash(self) -> None:
+        for action in (1, 0, 1, 0):
+            for lamp in self.lamps:
+                self._request(Request("L", (lamp, action)))
+            time.sleep(_FLASH)
+
+    def _disconnect(self) -> None:
+        self._line.close()
+
+    def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
+        """Whether a round has time to send requests again.
+
+        A round must not end too long after the last one, at most 0.5 s if the caller does not keep the period.
+
+        Args:
+            begin: When the round began.
+            requests: With short replies.
+        """
+        limit = begin + HOLD_AFTER
+        if self._period is not None and begin <= self._last_round + self._period:
+            limit = self._last_round + self.timing.longest_round(self._period)
+        needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
+        return self._line.now() + needed <= limit
+
+    # What differs between the robots.
+
+    def _prepare(self) -> None:
+        """Create what the methods below need."""
+
+    def _requests(self, command: Motors) -> list[Request]:
+        """The requests that transmit a command, the wheel speeds first."""
+        raise NotImplementedError
+
+    def _note_sent(self, command: Motors) -> None:
+        """Record that a command was sent."""
+
+    def _forget_targets(self) -> None:
+        """Forget what was sent before: the next command must be sent completely."""
+
+    def _on_restart(self) -> None:
+        """Record that the robot restarted."""
+
+
+class Counters:
+    """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
+
+    The counts between the last reading and a restart are lost: less than one round's worth.
+
+    Args:
+        bits: Of the robot's counters.
+
+    Attributes:
+        total: Counts of the left and the right wheel.
+    """
+
+    def __init__(self, bits: int) -> None:
+        self.total = (0, 0)
+        self._bits = bits
+        self._raw: tuple[int, int] | None = None
+        self._restarted = self._suspected = False
+
+    def restarted(self) -> None:
+        """Record that the robot sent its banner: its counters restarted at zero."""
+        self._restarted = True
+
+    def update(self, left: int, right: int) -> bool:
+        """Add a reading.
+
+        Returns:
+            Whether it shows a restart whose banner was not received: the second reading in a row that does, because
+            a disturbed one may.
+        """
+        raw = left, right
+        if self._raw is None:
+            self._raw = self.total = raw
+            return False
+        changes = [wrap_counter(new - old, self._bits) for new, old in zip(raw, self._raw, strict=True)]
+        jumped = any(abs(change) > _RESTART_JUMP for change in changes)
+        is_low = all(abs(value) < _RESTART_JUMP for value in raw)
+        if jumped and is_low and not self._restarted and not self._suspected:
+            self._suspected = True
+            return False
+        was_reset = is_low and (self._restarted or jumped)
+        noticed = was_reset and not self._restarted
+        left_change, right_change = raw if was_reset else changes
+        self.total = self.total[0] + left_change, self.total[1] + right_change
+        self._raw = raw
+        self._restarted = self._suspected = False
+        return noticed

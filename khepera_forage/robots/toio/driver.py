@@ -1,0 +1,236 @@
+"""The driver of a toio cube, on Sony's library toio-py.
+
+Requires the extra `toio`; it is imported when a cube is opened, not before.
+"""
+
+import asyncio
+import math
+import threading
+import time
+from collections.abc import Callable, Coroutine
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from khepera_forage.extras import require
+from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, RADIUS, RobotLost, Senses
+from khepera_forage.robots.model import TOIO
+from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose, Mat
+
+if TYPE_CHECKING:
+    from toio.device_interface import CubeInterface
+
+T = TypeVar("T")
+
+VIRTUAL = "virtual:"
+"""A port that begins like this is a virtual cube; see `toio.virtual`."""
+COMMAND_DURATION = 300
+"""Milliseconds that a motor command lasts: the cube of a program that has ended or is frozen stops by itself."""
+SLOWEST_UNIT, FASTEST_UNIT = 8, 115
+"""Motor speeds that have an effect; a wheel does not turn below."""
+_MAX_SILENCE = 0.5
+"""Seconds without a position after which a cube on the mat counts as lost; it sends one every 10 ms."""
+_SCAN_TIMEOUT = 10.0
+_WRITE_TIMEOUT = 2.0
+_POLL = 0.002
+_FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
+"""Light for one second, white."""
+_LOOK_AHEAD = 8.0
+"""mm on the plan in which a wall before the cube stops it."""
+_POSITION, _POSITION_MISSED = 0x01, 0x03
+"""First bytes of a notification."""
+
+
+class ToioRobot(RealRobot):
+    """A cube on a mat. See `RealRobot`.
+
+    Each command lasts 0.3 s, so that the wheels of a cube stop by themselves when the program ends in any way or the
+    connection is lost; it has no watchdog process. A cube has neither gripper nor infra-reds. Its counters follow from
+    its positions, and whether food is before it from those of the food.
+
+    Args:
+        port: Name of the cube as in "toio-A1b", its Bluetooth address, or "virtual:" and any name.
+        max_speed: Limit of the wheel speeds in speed units.
+        mat: The mat on which it drives.
+
+    Attributes:
+        pose: Its last place on the plan.
+        on_mat: Whether it sees the mat.
+        clearance: Distance in mm from a place on the plan to the nearest wall, negative behind it; None without walls.
+            A mat has no walls, so that the driver itself keeps the cube within them: it turns, and does not advance.
+
+    Raises:
+        ValueError: A speed that is not allowed.
+        RobotLost: The cube was not found, or does not reply.
+        ImportError: toio-py is missing.
+    """
+
+    model = TOIO
+
+    def __init__(self, port: str, *, max_speed: int | None = None, mat: Mat = SIMPLE_MAT) -> None:
+        super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
+        require("a toio cube", "toio")
+        self.pose = CubePose(0.0, 0.0, 0.0)
+        self.on_mat = False
+        self.clearance: Callable[[float, float], float] | None = None
+        self._mat = mat
+        self._cube: Any = None
+        self._notifications = 0
+        self._travel = (0.0, 0.0)
+        self._open(self._connect)
+
+    @property
+    def longest_exchange(self) -> float:
+        """See `RealRobot`."""
+        return _MAX_SILENCE
+
+    def turn_for(self, left: float, right: float, milliseconds: int) -> None:
+        """Turn the wheels at speeds in speed units for a short time.
+
+        Raises:
+            RobotLost: The cube does not reply.
+        """
+        self._begin(lambda: self._write_motors(left, right, milliseconds)).result()
+
+    # The methods below run in the cube's thread.
+
+    def _connect(self) -> None:
+        from toio import ToioCoreCube
+
+        try:
+            self._cube = ToioCoreCube(interface=self._interface())
+            _wait(self._cube.connect(), _SCAN_TIMEOUT)
+            _wait(
+                self._cube.api.id_information.register_notification_handler(self._note_position),
+                _WRITE_TIMEOUT,
+            )
+            # A position every 10 ms, also while the cube stands still; the default pauses.
+            _wait(self._cube.api.configuration._write(b"\x18\x00\x01\x00"), _WRITE_TIMEOUT)
+        except RobotLost:
+            raise
+        except Exception as error:
+            reason = str(error) or type(error).__name__
+            raise RobotLost(self.port, "", 0, f"it cannot be connected: {reason}") from error
+        self._stop_wheels()
+        self._wait_for_position()
+
+    def _interface(self) -> "CubeInterface":
+        """The cube of the port."""
+        if self.port.startswith(VIRTUAL):
+            from khepera_forage.robots.toio.virtual import table
+
+            return table(self._mat).cube(self.port.removeprefix(VIRTUAL))
+        from toio import BLEScanner
+
+        if ":" in self.port:
+            search = BLEScanner.scan_with_address({self.port.upper()}, timeout=_SCAN_TIMEOUT)
+        else:
+            search = BLEScanner.scan_with_id({self.port.removeprefix("toio-")}, timeout=_SCAN_TIMEOUT)
+        found = _wait(search, 2 * _SCAN_TIMEOUT)
+        if not found:
+            reason = "it was not found: is it switched on, near the computer, and not connected to another program?"
+            raise RobotLost(self.port, "", 0, reason)
+        interface: CubeInterface = found[0].interface
+        return interface
+
+    def _note_position(self, payload: bytearray) -> None:
+        """Take a notification, in the thread of the Bluetooth connection."""
+        if payload[0] == _POSITION:
+            x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
+            pose, last = self._mat.to_plan(x, y, angle), self.pose
+            if self.on_mat:
+                turn = math.remainder(pose.heading - last.heading, math.tau)
+                middle = last.heading + turn / 2
+                forward = (pose.x - last.x) * math.cos(middle) + (pose.y - last.y) * math.sin(middle)
+                side = turn * self.model.wheel_base / self.model.scale / 2
+                self._travel = self._travel[0] + forward - side, self._travel[1] + forward + side
+            self.pose, self.on_mat = pose, True
+        elif payload[0] == _POSITION_MISSED:
+            self.on_mat = False
+        self._notifications += 1
+
+    def _wait_for_position(self) -> None:
+        """Wait for a position that was taken after now."""
+        seen, end = self._notifications, time.monotonic() + _MAX_SILENCE
+        while self._notifications == seen:
+            self._check_interruption()
+            if not self._cube.is_connect():
+                raise RobotLost(self.port, "", 0, "the Bluetooth connection was lost")
+            if time.monotonic() > end:
+                if not self.on_mat:
+                    return
+                raise RobotLost(self.port, "", 0, f"it has sent no position for {_MAX_SILENCE:g} s")
+            time.sleep(_POLL)
+
+    def _transmit(self) -> None:
+        if self._command is not None:
+            left, right, _, _ = self._command
+            forward = (left + right) / 2
+            if forward and self.clearance is not None:
+                x, y, heading = self.pose
+                ahead = math.copysign(_LOOK_AHEAD, forward)
+                after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
+                if after < min(RADIUS, self.clearance(x, y)):
+                    left, right = left - forward, right - forward
+            self._write_motors(left, right, COMMAND_DURATION)
+
+    def _receive(self) -> None:
+        self._wait_for_position()
+        left, right = (round(travel / PULSE) for travel in self._travel)
+        self._senses = Senses((0,) * 8, left, right, ARM_DOWN, JAW_OPEN, PRESENT)
+
+    def _stop_wheels(self) -> None:
+        self._write_motors(0.0, 0.0, 0)
+
+    def _write_motors(self, left: float, right: float, milliseconds: int) -> None:
+        units = [_motor_unit(speed * self.model.unit) for speed in (left, right)]
+        if any(units):
+            self.stop_confirmed = False
+        try:
+            if not self._cube.is_connect():
+                raise ConnectionError("the connection was lost")
+            _wait(self._cube.api.motor.motor_control(*units, milliseconds or None), _WRITE_TIMEOUT)
+        except Exception as error:
+            command = f"motors {units[0]}, {units[1]}"
+            raise RobotLost(
+                self.port, command, 1, f"Bluetooth failed: {error or type(error).__name__}"
+            ) from error
+        if not any(units):
+            self.stop_confirmed = True
+
+    def _flash(self) -> None:
+        _wait(self._cube.api.indicator._write(_FLASH), _WRITE_TIMEOUT)
+
+    def _disconnect(self) -> None:
+        if self._cube is not None and self._cube.is_connect():
+            try:
+                _wait(self._cube.disconnect(), _WRITE_TIMEOUT)
+            except Exception:  # a lost cube cannot be disconnected
+                return
+
+
+def _motor_unit(speed: float) -> int:
+    """The nearest motor speed that has an effect."""
+    unit = min(FASTEST_UNIT, round(abs(speed)))
+    if 0 < unit < SLOWEST_UNIT:
+        unit = SLOWEST_UNIT if 2 * unit >= SLOWEST_UNIT else 0
+    return int(math.copysign(unit, speed))
+
+
+class _Loop:
+    """The event loop of all Bluetooth connections, in a thread of its own."""
+
+    def __init__(self) -> None:
+        self.loop = asyncio.new_event_loop()
+        threading.Thread(target=self.loop.run_forever, name="bluetooth", daemon=True).start()
+
+
+_LOCK = threading.Lock()
+_LOOPS: list[_Loop] = []
+
+
+def _wait(work: Coroutine[Any, Any, T], timeout: float) -> T:
+    """Run work of toio-py in the event loop, and wait for its result."""
+    with _LOCK:
+        if not _LOOPS:
+            _LOOPS.append(_Loop())
+    return asyncio.run_coroutine_threadsafe(work, _LOOPS[0].loop).result(timeout)

@@ -1,0 +1,227 @@
+"""Virtual cubes on a virtual mat, below toio-py's `CubeInterface`.
+
+A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls. A
+table keeps real time by default; a clock of its own makes it independent of the machine's load.
+"""
+
+import asyncio
+import math
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+from uuid import UUID
+
+from toio.device_interface import CubeInterface
+from toio.toio_uuid import ToioUuid
+
+from khepera_forage.robots.khepera import SPEED_UNIT
+from khepera_forage.robots.model import TOIO
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT
+from khepera_forage.robots.toio.mat import CubePose, Mat
+
+RADIUS = TOIO.radius / TOIO.scale
+"""Of a cube on the plan, in mm."""
+_BASE = TOIO.wheel_base / TOIO.scale
+_SPEED = SPEED_UNIT / TOIO.unit
+"""mm/s on the plan for one unit of the motor speed."""
+_STEP = 0.01
+"""Seconds."""
+_VERSION = b"\x81\x002.4.0"
+
+
+class Table:
+    """A mat with cubes.
+
+    Args:
+        mat: The mat.
+        clock: Seconds since any fixed moment.
+        interval: Seconds of the computer from one position of a cube to the next.
+
+    Attributes:
+        unplugged: Names of cubes that have lost their connection.
+    """
+
+    def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
+        self.mat = mat
+        self.unplugged: set[str] = set()
+        self._clock, self.interval = clock, interval
+        self._now = clock()
+        self._lock = threading.RLock()
+        self._cubes: dict[str, VirtualCube] = {}
+
+    def cube(self, name: str, pose: CubePose | None = None) -> "VirtualCube":
+        """The cube with a name; a new one stands at a free place unless one is given."""
+        with self._lock:
+            if name not in self._cubes:
+                self._cubes[name] = VirtualCube(self, name, self._free_place() if pose is None else pose)
+            elif pose is not None:
+                self._cubes[name].pose = pose
+            return self._cubes[name]
+
+    def advance(self) -> None:
+        """Let the cubes drive until now."""
+        with self._lock:
+            now = self._clock()
+            while self._now + _STEP <= now:
+                self._now += _STEP
+                for cube in self._cubes.values():
+                    cube.drive(self._now, _STEP)
+                self._separate()
+
+    def _free_place(self) -> CubePose:
+        """A place beside the others, in a row along the upper border."""
+        width, height = self.mat.size
+        number = len(self._cubes)
+        columns = int(width // (3 * RADIUS))
+        row, column = divmod(number, columns)
+        return CubePose(1.5 * RADIUS * (2 * column + 1), height - 1.5 * RADIUS * (2 * row + 1), 0.0)
+
+    def _separate(self) -> None:
+        """Push cubes apart that overlap; a cube that drives moves one that stands."""
+        cubes = list(self._cubes.values())
+        for i, first in enumerate(cubes):
+            for second in cubes[i + 1 :]:
+                dx, dy = second.pose.x - first.pose.x, second.pose.y - first.pose.y
+                distance = math.hypot(dx, dy) or 1e-6
+                overlap = 2 * RADIUS - distance
+                if overlap > 0:
+                    share = 0.5 if first.turning == second.turning else float(second.turning)
+                    first.shift(-dx / distance * overlap * share, -dy / distance * overlap * share)
+                    rest = 1.0 - share
+                    second.shift(dx / distance * overlap * rest, dy / distance * overlap * rest)
+
+
+class VirtualCube(CubeInterface):
+    """One cube, as toio-py sees it.
+
+    Args:
+        table: Its table.
+        name: Its name.
+        pose: Where it stands, on the plan.
+
+    Attributes:
+        pose: Where it stands now.
+    """
+
+    def __init__(self, table: Table, name: str, pose: CubePose) -> None:
+        self.pose = pose
+        self._table, self._name = table, name
+        self._units = (0, 0)
+        self._until = math.inf
+        self._connected = False
+        self._handlers: dict[UUID, Callable[..., Any]] = {}
+        self._answer = bytearray(_VERSION)
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def turning(self) -> bool:
+        """Whether a wheel turns."""
+        return any(self._units)
+
+    def drive(self, now: float, seconds: float) -> None:
+        """Drive for a short time."""
+        if now > self._until:
+            self._units = 0, 0
+        left, right = (unit * _SPEED * seconds for unit in self._units)
+        x, y, heading = self.pose
+        turn, forward = (right - left) / _BASE, (left + right) / 2
+        middle = heading + turn / 2
+        self.pose = CubePose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
+
+    def shift(self, dx: float, dy: float) -> None:
+        """Move it."""
+        self.pose = self.pose._replace(x=self.pose.x + dx, y=self.pose.y + dy)
+
+    async def __aenter__(self) -> "VirtualCube":
+        await self.connect()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.disconnect()
+
+    async def connect(self) -> bool:
+        """Connect, unless it is unplugged."""
+        if self._name in self._table.unplugged:
+            raise ConnectionError("the cube does not advertise itself")
+        self._connected = True
+        self._task = asyncio.create_task(self._notify())
+        return True
+
+    async def disconnect(self) -> bool:
+        """Disconnect; the wheels stop when their command ends."""
+        self._connected = False
+        self._handlers.clear()
+        return True
+
+    async def read(self, char_uuid: UUID) -> bytearray:
+        """The answer to the last configuration request."""
+        return self._answer
+
+    async def write(
+        self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
+    ) -> None:
+        """Execute a motor command; everything else is accepted and has no effect.
+
+        Raises:
+            ConnectionError: It is not connected.
+        """
+        if not self.is_connect():
+            raise ConnectionError("the cube is not connected")
+        if char_uuid == ToioUuid.Motor.value and data[0] in (1, 2):
+            self._table.advance()
+            left, right = (_effective(data[i], data[i + 1]) for i in (2, 5))
+            limited = data[0] == 2 and data[7] > 0
+            self._until = self._table._clock() + data[7] / 100 if limited else math.inf
+            self._units = left, right
+
+    async def register_notification_handler(self, char_uuid: UUID, notification_handler: Any) -> bool:
+        """Send notifications to a function."""
+        self._handlers[char_uuid] = notification_handler
+        return True
+
+    async def unregister_notification_handler(self, char_uuid: UUID) -> bool:
+        """Send none any more."""
+        self._handlers.pop(char_uuid, None)
+        return True
+
+    def is_connect(self) -> bool:
+        """Whether it is connected."""
+        return self._connected and self._name not in self._table.unplugged
+
+    async def _notify(self) -> None:
+        """Send positions until it is disconnected."""
+        while self.is_connect():
+            await asyncio.sleep(self._table.interval)
+            handler = self._handlers.get(ToioUuid.Id.value)
+            if handler is not None:
+                self._table.advance()
+                result = handler(None, self._position())
+                if asyncio.iscoroutine(result):
+                    await result
+
+    def _position(self) -> bytearray:
+        mat = self._table.mat
+        x, y, angle = mat.to_mat(self.pose)
+        if not (mat.left <= x <= mat.right and mat.top <= y <= mat.bottom):
+            return bytearray((3,))
+        return bytearray(b"\x01" + b"".join(v.to_bytes(2, "little") for v in (x, y, angle, x, y, angle)))
+
+
+def _effective(direction: int, unit: int) -> int:
+    """The speed at which a wheel turns."""
+    speed = 0 if unit < SLOWEST_UNIT else min(unit, FASTEST_UNIT)
+    return -speed if direction == 2 else speed
+
+
+_TABLES: dict[Mat, Table] = {}
+
+
+def table(mat: Mat) -> Table:
+    """The table of this process with a mat."""
+    return _TABLES.setdefault(mat, Table(mat))
+
+
+def use_table(table: Table) -> None:
+    """Let drivers find their virtual cubes on a table."""
+    _TABLES[table.mat] = table

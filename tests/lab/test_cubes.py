@@ -1,0 +1,106 @@
+"""A laboratory of toio cubes: no camera, no person; robots and food drive to their places by themselves."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+pytest.importorskip("toio")
+pytest.importorskip("cv2")
+
+from khepera_forage.envs.laboratories import virtual_cubes
+from khepera_forage.lab.operator import OperatorGaveUp
+from khepera_forage.lab.settings_file import LabFileError, parse
+from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
+from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.sim.world import Layout
+from tests.version_0_1 import SET_UP, V0_1
+
+FILE = """
+food_cubes = ["virtual:food1", "virtual:food2"]
+[[robots]]
+type = "toio"
+port = "virtual:teacher"
+offset = [30, 20]
+[[robots]]
+type = "toio"
+port = "virtual:learner"
+offset = [30, 256]
+"""
+
+
+@pytest.fixture
+def lab() -> Iterator[VirtualCubeLaboratory]:
+    with virtual_cubes("corridor", 2, V0_1) as lab:
+        yield lab
+
+
+def layout_of(lab: VirtualCubeLaboratory) -> Layout:
+    return Layout(tuple(a.start for a in lab.arenas), tuple(f for a in lab.arenas for f in a.foods))
+
+
+def test_cubes_drive_to_their_places_for_every_episode_and_are_sensed(lab: VirtualCubeLaboratory) -> None:
+    layout = layout_of(lab)
+    for seed in range(2):
+        lab.reset(np.random.default_rng(seed), layout)
+        for pose, start in zip(lab.poses(), layout.starts, strict=True):
+            assert math.dist(pose[:2], start[:2]) <= 15
+            assert abs(math.degrees(pose.heading - start.heading)) <= 10
+        for food, place in zip(lab.food_places(), layout.foods, strict=True):
+            assert math.dist(food[:2], place) <= 15
+        food_x = lab.food_places()[0].x
+        senses = []
+        for _ in range(70):
+            for robot in lab.robots:
+                robot.drive(Motors(6, 6, 215, 200))
+            lab.advance()
+            senses.append(lab.robots[0].sense())
+        assert lab.food_places()[0].x > food_x + 20, "it was pushed"
+        assert {own.object_presence for own in senses} == {0, 255}
+        assert max(max(own.proximity[2:4]) for own in senses) > 0, "as the map shows the food"
+        lab.stop()
+        assert not any(lab.table.cube(name).turning for name in ("robot 0", "robot 1"))
+
+
+def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> None:
+    layout = layout_of(lab)
+    lab.reset(np.random.default_rng(0), layout)
+    lab.table.unplugged.add("robot 1")
+    with pytest.raises(RobotLost, match="virtual:robot 1"):
+        lab.advance()
+    assert not lab.table.cube("robot 0").turning
+    with pytest.raises(OperatorGaveUp, match="this needs a person: reconnect what was lost"):
+        lab.reset(np.random.default_rng(1), layout)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            ("offset = [30, 256]", "offset = [300, 256]"),
+            r"robots[1].offset is [300.0, 256.0]: its arena leaves the mat",
+        ),
+        (
+            ('type = "toio"\nport = "virtual:l', 'port = "virtual:l'),
+            "robots are of types khepera, toio; allowed: toio",
+        ),
+        (
+            ('port = "virtual:l', 'baud = 9600\nport = "virtual:l'),
+            "robots[1].baud is given; allowed: for a robot with a",
+        ),
+        (
+            ('type = "toio"\nport = "virtual:l', 'type = "cube"\nport = "virtual:l'),
+            "robots[1].type is 'cube'; allowed: k",
+        ),
+    ],
+)
+def test_errors_in_the_file_name_the_key(change: tuple[str, str], message: str) -> None:
+    with pytest.raises(LabFileError) as error:
+        parse(FILE.replace(*change), SET_UP, 0.1)
+    assert message in str(error.value)
+
+
+def test_food_cubes_need_toio_robots() -> None:
+    with pytest.raises(LabFileError, match="food_cubes is given; allowed: for robots of type toio"):
+        parse('food_cubes = ["a"]\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/a"\n', SET_UP, 0.1)

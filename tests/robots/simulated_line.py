@@ -1,0 +1,88 @@
+"""A serial line with a clock of its own: what a test measures does not depend on the machine's load."""
+
+from collections.abc import Callable
+from typing import Self
+
+import pytest
+
+from khepera_forage.robots.serial import line
+from khepera_forage.robots.serial.protocol import LineSplitter, seconds_on_wire
+from tests.robots.scripted_robot import Action, NumberedReplies
+
+
+class SimulatedLine:
+    """The host's port; time passes only while the host waits for bytes, or in `sleep`.
+
+    Args:
+        script: Returns, for each request and its number, bytes to send and seconds to wait; replies numbered from 1 by
+            default.
+        baud: Of both directions.
+        latency: Seconds that each reply takes in addition.
+
+    Attributes:
+        now: Seconds since the beginning.
+        requests: The requests that have arrived, with their times.
+    """
+
+    def __init__(
+        self,
+        script: Callable[[bytes, int], list[Action]] | None = None,
+        *,
+        baud: int = 38400,
+        latency: float = 0.0,
+    ) -> None:
+        self.now, self.latency = 0.0, latency
+        self.requests: list[tuple[float, bytes]] = []
+        self._script = NumberedReplies({}) if script is None else script
+        self._baud, self._splitter = baud, LineSplitter()
+        self._arrived_until = self._sent_until = 0.0
+        self._replies: list[tuple[float, bytes]] = []
+
+    def install(self, monkeypatch: pytest.MonkeyPatch) -> Self:
+        """Let drivers open this line instead of a port."""
+        monkeypatch.setattr(line, "open_port", lambda *arguments: self)
+        monkeypatch.setattr(line, "monotonic", lambda: self.now)
+        return self
+
+    def sleep(self, until: float) -> None:
+        self.now = max(self.now, until)
+
+    def sent_since(self, begin: float, prefix: bytes = b"") -> list[bytes]:
+        """The requests that arrived after a moment."""
+        return [request for at, request in self.requests if at > begin and request.startswith(prefix)]
+
+    # What the driver calls.
+
+    @property
+    def in_waiting(self) -> int:
+        return sum(due <= self.now for due, _ in self._replies)
+
+    def read(self, size: int) -> bytes:
+        due = [(at, byte) for at, byte in self._replies if at <= self.now][:size]
+        if not due:
+            self.now = min([self.now + line.POLL, *(at for at, _ in self._replies if at > self.now)])
+            due = [(at, byte) for at, byte in self._replies if at <= self.now][:size]
+        del self._replies[: len(due)]
+        return b"".join(byte for _, byte in due)
+
+    def write(self, data: bytes) -> int:
+        for byte in data:
+            self._arrived_until = max(self.now, self._arrived_until) + seconds_on_wire(1, self._baud)
+            for request in self._splitter.feed(bytes((byte,))):
+                self._execute(request)
+        return len(data)
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _execute(self, request: bytes) -> None:
+        self.requests.append((self._arrived_until, request))
+        at = self._arrived_until + self.latency
+        for action in self._script(request, len(self.requests) - 1):
+            if isinstance(action, bytes):
+                for value in action:
+                    at = max(at, self._sent_until) + seconds_on_wire(1, self._baud)
+                    self._sent_until = at
+                    self._replies.append((at, bytes((value,))))
+            else:
+                at += action

@@ -1,0 +1,184 @@
+"""The driver of an e-puck2, connected to a virtual one."""
+
+import contextlib
+import itertools
+from collections.abc import Iterator
+
+import pytest
+
+from khepera_forage.robots.epuck.driver import SerialEPuck
+from khepera_forage.robots.epuck.protocol import E_PUCK
+from khepera_forage.robots.epuck.virtual import EPuckFirmware
+from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.serial.protocol import Reply, Request, TextLine
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from tests.robots.driver_process import DRIVE, start_driver, wait_for, wait_for_exit
+from tests.robots.rig import FORWARD, Rig, make_rig
+from tests.robots.scripted_robot import Action, ScriptedRobot
+from tests.robots.simulated_line import SimulatedLine
+from tests.robots.stage import make_stage
+
+EXAMPLES = [
+    (Request("D", (395, -79)), b"D,395,-79\r", Reply("D"), b"d\r\n"),
+    (Request("N"), b"N\r", Reply("N", (0, -3, 4095, 1, 2, 3, 4, 5)), b"n,0,-3,4095,1,2,3,4,5\r\n"),
+    (Request("Q"), b"Q\r", Reply("Q", (-32768, 65535)), b"q,-32768,65535\r\n"),
+    (
+        Request("V"),
+        b"V\r",
+        Reply("V", ("Version 2.0 January 2018 GCtronic",)),
+        b"v,Version 2.0 January 2018 GCtronic\r\n",
+    ),
+]
+
+
+@contextlib.contextmanager
+def virtual_e_puck() -> Iterator[tuple[Rig, VirtualKhepera]]:
+    with make_rig() as rig:
+        rig.ports[0].close()
+        firmware = EPuckFirmware(rig.robots[0], rig.lock)
+        with VirtualKhepera(firmware, baud=None) as port:
+            yield rig, port
+
+
+@pytest.mark.parametrize(("request_", "sent", "reply", "received"), EXAMPLES)
+def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, received: bytes) -> None:
+    assert E_PUCK.encode_request(request_) == sent
+    assert E_PUCK.decode_request(sent) == request_
+    assert E_PUCK.encode_reply(reply) == received
+    assert E_PUCK.decode_reply(received) == reply
+
+
+def test_banner_is_recognised() -> None:
+    assert all(E_PUCK.is_banner(TextLine(line)) for line in E_PUCK.banner)
+
+
+def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
+    with virtual_e_puck() as (rig, port), SerialEPuck(port.url) as robot:
+        for motors in (Motors(5, 4, 215, 200), Motors(-3, 6, 255, 0)):
+            for _ in range(20):
+                assert robot.drive(motors)[:2] == motors[:2]
+                robot.transmit()
+                rig.advance()
+                robot.receive()
+                truth, senses = rig.robots[0].sense(), robot.sense()
+                assert abs(senses.left_pulses - truth.left_pulses) <= 2
+                assert abs(senses.right_pulses - truth.right_pulses) <= 2
+                assert (senses.arm, senses.jaw) == (255, 200), "it has no gripper: the arm counts as lowered"
+        assert robot.statistics.sent == robot.statistics.answered
+        assert robot.statistics.garbled == 0
+        robot.stop()
+        assert rig.is_stopped()
+
+
+def test_infra_reds_are_in_the_order_of_the_khepera() -> None:
+    def script(request: bytes, number: int) -> list[Action]:
+        replies = {
+            b"N": b"n,400,800,1200,1600,2000,2400,2800,3200\r\n",
+            b"Q": b"q,0,0\r\n",
+            b"E": b"e,0,0\r\n",
+        }
+        replies |= {
+            b"V": b"v,Version 2.0\r\nHW version: E\r\n",
+            b"O": b"o,0,0,0,0,0,0,0,0\r\n",
+            b"D,0,0": b"d\r\n",
+        }
+        return [replies[request.strip()]]
+
+    line = SimulatedLine(script, baud=115200)
+    with pytest.MonkeyPatch.context() as patch:
+        line.install(patch)
+        with SerialEPuck("simulated", watchdog=False) as robot:
+            assert robot.sense().proximity == (600, 700, 800, 100, 200, 300, 400, 500)
+            assert robot.sense().object_presence == 0
+            robot.note_surroundings(True, None)
+            assert robot.sense().object_presence == 255, "its front sensors and the camera show an object"
+
+
+def test_counters_continue_across_16_bits() -> None:
+    steps = iter(range(0, 10**6, 30000))
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if request.strip() == b"Q":
+            count = next(steps) % 2**16
+            return [b"q,%d,0\r\n" % (count - 2**16 if count >= 2**15 else count)]
+        return [stage_firmware.handle(request)]
+
+    stage_firmware = EPuckFirmware(make_stage().robot)
+    with pytest.MonkeyPatch.context() as patch:
+        SimulatedLine(script, baud=115200).install(patch)
+        with SerialEPuck("simulated", watchdog=False) as robot:
+            travelled = []
+            for _ in range(10):
+                robot.receive()
+                travelled.append(robot.sense().left_pulses)
+    steps_of = [later - earlier for earlier, later in itertools.pairwise(travelled)]
+    assert max(steps_of) - min(steps_of) <= 1
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.02, 0.06, 0.08])
+def test_rounds_keep_the_period_over_bluetooth(latency: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    stage = make_stage()
+    firmware = EPuckFirmware(stage.robot)
+    line = SimulatedLine(
+        lambda request, number: [firmware.handle(request)], baud=115200, latency=latency
+    ).install(monkeypatch)
+    with SerialEPuck("simulated", watchdog=False) as robot:
+        robot.receive()
+        begin = line.now
+        for number in range(40):
+            begin += 0.1
+            line.sleep(begin)
+            stage.world.advance()
+            robot.receive()
+            robot.drive(Motors(number % 9, 5, 215, 200))
+            robot.transmit()
+            assert line.now - begin <= 0.1 + latency + 0.01
+        assert robot.statistics.timeouts == 0
+
+
+def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
+    with (
+        make_rig() as rig,
+        pytest.raises(RobotLost, match=r"is this the port of an e-puck2, .* selector") as lost,
+    ):
+        SerialEPuck(rig.url, baud=115200)
+    assert "'V'" in str(lost.value)
+    with virtual_e_puck() as (rig, port):
+        with pytest.raises(RobotLost, match="'B'"):
+            SerialKhepera(port.url, timeout=0.02)
+        assert rig.is_stopped()
+
+
+def test_selector_in_another_position_is_reported() -> None:
+    """The robot runs another program, which sends nothing that is understood."""
+    with (
+        ScriptedRobot(lambda request, number: [b"\x00\x01\x02"]) as scripted,
+        pytest.raises(RobotLost, match="selector in position 3"),
+    ):
+        SerialEPuck(scripted.url, timeout=0.02, tries=3)
+
+
+def test_restart_restores_the_command() -> None:
+    with virtual_e_puck() as (rig, port), SerialEPuck(port.url) as robot:
+        robot.drive(FORWARD)
+        robot.transmit()
+        rig.advance()
+        robot.receive()
+        firmware = port._firmware
+        port._reply(firmware.power_on())
+        robot.receive()
+        assert robot.statistics.restarts == 1
+        assert rig.wheel_pulses() == (50, 50)
+
+
+def test_end_of_the_process_stops_the_robot() -> None:
+    with virtual_e_puck() as (rig, port):
+        definitions = DRIVE.replace("serial.serial_khepera", "epuck.driver").replace(
+            "SerialKhepera", "SerialEPuck"
+        )
+        child = start_driver([port.url], "drive(); time.sleep(60)", definitions=definitions)
+        assert rig.wheel_pulses() == (50, 50)
+        child.kill()
+        wait_for(rig.is_stopped)
+        wait_for_exit(child)

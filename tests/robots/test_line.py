@@ -1,0 +1,314 @@
+"""A serial line: opening, requests, replies that are late, repeated, garbled or missing, and the restart banner."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
+import serial
+
+from khepera_forage.extras import MissingExtraError
+from khepera_forage.robots.khepera import RobotLost
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.serial.line import Line, RequestRejected, RobotRestarted, Traffic
+from khepera_forage.robots.serial.protocol import LineSplitter, Reply, Request, seconds_on_wire
+from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
+
+N, H, BARRIER = Request("N"), Request("H"), Request("T,1,G")
+ARM, JAW = Request("T,1,H", (1,)), Request("T,1,H", (0,))
+BANNER_BYTES = b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
+LATE = 0.3
+"""Seconds, more than the timeout of the tests."""
+
+
+@contextmanager
+def connected(
+    script: Callable[[bytes, int], list[Action]], *, timeout: float = 0.08, tries: int = 6
+) -> Iterator[tuple[Line, ScriptedRobot]]:
+    with ScriptedRobot(script) as scripted:
+        line = Line(scripted.url, KHEPERA, baud=115200, timeout=timeout, tries=tries)
+        try:
+            yield line, scripted
+        finally:
+            line.close()
+
+
+def first(line: Line, request: Request) -> int | str:
+    """The first value of the reply to one request."""
+    return line.exchange([request])[0].values[0]
+
+
+def test_exchange_returns_the_replies_in_order() -> None:
+    with connected(NumberedReplies({})) as (line, scripted):
+        traffic: list[Traffic] = []
+        line.on_traffic = traffic.append
+        assert line.exchange([N, ARM]) == [Reply("N", (1,) * 8), Reply("T,1,H", (2,))]
+        assert scripted.requests == [b"N", b"T,1,H,1"]
+        assert b"".join(t.data for t in traffic if t.sent) == b"N\nT,1,H,1\n"
+        assert b"".join(t.data for t in traffic if not t.sent) == b"n,1,1,1,1,1,1,1,1\r\nt,1,h,2\r\n"
+
+
+@pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n"])
+def test_replies_may_arrive_in_pieces_with_any_line_ending(end: bytes) -> None:
+    def in_pieces(reply: bytes) -> list[Action]:
+        body = reply.rstrip() + end
+        return [piece for byte in body for piece in (bytes((byte,)), 0.001)]
+
+    with connected(NumberedReplies({0: in_pieces, 1: in_pieces}), timeout=5.0) as (line, _):
+        assert line.exchange([N, H]) == [Reply("N", (1,) * 8), Reply("H", (2, 2))]
+        assert line.statistics.timeouts == 0
+
+
+def test_garbled_and_unmatched_lines_are_ignored() -> None:
+    others = b"N\r\nt,2,b,1\r\nh,4,5\r\n\r\n\r\n\xff\x80\r\nn,1,2\r\nhello there\r\n"
+    with connected(NumberedReplies({0: lambda reply: [others + reply]}), timeout=5.0) as (line, scripted):
+        assert first(line, N) == 1
+        assert scripted.requests == [b"N"]
+        assert (line.statistics.unmatched, line.statistics.garbled) == (1, 5)
+
+
+def test_input_before_a_request_is_not_its_reply() -> None:
+    with connected(NumberedReplies({})) as (line, scripted):
+        scripted.send(b"n,9,9,9,9,9,9,9,9\r\nn,9,9")
+        while not line._serial.in_waiting:
+            pass
+        assert first(line, N) == len(scripted.requests)
+
+
+def test_garbled_reply_is_requested_again_at_once() -> None:
+    """A timeout of an hour would end this test: the repetition does not wait for it."""
+    garbled = NumberedReplies({0: lambda reply: [b"n,1,1,1,\x8f,1,1,1,1\r\n"]})
+    with connected(garbled, timeout=10.0) as (line, scripted):
+        assert line.exchange([N, H]) == [Reply("N", (3,) * 8), Reply("H", (2, 2))]
+        assert scripted.requests == [b"N", b"H", b"N"]
+        assert line.statistics.timeouts == 0
+
+
+def test_only_missing_replies_are_requested_again() -> None:
+    with connected(NumberedReplies({1: lambda reply: []})) as (line, scripted):
+        assert [reply.values[0] for reply in line.exchange([N, ARM, BARRIER, JAW, H])] == [1, 6, 3, 4, 5]
+        assert scripted.requests[5:] == [b"T,1,H,1"]
+
+
+@pytest.mark.parametrize("lost", [{0, 1}, {1, 2}, {2, 3}, {1, 3}, {4}, {0, 4}, {1, 2, 3}])
+def test_arm_and_jaw_are_never_mistaken(lost: set[int]) -> None:
+    with connected(NumberedReplies({number: lambda reply: [] for number in lost})) as (line, scripted):
+        values = [reply.values[0] for reply in line.exchange([N, ARM, BARRIER, JAW, H])]
+        sent = [b"N", b"T,1,H,1", b"T,1,G", b"T,1,H,0", b"H"]
+        assert [scripted.requests[int(value) - 1] for value in values] == sent
+
+
+def test_repeated_reply_is_not_matched_to_the_next_request() -> None:
+    twice = {number: (lambda reply: [reply, 0.005, reply]) for number in range(30)}
+    with connected(NumberedReplies(twice)) as (line, scripted):
+        for requests in ([N], [N], [ARM], [JAW], [N, ARM, BARRIER, JAW, H], [D5, N]):
+            values = [reply.values for reply in line.exchange(requests)]
+            sent = [str(request).encode() for request in requests]
+            for request, value in zip(sent, values, strict=True):
+                assert not value or scripted.requests[int(value[0]) - 1] == request
+
+
+D5 = Request("D", (5, 5))
+
+
+def test_late_reply_to_an_earlier_request_is_not_matched() -> None:
+    with connected(NumberedReplies({0: lambda reply: [LATE, reply]}), tries=1) as (line, scripted):
+        with pytest.raises(RobotLost):
+            line.exchange([ARM])
+        line._tries = 6
+        assert scripted.requests[int(first(line, JAW)) - 1] == b"T,1,H,0"
+
+
+def test_late_reply_is_matched_to_its_own_request() -> None:
+    """A repeated request would take longer, and the robot could be late again."""
+    with connected(NumberedReplies({0: lambda reply: [LATE, reply]})) as (line, _):
+        assert first(line, N) == 1
+
+
+def test_partly_received_late_reply_is_not_matched() -> None:
+    """It is longer than several timeouts, and its rest arrives after the request was repeated."""
+    with connected(NumberedReplies({0: lambda reply: [reply[:3], LATE, reply[3:]]}), tries=1) as (
+        line,
+        _,
+    ):
+        with pytest.raises(RobotLost):
+            line.exchange([N])
+        line._tries = 6
+        assert first(line, N) != 1
+
+
+def test_each_try_begins_with_a_query_that_is_not_pending() -> None:
+    with connected(NumberedReplies({0: lambda reply: [1.2, reply]}), timeout=0.05, tries=1) as (
+        line,
+        scripted,
+    ):
+        with pytest.raises(RobotLost):
+            line.exchange([N])
+        line._tries = 6
+        assert first(line, N) != 1
+        queries = [request for request in scripted.requests if request != b"N"]
+        assert len(queries) == len(set(queries)) >= 3
+
+
+def test_nothing_is_sent_in_addition_between_different_commands() -> None:
+    requests = [Request("D", (1, 1)), N, ARM, BARRIER, JAW, H]
+    with connected(NumberedReplies({})) as (line, scripted):
+        for _ in range(3):
+            line.exchange(requests[:1])
+            line.exchange(requests[1:])
+        assert len(scripted.requests) == 18
+
+
+@pytest.mark.parametrize("ignored", [b"", b"N"], ids=["everything", "one command"])
+def test_request_without_a_reply_loses_the_robot(ignored: bytes) -> None:
+    def script(request: bytes, number: int) -> list[Action]:
+        return [] if ignored in request else NumberedReplies({})(request, number)
+
+    with connected(script, timeout=0.01, tries=3) as (line, scripted):
+        with pytest.raises(RobotLost) as lost:
+            line.exchange([N])
+        assert (lost.value.port, lost.value.command) == (scripted.url, "N")
+        assert lost.value.tries == len(scripted.requests)
+        assert 3 <= lost.value.tries <= 6
+
+
+@pytest.mark.parametrize(
+    ("n_reply", "message"),
+    [(b"\x80\xf8\r\n", "is the robot set to 115200 baud"), (b"n,1,2\r\n", r"received only b'n,1,2'$")],
+)
+def test_hint_at_the_baud_rate_if_nothing_was_understood(n_reply: bytes, message: str) -> None:
+    def script(request: bytes, number: int) -> list[Action]:
+        garbled = request == b"N" or n_reply[:1] != b"n"
+        return [n_reply] if garbled else NumberedReplies({})(request, number)
+
+    with connected(script, timeout=0.01, tries=2) as (line, _), pytest.raises(RobotLost, match=message):
+        line.exchange([N])
+
+
+def test_repeated_error_replies_raise_request_rejected() -> None:
+    def script(request: bytes, number: int) -> list[Action]:
+        rejected = request.startswith(b"T,1")
+        return [b"z,Protocol error\r\n"] if rejected else NumberedReplies({})(request, number)
+
+    with connected(script, tries=3) as (line, _):
+        with pytest.raises(RequestRejected, match=r"'T,1,G' .*it replied z,Protocol error"):
+            line.exchange([N, BARRIER, H])
+        assert line.statistics.rejected >= 3
+
+
+def test_request_is_repeated_after_one_error_reply() -> None:
+    with connected(NumberedReplies({0: lambda reply: [b"z,Command not found\r\n"]})) as (line, scripted):
+        assert first(line, N) == len(scripted.requests)
+
+
+def test_disconnected_robot_is_lost_without_more_tries() -> None:
+    with connected(NumberedReplies({})) as (line, scripted):
+        line.exchange([N])
+        scripted.disconnect()
+        with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
+            line.exchange([H])
+        assert lost.value.tries == 0
+
+
+@pytest.mark.parametrize(
+    "banner",
+    [
+        BANNER_BYTES,
+        b"n,1,2," + BANNER_BYTES,
+        b"b,5.02," + BANNER_BYTES,
+        b"ROM of minirobot\r\nKHEPERA\r\n" + b"some words\r\n" * 15,
+        BANNER_BYTES[17:],
+    ],
+    ids=[
+        "complete",
+        "after a partial reply",
+        "after a version",
+        "other line breaks",
+        "without its beginning",
+    ],
+)
+def test_restart_banner_is_recognised_and_discarded(banner: bytes) -> None:
+    with connected(NumberedReplies({0: lambda reply: [banner[:40], 0.01, banner[40:]]})) as (line, _):
+        with pytest.raises(RobotRestarted):
+            line.exchange([N])
+        assert first(line, N) == 2
+        assert (line.statistics.restarts, line.statistics.timeouts) == (1, 0)
+
+
+def test_banner_between_requests_is_noticed_before_the_next_request() -> None:
+    with connected(NumberedReplies({})) as (line, scripted):
+        line.exchange([N])
+        scripted.send(BANNER_BYTES)
+        while not line._serial.in_waiting:
+            pass
+        with pytest.raises(RobotRestarted):
+            line.exchange([H])
+        assert scripted.requests == [b"N"]
+
+
+def test_commands_that_may_not_be_repeated_are_rejected() -> None:
+    with connected(NumberedReplies({})) as (line, scripted):
+        for request in (Request("G", (0, 0)), Request("restart")):
+            with pytest.raises(ValueError, match="allowed: commands that may be sent twice"):
+                line.exchange([request])
+        with pytest.raises(ValueError, match="999"):
+            line.exchange([Request("D", (999, 0))])
+        assert scripted.requests == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"baud": 1200}, "baud 1200; allowed: 9600, 19200, 38400, 57600, 115200"),
+        ({"timeout": 0.0}, "timeout 0.0; allowed: more than 0"),
+        ({"timeout": float("nan")}, "timeout nan"),
+        ({"tries": 0}, "tries 0; allowed: at least 1"),
+    ],
+)
+def test_invalid_arguments_are_rejected(arguments: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Line("/dev/null", KHEPERA, **{"baud": 38400, **arguments})  # type: ignore[arg-type]
+
+
+def test_port_that_is_missing_or_in_use_is_reported() -> None:
+    with pytest.raises(ConnectionError, match="/dev/nowhere cannot be opened"):
+        Line("/dev/nowhere", KHEPERA, baud=38400)
+    with (
+        connected(NumberedReplies({})) as (line, _),
+        pytest.raises(ConnectionError, match=f"{line.port} cannot be opened"),
+    ):
+        Line(line.port, KHEPERA, baud=38400)
+
+
+def test_missing_pyserial_is_reported_with_the_command_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("khepera_forage.extras.find_spec", lambda module: None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'khepera-forage\[robots\]'"):
+        Line("/dev/null", KHEPERA, baud=38400)
+
+
+def test_write_timeout_is_a_lost_request(monkeypatch: pytest.MonkeyPatch) -> None:
+    """pyserial reports it on a blocked port, and when the process was not scheduled for half a second."""
+    write, timeouts = serial.Serial.write, [True, False]
+
+    def slow(port: serial.Serial, data: bytes) -> int | None:
+        if timeouts:
+            if timeouts.pop():
+                write(port, data)
+            raise serial.SerialTimeoutException("Write timeout")
+        return write(port, data)
+
+    monkeypatch.setattr(serial.Serial, "write", slow)
+    with connected(NumberedReplies({})) as (line, scripted):
+        assert first(line, N) == len(scripted.requests)
+
+
+def test_transmission_time_counts_start_and_stop_bits() -> None:
+    assert seconds_on_wire(100, 9600) == pytest.approx(1100 / 9600)
+    assert seconds_on_wire(100, 115200, stop_bits=1) == pytest.approx(1000 / 115200)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 100])
+def test_lines_do_not_depend_on_the_chunks(size: int) -> None:
+    data = b"d\r\n\r\nn,1\rh,2\n" + b"x" * 300 + b"\nrest"
+    splitter = LineSplitter()
+    lines = [line for i in range(0, len(data), size) for line in splitter.feed(data[i : i + size])]
+    assert lines == [b"d", b"n,1", b"h,2", b"x" * 256]

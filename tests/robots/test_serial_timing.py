@@ -1,0 +1,269 @@
+"""The times that the driver of a serial robot keeps: rounds, opening, stops; on lines with a clock of their own."""
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+
+import pytest
+
+from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.serial.line import Traffic
+from khepera_forage.robots.serial.line_timing import LineTiming, LineTooSlow
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION
+from tests.robots.rig import FORWARD
+from tests.robots.scripted_robot import Action, NumberedReplies
+from tests.robots.simulated_line import SimulatedLine
+from tests.robots.stage import make_stage
+
+PERIOD = 0.1
+POLLS = 0.011
+"""Seconds: the driver notices a reply, or the end of a wait, up to two polls later."""
+Script = Callable[[bytes, int], list[Action]]
+
+
+@contextmanager
+def opened(
+    monkeypatch: pytest.MonkeyPatch,
+    script: Script | None = None,
+    *,
+    baud: int = 38400,
+    latency: float = 0.0,
+    period: float | None = PERIOD,
+) -> Iterator[tuple[SerialKhepera, SimulatedLine]]:
+    line = SimulatedLine(script, baud=baud, latency=latency).install(monkeypatch)
+    with SerialKhepera("simulated", baud=baud, watchdog=False, period=period) as robot:
+        yield robot, line
+
+
+@pytest.mark.parametrize("baud", [19200, 38400, 115200])
+@pytest.mark.parametrize("latency", [0.0, 0.005, 0.016, 0.04, 0.06, 0.078])
+def test_rounds_keep_the_period_and_one_latency(
+    baud: int, latency: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wheels and gripper move, and an object interrupts the barrier now and then."""
+    stage = make_stage()
+    if LineTiming(baud, latency=latency, pipelined=True).duration(6, 103) > PERIOD / 2 + latency:
+        pytest.skip("rounds in which the gripper moves do not fit into the period")
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if request == b"T,1,G" and round_ // 7 % 2:
+            return [b"t,1,g,200\r\n"]
+        return [stage.firmware.handle(request)]
+
+    round_ = 0
+    with opened(monkeypatch, script, baud=baud, latency=latency) as (robot, line):
+        assert robot.timing.latency == pytest.approx(latency, abs=POLLS)
+        assert robot.timing.pipelined
+        robot.receive()
+        begin = line.now
+        robot.receive()
+        end = line.now
+        for round_ in range(60):
+            begin += PERIOD
+            line.sleep(begin)
+            stage.rounds(1)
+            robot.receive()
+            assert line.now - end <= robot.timing._replace(latency=latency).longest_round(PERIOD) + POLLS
+            end = line.now
+            down = round_ // 5 % 2 == 0
+            robot.drive(Motors(5, round_ % 9, 255 if down else 215, 0 if down else 200))
+            robot.transmit()
+            assert line.now - begin <= PERIOD + latency + POLLS
+            assert robot.sense().left_pulses == stage.robot.sense().left_pulses
+        assert robot.statistics.timeouts == 0
+
+
+@pytest.mark.parametrize("latency", [0.12, 0.3, 0.7, 1.0])
+def test_line_that_cannot_keep_the_period_is_rejected(
+    latency: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = SimulatedLine(latency=latency).install(monkeypatch)
+    with pytest.raises(
+        LineTooSlow, match=r"rounds of 0\.1 s: .* required: at most 8\d ms .*Lengthen the period"
+    ) as slow:
+        SerialKhepera("simulated", watchdog=False)
+    measured = re.search(r"a reply takes (\d+) ms", str(slow.value))
+    assert measured is not None
+    assert int(measured[1]) == pytest.approx(1000 * latency, abs=1000 * POLLS)
+    assert line.requests[1][0] < 2.0
+    assert not [request for _, request in line.requests if request.startswith(b"D,") and request != b"D,0,0"]
+
+
+@pytest.mark.parametrize("request_number", [0, 1, 3, 5])
+def test_line_with_one_stalled_reply_is_accepted(
+    request_number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The identity, the stop, a measurement, and the pipelined requests: a busy machine can delay any of them."""
+    stalled = NumberedReplies({request_number: lambda reply: [0.7, reply]})
+    with opened(monkeypatch, stalled) as (robot, line):
+        assert line.now < 2.0
+        assert robot.timing.latency == pytest.approx(0, abs=POLLS)
+        assert robot.timeout == pytest.approx(0.1, abs=2 * POLLS), "it follows from the usual latency"
+        assert robot.stop_confirmed
+
+
+@pytest.mark.parametrize("period", [0.25, None])
+def test_longer_period_accepts_a_slow_line(period: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    with opened(monkeypatch, latency=0.2, period=period) as (robot, line):
+        assert robot.timing.round_time == pytest.approx(0.2 + 61 * 11 / 38400, abs=POLLS)
+        robot.receive()
+        assert line.now < 4.0
+
+
+def test_absent_robot_is_reported_within_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = SimulatedLine(lambda request, number: []).install(monkeypatch)
+    with pytest.raises(RobotLost, match="no answer to 'B'"):
+        SerialKhepera("simulated", watchdog=False)
+    assert max(at for at, request in line.requests if request == b"B") < 2.0
+
+
+def test_robot_that_answers_one_request_at_a_time_gets_one_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    busy_until = 0.0
+
+    def one_at_a_time(request: bytes, number: int) -> list[Action]:
+        nonlocal busy_until
+        begin = max(busy_until, line.requests[-1][0])
+        busy_until = begin + 0.015
+        return [busy_until - line.requests[-1][0], *NumberedReplies({})(request, number)]
+
+    line = SimulatedLine(one_at_a_time).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False) as robot:
+        assert not robot.timing.pipelined
+        assert robot.timing.round_time == pytest.approx(4 * 0.015 + 61 * 11 / 38400, abs=4 * POLLS)
+        sent, traffic = len(line.requests), list[Traffic]()
+        robot.on_traffic(traffic.append)
+        robot.drive(FORWARD)
+        robot.transmit()
+        assert line.sent_since(line.requests[sent - 1][0]) == [b"D,5,5", b"T,1,E,215", b"T,1,D,0"]
+        assert [part.data.count(b"\n") for part in traffic if part.sent] == [1, 1, 1]
+
+
+def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Requests arrive, but nothing is heard: the stop is sent before the robot counts as lost."""
+    mute = False
+
+    def script(request: bytes, number: int) -> list[Action]:
+        return [] if mute else NumberedReplies({})(request, number)
+
+    with opened(monkeypatch, script) as (robot, line):
+        robot.drive(FORWARD)
+        robot.transmit()
+        mute, begin = True, line.now
+        with pytest.raises(RobotLost, match="received nothing"):
+            robot.receive()
+        assert line.now - begin <= MAX_DURATION + POLLS
+        assert not robot.stop_confirmed
+        stops = [at - begin for at, request in line.requests if request == b"D,0,0" and at > begin]
+        assert HOLD_AFTER <= stops[0] <= HOLD_AFTER + POLLS
+        assert all(later - earlier <= HOLD_AFTER + POLLS for earlier, later in pairwise(stops))
+        mute = False
+
+
+def test_repeated_speeds_do_not_start_held_wheels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The replies to speeds are garbled: the speeds arrive, but are not confirmed, and are sent again and again."""
+    garbled = False
+
+    def script(request: bytes, number: int) -> list[Action]:
+        return (
+            [0.08, b"?\r\n"]
+            if garbled and request.startswith(b"D,")
+            else NumberedReplies({})(request, number)
+        )
+
+    with opened(monkeypatch, script) as (robot, line):
+        garbled, begin = True, line.now
+        robot.drive(FORWARD)
+        with pytest.raises(RobotLost, match="received only"):
+            robot.transmit()
+        garbled = False
+        turning = [at - begin for at, request in line.requests if request == b"D,5,5" and at > begin]
+        assert 0 < max(turning) <= HOLD_AFTER + POLLS
+        assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
+
+
+def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = 0.0
+
+    def script(request: bytes, number: int) -> list[Action]:
+        return [late, *NumberedReplies({})(request, number)]
+
+    with opened(monkeypatch, script) as (robot, line):
+        robot.drive(FORWARD)
+        robot.transmit()
+        late = 0.8
+        robot.receive()
+        late = 0.0
+        assert line.sent_since(0.0, b"D,")[-1] == b"D,0,0"
+        assert not robot.stop_confirmed
+        line.sleep(line.now + 5.0)  # for the replies to what was repeated
+        robot.transmit()
+        assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
+
+
+def test_motion_by_a_single_request_continues_after_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = [0.8]
+
+    def script(request: bytes, number: int) -> list[Action]:
+        delay: list[Action] = [late.pop()] if request == b"D,5,5" and late else []
+        return [*delay, *NumberedReplies({})(request, number)]
+
+    with opened(monkeypatch, script) as (robot, line):
+        begin = line.now
+        robot.request("D", 5, 5)
+        speeds = line.sent_since(begin, b"D,")
+        assert b"D,0,0" in speeds
+        assert speeds[-1] == b"D,5,5"
+
+
+def test_rounds_with_late_replies_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fifth of the replies is late by 0.6 s, as over a disturbed radio link."""
+    stage = make_stage()
+
+    def script(request: bytes, number: int) -> list[Action]:
+        return [0.6 if number % 5 == 4 else 0.0, stage.firmware.handle(request)]
+
+    with opened(monkeypatch, script) as (robot, line):
+        for number in range(40):
+            begin = line.now
+            robot.drive(Motors(number % 9, 5, 215 + 40 * (number // 10 % 2), 200))
+            robot.transmit()
+            stage.rounds(1)
+            robot.receive()
+            assert line.now - begin <= 2 * (0.6 + robot.timeout) + HOLD_AFTER
+            assert robot.sense() == stage.robot.sense() or robot.statistics.unknown
+
+
+def test_counters_are_right_after_replies_were_lost_for_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The driver has held the wheels meanwhile: they did not turn as commanded, and the counters say so."""
+    lost_from = float("inf")
+
+    def script(request: bytes, number: int) -> list[Action]:
+        now = line.requests[-1][0]
+        if lost_from <= now < lost_from + 1.0:
+            return []
+        count = 0 if now < lost_from else 512
+        return [b"h,%d,%d\r\n" % (count, count)] if request == b"H" else NumberedReplies({})(request, 10)
+
+    line = SimulatedLine(script).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False) as robot:
+        robot.drive(FORWARD)
+        robot.transmit()
+        robot.receive()
+        lost_from = line.now
+        robot.receive()
+        assert robot.sense().left_pulses == 512
+
+
+def test_longest_round_is_the_period_and_the_latency_or_the_transmission() -> None:
+    for baud, latency, bound in (
+        (38400, 0.0, 0.124),
+        (38400, 0.04, 0.14),
+        (38400, 0.08, 0.18),
+        (9600, 0.0, 0.246),
+        (115200, 0.09, 0.19),
+    ):
+        timing = LineTiming(baud, latency=latency, pipelined=True)
+        assert timing.longest_round(0.1) == pytest.approx(bound, abs=0.001)
+        assert timing.latest_end(0.1) == pytest.approx(0.1 + latency)

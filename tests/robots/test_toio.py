@@ -1,0 +1,139 @@
+"""The driver of toio cubes, on virtual cubes below toio-py."""
+
+import itertools
+import time
+
+import pytest
+
+pytest.importorskip("toio")
+
+from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.toio.driver import ToioRobot
+from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose
+from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
+
+
+class SteppedTable:
+    """A table whose time passes only in `advance`."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.table = Table(SIMPLE_MAT, lambda: self.now, interval=0.001)
+        use_table(self.table)
+
+    def advance(self, seconds: float) -> None:
+        self.now += seconds
+        self.table.advance()
+
+
+@pytest.fixture
+def stepped() -> SteppedTable:
+    return SteppedTable()
+
+
+def test_positions_are_those_of_the_plan(stepped: SteppedTable) -> None:
+    stepped.table.cube("a", CubePose(300.0, 200.0, 1.0))
+    with ToioRobot("virtual:a") as robot:
+        robot.receive()
+        assert robot.on_mat
+        assert robot.pose == pytest.approx((300.0, 200.0, 1.0), abs=2.0)
+
+
+def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: SteppedTable) -> None:
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    with ToioRobot("virtual:a") as robot:
+        for _ in range(10):
+            robot.drive(Motors(6, 6, 215, 0))
+            robot.transmit()
+            stepped.advance(0.1)
+            robot.receive()
+        assert robot.pose.x == pytest.approx(200 + 6 * 8.0, rel=0.05)
+        assert robot.sense().left_pulses == pytest.approx((robot.pose.x - 200) / 0.08, abs=30)
+        assert (robot.sense().arm, robot.sense().jaw, robot.sense().object_presence) == (255, 200, 0)
+
+
+def test_command_ends_by_itself(stepped: SteppedTable) -> None:
+    """A program that is killed, crashes or is frozen sends nothing more."""
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    with ToioRobot("virtual:a") as robot:
+        robot.drive(Motors(8, 8, 215, 200))
+        robot.transmit()
+        assert not robot.stop_confirmed
+        stepped.advance(0.35)
+        robot.receive()
+        there = robot.pose
+        stepped.advance(5.0)
+        robot.receive()
+        assert robot.pose == there
+
+
+def test_stop_and_close_stop_the_cube(stepped: SteppedTable) -> None:
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    for stop in (True, False):
+        robot = ToioRobot("virtual:a")
+        robot.drive(Motors(8, 8, 215, 200))
+        robot.transmit()
+        if stop:
+            robot.stop()
+            assert robot.stop_confirmed
+        robot.close()
+        assert not stepped.table.cube("a").turning
+
+
+def test_cube_does_not_leave_its_walls(stepped: SteppedTable) -> None:
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    with ToioRobot("virtual:a") as robot:
+        robot.clearance = lambda x, y: 300.0 - x
+        for _ in range(60):
+            robot.drive(Motors(8, 8, 215, 200))
+            robot.transmit()
+            stepped.advance(0.1)
+            robot.receive()
+        assert 300.0 - 2 * RADIUS < robot.pose.x < 300.0 - RADIUS + 10
+
+
+def test_lost_connection_loses_the_robot_and_stops_the_others(stepped: SteppedTable) -> None:
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    stepped.table.cube("b", CubePose(200.0, 400.0, 0.0))
+    with Fleet([ToioRobot("virtual:a"), ToioRobot("virtual:b")]) as fleet:
+        for robot in fleet.robots:
+            robot.drive(Motors(8, 8, 215, 200))
+        fleet.transmit()
+        stepped.table.unplugged.add("b")
+        with pytest.raises(RobotLost, match=r"virtual:b: .*connection"):
+            fleet.receive()
+        assert not stepped.table.cube("a").turning
+
+
+def test_cube_off_the_mat_keeps_its_last_place(stepped: SteppedTable) -> None:
+    cube = stepped.table.cube("a", CubePose(300.0, 200.0, 0.0))
+    with ToioRobot("virtual:a") as robot:
+        robot.receive()
+        there = robot.pose
+        cube.pose = CubePose(-100.0, 0.0, 0.0)
+        robot.receive()
+        assert not robot.on_mat
+        assert robot.pose == there
+
+
+def test_cube_that_is_not_found_is_reported_in_one_message(stepped: SteppedTable) -> None:
+    stepped.table.unplugged.add("a")
+    with pytest.raises(
+        RobotLost, match=r"^virtual:a: it cannot be connected: the cube does not advertise itself$"
+    ):
+        ToioRobot("virtual:a")
+
+
+def test_real_time_table_advances_by_itself() -> None:
+    use_table(Table(SIMPLE_MAT))
+    with ToioRobot("virtual:a") as robot:
+        before = robot.pose.x
+        for _ in itertools.repeat(None, 200):
+            robot.drive(Motors(8, 8, 215, 200))
+            robot.transmit()
+            robot.receive()
+            if robot.pose.x > before + 10:
+                return
+            time.sleep(0.01)
+        pytest.fail("it does not move")
