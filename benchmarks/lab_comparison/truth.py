@@ -33,6 +33,8 @@ class RoundFailures(NamedTuple):
 class _Body:
     """A simulated body that is sensed here and driven by its driver, over the line."""
 
+    has_gripper = True
+
     def __init__(self, body: SimulatedKhepera) -> None:
         self._body = body
 

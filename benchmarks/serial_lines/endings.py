@@ -70,6 +70,8 @@ class End:
 class RecordingRobot:
     """A robot without a body, which records when its wheels were stopped."""
 
+    has_gripper = True
+
     def __init__(self) -> None:
         self.motors = Motors(0, 0, ARM_RAISED, JAW_OPEN)
         self.stopped_at = 0.0

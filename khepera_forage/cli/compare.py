@@ -15,6 +15,7 @@ COUNTS = (
     Count("recalls", 10, 1, "recalls in each arena after each amount of learning"),
     Count("steps", 1_000_000, 1_000, "most environment steps of reinforcement learning"),
 )
+PROTOCOL_TRACKS = ("offline", "teaching", "wheels", "vocabulary")
 WORKERS = ("loky", "ray", "dask")
 DESCRIPTION = """How well each learner forages, and how much experience that took.
 
@@ -47,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--arenas", nargs="+", metavar="NAME", choices=(*ARENAS, *DIFFICULTIES), help=text)
     parser.add_argument("--tune", action="store_true", help="compare settings of each learner instead")
+    text = "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds"
+    parser.add_argument("--protocol", action="store_true", help=text)
+    text = "one track of the protocol; may be given several times (all)"
+    parser.add_argument("--track", action="append", choices=PROTOCOL_TRACKS, help=text)
     text = "where the work is done: loky is this machine (loky)"
     parser.add_argument("--backend", choices=WORKERS, default="loky", help=text)
     parser.add_argument(
@@ -71,6 +76,14 @@ def run(arguments: argparse.Namespace) -> int:
     require("khepera-forage compare", "plots")
     if reason := unavailable(arguments.backend, arguments.address):
         raise ValueError(reason)
+    if arguments.protocol:
+        refuse_ignored(
+            arguments, ["--against", "--arenas", "--tune", "--recalls", "--steps"], "without --protocol"
+        )
+        require("khepera-forage compare --protocol", "fast")
+    else:
+        refuse_ignored(arguments, ["--track"], "with --protocol")
+    arguments.seeds_given = arguments.seeds is not None
     given = completed(arguments, *COUNTS)
     if given.tune:
         refuse_ignored(given, ["--learner", "--against", "--arenas"], "without --tune")

@@ -70,6 +70,10 @@ def compare(given: Arguments) -> int:
         if name not in known:
             raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
     chosen = [*(given.only or (BASELINES if own else known)), *own]
+    if given.protocol:
+        from khepera_forage.comparison.protocol_page import run as run_protocol  # needs numba
+
+        return run_protocol(given, {name: one for name, one in known.items() if name in chosen})
     missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
     if not given.only:
         missing |= installed_learners().broken

@@ -58,14 +58,19 @@ def motor_action(action: Any) -> NDArray[np.float64]:
     return values
 
 
-def food_odds(food_types: FoodOdds) -> tuple[float, ...]:
+def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ...]:
     """Odds of each food type but UNKNOWN, in the order of `FoodType`, adding up to 1.
 
+    Args:
+        food_types: One type, or odds by type; by default PICKABLE, or PUSHABLE for robots without a gripper.
+        has_gripper: Whether the robots can pick up food.
+
     Raises:
-        ValueError: An unknown type, odds that are negative, not finite, or all zero.
+        ValueError: An unknown type; odds that are negative, not finite, or all zero; or food to pick up for robots
+            without a gripper.
     """
     if food_types is None:
-        food_types = FoodType.PICKABLE
+        food_types = FoodType.PICKABLE if has_gripper else FoodType.PUSHABLE
     if not isinstance(food_types, Mapping):
         food_types = {food_types: 1.0}
     odds = {_food_type(name): float(share) for name, share in food_types.items()}
@@ -75,7 +80,16 @@ def food_odds(food_types: FoodOdds) -> tuple[float, ...]:
     total = sum(odds.values())
     if not total > 0:
         raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
+    if not has_gripper and odds.get(FoodType.PICKABLE, 0.0) > 0:
+        raise ValueError(
+            f"food_types is {food_types!r}; allowed for robots without a gripper: PUSHABLE and POISONOUS"
+        )
     return tuple(odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
+
+
+def have_grippers(world: World) -> bool:
+    """Whether all robots of a world that a user gave can pick up food."""
+    return all(robot.has_gripper for robot in world.robots)
 
 
 def checked_decisions(decisions: Any) -> Decisions:

@@ -63,7 +63,8 @@ class BehavioursEnv(RecallEnv[int]):
     objects, 1 to 16), `limit` (steps), `noise` (a `Noise`, by default the laboratory's), `food_types` (one type, or
     odds by type; by default all PICKABLE), `render_mode`, `world` (another `World` than the simulated one, in whose one
     arena everything then takes place), `decisions` (a `Decisions`: how what the thesis leaves open is read), `backend`
-    ("pymunk", or "compiled", which needs numba).
+    ("pymunk", or "compiled", which needs numba), `robot` ("khepera", "e-puck2" or "toio": the last two have no gripper,
+    and push food, by default all PUSHABLE).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables

@@ -13,11 +13,13 @@ from khepera_forage.envs.arguments import (
     check_backend,
     check_round_duration,
     food_odds,
+    have_grippers,
     timing_of,
 )
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
 from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import World
@@ -56,12 +58,13 @@ class PairedArenas:
         world: World | None,
         decisions: Decisions,
         backend: str = PYMUNK,
+        robot: str = KHEPERA.name,
     ) -> None:
+        self._model = model_of(robot)
         self._backend = check_backend(backend)
         self._robots, self._decisions = robots, decisions
         self._noise = checked_noise(noise)
-        self._odds = food_odds(food_types)
-        self._values = decisions.values()
+        self._odds = food_odds(food_types, self._model.has_gripper if world is None else have_grippers(world))
         self._pool: ArenaPool | None = None
         self._number = 0
         if world is None:
@@ -83,10 +86,10 @@ class PairedArenas:
         markers = (1,) + (2,) * (self._robots - 1)
         arenas, timing = copies(arena, self._robots), timing_of(self._decisions)
         if self._backend == PYMUNK:
-            return PymunkWorld(arenas, markers, self._noise, timing=timing)
+            return PymunkWorld(arenas, markers, self._noise, timing=timing, model=self._model)
         from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
 
-        return CompiledWorld(arenas, markers, self._noise, timing=timing)
+        return CompiledWorld(arenas, markers, self._noise, timing=timing, model=self._model)
 
     def _enter(self, world: World) -> None:
         self.world: World = world
@@ -134,5 +137,6 @@ class PairedArenas:
         for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
             tracker = tracker_of(layout.foods[i * count : (i + 1) * count], self._maps[i])
             draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
-            foragers.append(Forager(robot, arena, self._markers[i], tracker, self._values))
+            values = self._decisions.values(robot.has_gripper)
+            foragers.append(Forager(robot, arena, self._markers[i], tracker, values))
         return foragers

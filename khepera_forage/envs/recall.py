@@ -22,6 +22,7 @@ from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.recalls import Shown, WorldRecalls
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.world import LOST, Layout, World
 from khepera_forage.task.arena_map import whole_pixels
@@ -133,6 +134,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         world: World | None = None,
         decisions: Decisions | None = None,
         backend: str = PYMUNK,
+        robot: str = KHEPERA.name,
     ) -> None:
         self.decisions = checked_decisions(decisions)
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
@@ -141,13 +143,13 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         settings = arena, foods, limit, noise, food_types, self.decisions
         self._recalls: Recalls
         if check_backend(backend) == PYMUNK:
-            self._recalls = WorldRecalls(*settings, world)
+            self._recalls = WorldRecalls(*settings, world, robot)
         elif world is not None:
             raise ValueError(f"world is {world!r}; allowed with backend={COMPILED!r}: None")
         else:
             from khepera_forage.envs.compiled.recalls import CompiledRecalls  # needs numba
 
-            self._recalls = CompiledRecalls(*settings)
+            self._recalls = CompiledRecalls(*settings, robot)
         self.largest_diagonal = self._recalls.largest_diagonal
         """Of all arenas in which an episode may take place, in pixels."""
         self.render_mode = render_mode

@@ -7,16 +7,23 @@ import numpy as np
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
-from khepera_forage.envs.arguments import FoodOdds, arenas_of, check_round_duration, food_odds, timing_of
+from khepera_forage.envs.arguments import (
+    FoodOdds,
+    arenas_of,
+    check_round_duration,
+    food_odds,
+    have_grippers,
+    timing_of,
+)
 from khepera_forage.envs.forager import Forager, arena_map_of
 from khepera_forage.envs.layouts import given_layout, tracker_of
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import applicable
+from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
-from khepera_forage.task.behaviours import decode_motors
+from khepera_forage.task.behaviours import decode_motors, same_motors
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
@@ -74,6 +81,7 @@ class WorldRecalls:
         food_types: One type, or odds by type.
         decisions: Of the task.
         world: In which everything takes place; by default simulated on pymunk.
+        robot: Kind of the simulated robot.
 
     Attributes:
         arena: That of the present episode; before the first, the first one.
@@ -96,9 +104,12 @@ class WorldRecalls:
         food_types: FoodOdds,
         decisions: Decisions,
         world: World | None = None,
+        robot: str = KHEPERA.name,
     ) -> None:
+        self._model = model_of(robot)
         self._foods, self._limit, self._noise, self._decisions = foods, limit, noise, decisions
-        self._odds, self._values = food_odds(food_types), decisions.values()
+        gripper = self._model.has_gripper if world is None else have_grippers(world)
+        self._odds, self._values = food_odds(food_types, gripper), decisions.values()
         self.world: World
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(arena, decisions)
@@ -153,7 +164,9 @@ class WorldRecalls:
         arena_map = arena_map_of(self.arena)
         tracker = tracker_of(layout.foods, arena_map)
         draw_food_types(tracker.foods, food_type_key(key, number), self._odds)
-        self._forager = Forager(self.world.robots[0], arena_map, self.world.markers[0], tracker, self._values)
+        robot = self.world.robots[0]
+        values = self._decisions.values(robot.has_gripper)
+        self._forager = Forager(robot, arena_map, self.world.markers[0], tracker, values)
         self._forager.perceive(self.world.camera.look())
         begin_episode(self._episode, tracker)
         return self.shown()
@@ -174,7 +187,7 @@ class WorldRecalls:
             correct = int(action[0]) == right
         else:
             motors = decode_motors(*action)
-            correct = applicable(motors) == applicable(forager.motors_for(right))
+            correct = same_motors(motors, forager.motors_for(right), forager.decisions)
         try:
             forager.drive(motors)
             self.world.advance()
@@ -191,7 +204,9 @@ class WorldRecalls:
         """Let the coming episode take place in an arena, in a world of its own."""
         self.arena = arena
         markers = (self._decisions.recall_marker,)
-        self.world = PymunkWorld([arena], markers, self._noise, timing=timing_of(self._decisions))
+        self.world = PymunkWorld(
+            [arena], markers, self._noise, timing=timing_of(self._decisions), model=self._model
+        )
 
 
 def shown_of(forager: Forager, episode: Episode) -> Shown:

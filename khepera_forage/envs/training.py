@@ -17,6 +17,7 @@ from khepera_forage.envs.paired_arenas import PairedArenas
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
@@ -53,6 +54,7 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         world: World | None = None,
         decisions: Decisions | None = None,
         backend: str = PYMUNK,
+        robot: str = KHEPERA.name,
     ) -> None:
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
@@ -62,7 +64,9 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        self._paired = PairedArenas(learners + 1, arena, noise, food_types, world, self.decisions, backend)
+        self._paired = PairedArenas(
+            learners + 1, arena, noise, food_types, world, self.decisions, backend, robot
+        )
         self.np_random: np.random.Generator | None = None
         self._generator: np.random.Generator | None = None
         """The `np_random` that the attempts follow from."""
@@ -182,7 +186,8 @@ class TrainingEnv(PairedRobotsEnv):
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
     food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated one,
     with an arena for each robot; give `noise=Noise.none()` with a real one, so that its operator puts everything on
-    the marks themselves), `decisions` (a `Decisions`), `backend` ("pymunk", or "compiled", which needs numba).
+    the marks themselves), `decisions` (a `Decisions`), `backend` ("pymunk", or "compiled", which needs numba), `robot`
+    ("khepera", "e-puck2" or "toio"; the last two push food, and pick up none).
 
     ## Version history
     - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.forager import Forager, perceive_all
 from khepera_forage.envs.recalls import Shown, shown_of
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors, applicable
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
+from khepera_forage.task.behaviours import same_motors
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part, penalty, score
 from khepera_forage.task.pairing import (
@@ -119,7 +120,7 @@ class TrainingEpisode:
             for i, forager in enumerate(self.foragers):
                 end_step(self._episodes[i], forager.tracker, correct[i], self._limit)
         done = all(
-            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, self._decisions)
+            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, f.decisions)
             for f in self.foragers
         )
         self._since_done = rounds_since_done(self._since_done, done)
@@ -146,7 +147,7 @@ class TrainingEpisode:
         Its behaviour is then the teacher's for its state if they are what that would command, and WAIT otherwise.
         """
         forager = self.foragers[i]
-        right = applicable(motors) == applicable(forager.motors_for(forager.correct_behaviour))
+        right = same_motors(motors, forager.motors_for(forager.correct_behaviour), forager.decisions)
         self.motors[i] = motors
         self.actions[i] = int(forager.correct_behaviour if right else Behaviour.WAIT)
 
@@ -196,4 +197,4 @@ class TrainingEpisode:
             behaviour = self.actions[0]  # what it hears decides how it is led
         if i == 0:
             return motors
-        return lead(self.pairings[i], motors, behaviour, raw.x, raw.y, raw.orientation, self._decisions)
+        return lead(self.pairings[i], motors, behaviour, raw.x, raw.y, raw.orientation, forager.decisions)

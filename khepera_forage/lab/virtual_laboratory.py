@@ -17,7 +17,7 @@ from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
@@ -94,7 +94,9 @@ class VirtualLaboratory(Laboratory):
         self._rounds_per_period = max(1, round(settings.period / CONTROL_PERIOD))
         timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed)
         markers = [robot.holes for robot in settings.robots]
-        self.simulation = PymunkWorld(arenas, markers, noise, timing=timing)
+        self.simulation = PymunkWorld(
+            arenas, markers, noise, timing=timing, model=MODELS[settings.robots[0].type]
+        )
         self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()

@@ -60,4 +60,4 @@ def open_robot(
     from khepera_forage.robots.toio.driver import ToioRobot
 
     assert kind == TOIO.name
-    return ToioRobot(port, max_speed=limit)
+    return ToioRobot(port, max_speed=limit, period=period or CONTROL_PERIOD)

@@ -146,7 +146,12 @@ class RobotLost(ConnectionError):  # noqa: N818 (an event, not a mistake)
 
 
 class Robot(Protocol):
-    """A Khepera with a gripper, simulated or real. Any method of a real one may raise `RobotLost`."""
+    """A robot, simulated or real. Any method of a real one may raise `RobotLost`."""
+
+    @property
+    def has_gripper(self) -> bool:
+        """Whether it can pick up food; without a gripper, its arm counts as lowered, and its jaw as open."""
+        ...
 
     def sense(self) -> Senses:
         """The current readings of the robot's sensors."""

@@ -1,5 +1,6 @@
 """What the kinds of robots can do, as data: dimensions, speeds, sensors, gripper."""
 
+import math
 from dataclasses import dataclass
 
 from khepera_forage.robots.khepera import (
@@ -11,6 +12,7 @@ from khepera_forage.robots.khepera import (
     SPEED_UNIT,
     WHEEL_BASE,
 )
+from khepera_forage.robots.proximity import SENSORS
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +35,8 @@ class RobotModel:
             none for a robot that has no such sensors.
         reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
             without a gripper.
-        has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw
-            as open.
+        has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw as open; and the
+            marker is no larger than the robot, so that it hides no food.
     """
 
     name: str
@@ -47,6 +49,22 @@ class RobotModel:
     infra_reds: tuple[float, ...]
     reach: float
     has_gripper: bool
+
+    @property
+    def plan_base(self) -> float:
+        """Distance of the wheels on the plan, in mm. The radius there is a Khepera's for every robot."""
+        return self.wheel_base / self.scale
+
+    @property
+    def sensors(self) -> tuple[tuple[float, float, float, float], ...]:
+        """Place (mm forward and left on the plan) and direction (cosine, sine) of each infra-red, in Khepera's order.
+
+        Without any, readings follow from the map as if it had a Khepera's.
+        """
+        if self.name != E_PUCK.name:
+            return SENSORS
+        angles = [math.radians(self.infra_reds[i]) for i in KHEPERA_ORDER]
+        return tuple((RADIUS * math.cos(a), RADIUS * math.sin(a), math.cos(a), math.sin(a)) for a in angles)
 
 
 KHEPERA = RobotModel(
@@ -61,6 +79,8 @@ KHEPERA = RobotModel(
     reach=0.0,
     has_gripper=True,
 )
+KHEPERA_ORDER = (5, 6, 7, 0, 1, 2, 3, 4)
+"""An e-puck's sensors in the order of `Senses.proximity`: left 90, 49, 17, right 17, 49, 90, back right, back left."""
 _STEP = 128.8 / 1000
 _E_PUCK_SCALE = 35.0 / RADIUS
 E_PUCK = RobotModel(
@@ -94,3 +114,14 @@ TOIO = RobotModel(
 """Sony: cubes of 31.8 mm, which know their place on a printed mat."""
 
 MODELS = {model.name: model for model in (KHEPERA, E_PUCK, TOIO)}
+
+
+def model_of(robot: str) -> RobotModel:
+    """The model with a name.
+
+    Raises:
+        ValueError: An unknown name.
+    """
+    if robot not in MODELS:
+        raise ValueError(f"robot is {robot!r}; allowed: {', '.join(map(repr, MODELS))}")
+    return MODELS[robot]

@@ -128,6 +128,11 @@ class RealRobot(ABC):
         self._thread = threading.Thread(target=self._serve, name=f"port {port}", daemon=True)
 
     @property
+    def has_gripper(self) -> bool:
+        """Whether it can pick up food."""
+        return self.model.has_gripper
+
+    @property
     @abstractmethod
     def longest_exchange(self) -> float:
         """Seconds after which `transmit` or `receive` of an undisturbed robot is over."""

@@ -12,7 +12,8 @@ The picture is 640 x 480 pixels of 5 mm, its lower left corner at (0, 0) mm. A f
 - *Cables.* Each robot's cable is a straight line from the overhead anchor to the middle of its own marker, which it
   does not disturb. It lies over food when it passes over the disc, and over the marker of another robot in its arena
   when it passes within half the marker's width of its centre.
-- *Hiding.* Food whose disc touches a marker is not seen, whether or not that marker is itself lost. A region whose
+- *Hiding.* Food whose disc touches a marker is not seen, whether or not that marker is itself lost; the markers of
+  robots without a gripper are no larger than these, and hide none. A region whose
   centre is outside the picture is not seen.
 
 Each robot has a track of its own, which never ends. Food becomes tracks by the rule of `vision.association`. A place
@@ -93,7 +94,7 @@ def look(
     new = match(tracks, detections, count, False)
     clearance = visible_clearance(constants.position_jitter)
     for k in range(len(tracks)):
-        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance):
+        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance, constants):
             tracks[k].label = -1
     if new:
         robots[0].next_label = start_tracks(tracks, detections, count, robots[0].next_label)
@@ -165,7 +166,7 @@ def _look_at_food(
                 rate = rate * constants.cable_loss_factor
                 break
     food.lost = _is_lost(food.lost, chance, rate, constants.loss_end) and not first_frame
-    if food.lost or _is_hidden(robots, food.x, food.y, FOOD_RADIUS):
+    if food.lost or _is_hidden(robots, food.x, food.y, FOOD_RADIUS, constants):
         return False
     smoothing = draw(robot, number + 2)
     x = food.x / MM_PER_PIXEL + jitter * normal(draw(robot, number), smoothing)
@@ -185,22 +186,22 @@ def _is_under_cable(what: Any, radius: float, robot: Any, anchor_x: float, ancho
     return bool(dx * dx + dy * dy <= radius * radius)
 
 
-def _is_hidden(robots: Any, x: float, y: float, radius: float) -> bool:
+def _is_hidden(robots: Any, x: float, y: float, radius: float, constants: Any) -> bool:
     """Whether a disc on the floor touches the marker of any robot."""
-    for i in range(len(robots)):
+    for i in range(len(robots) if constants.has_gripper else 0):
         robot = robots[i]
         if touches_plate(x, y, radius, Plate(robot.x, robot.y, robot.cos, robot.sin)):
             return True
     return False
 
 
-def _is_visible(robots: Any, foods: Any, track: Any, clearance: float) -> bool:
+def _is_visible(robots: Any, foods: Any, track: Any, clearance: float, constants: Any) -> bool:
     """Whether food at the last place of a track would have shown in this frame."""
     x, y = track.x * MM_PER_PIXEL, track.y * MM_PER_PIXEL
     for k in range(len(foods)):
         if foods[k].lost and not shows_beside_lost_food(x, y, foods[k].x, foods[k].y):
             return False
-    return not _is_hidden(robots, x, y, clearance)
+    return not _is_hidden(robots, x, y, clearance, constants)
 
 
 class SimulatedCamera:

@@ -10,6 +10,7 @@ from typing import Any
 from khepera_forage.geometry.angles import cosine_sine
 from khepera_forage.geometry.walls import squared_from_wall
 from khepera_forage.robots.khepera import (
+    ARM_DOWN,
     ARM_ON_FLOOR,
     ARM_RAISED,
     FINGER_THICKNESS,
@@ -20,7 +21,7 @@ from khepera_forage.robots.khepera import (
     PULSE,
     RADIUS,
     SPEED_UNIT,
-    WHEEL_BASE,
+    Motors,
     half_gap,
 )
 from khepera_forage.sim.draws import DRAW_BIAS, DRAW_WHEELS, draw, normal
@@ -59,6 +60,11 @@ def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> 
     robot.arm = robot.arm_target = float(ARM_RAISED)
     robot.jaw = robot.jaw_target = float(JAW_OPEN)
     robot.held = -1
+    robot.has_gripper, robot.wheel_base, robot.max_speed = (
+        constants.has_gripper,
+        constants.wheel_base,
+        constants.max_speed,
+    )
     robot.left = robot.right = robot.forward = robot.turn = robot.last_forward = robot.last_turn = 0.0
     robot.left_pulses = robot.right_pulses = 0.0
     robot.object_presence = robot.arm_reading = robot.jaw_reading = 0
@@ -66,6 +72,17 @@ def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> 
     robot.marker_found = robot.marker_lost = False
     robot.first_frame = True
     robot.next_label = 0
+
+
+def set_motors(robot: Any, motors: Motors) -> Motors:
+    """Give a robot a command that `applicable` has made; returns it as the robot executes it."""
+    top = robot.max_speed
+    left, right = min(top, max(-top, motors.left)), min(top, max(-top, motors.right))
+    robot.left, robot.right = left, right
+    if not robot.has_gripper:
+        return Motors(left, right, ARM_DOWN, JAW_OPEN)
+    robot.arm_target, robot.jaw_target = motors.arm, motors.jaw
+    return Motors(left, right, motors.arm, motors.jaw)
 
 
 def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
@@ -89,7 +106,7 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
     right_share = 1.0 + robot.bias_right + slip * normal(draw(robot, DRAW_WHEELS + 1), bits >> 32)
     left, right = robot.left * SPEED_UNIT * left_share, robot.right * SPEED_UNIT * right_share
     robot.last_forward, robot.last_turn = robot.forward, robot.turn
-    robot.forward, robot.turn = (left + right) / 2, (right - left) / WHEEL_BASE
+    robot.forward, robot.turn = (left + right) / 2, (right - left) / robot.wheel_base
     pulses = SPEED_UNIT * duration / PULSE
     robot.left_pulses += robot.left * pulses
     robot.right_pulses += robot.right * pulses
@@ -217,6 +234,8 @@ def _touches_wall(robot: Any, walls: Any, x: float, y: float, cos: float, sin: f
             continue
         if squared_from_wall(x, y, wall) < RADIUS * RADIUS:
             return True
+        if not robot.has_gripper:
+            continue
         # Beyond its ends a wall touches nothing.
         squared = wall.ex * wall.ex + wall.ey * wall.ey
         along, reach = (x - wall.x1) * wall.ex + (y - wall.y1) * wall.ey, _EXTENT * math.sqrt(squared)
@@ -236,7 +255,7 @@ def _touches_corner(
 ) -> bool:
     """Whether the gripper would touch a corner; within a round a finger can pass one, so all of its way counts."""
     tip, reach = tip_of(robot), FINGER_TIP + JAW_OPEN / 2 + travel
-    for k in range(len(corners)):
+    for k in range(len(corners) if robot.has_gripper else 0):
         dx, dy = corners[k].x - x, corners[k].y - y
         if dx * dx + dy * dy < reach * reach:
             u, v = dx * cos + dy * sin, dy * cos - dx * sin
@@ -283,6 +302,8 @@ def _touches_robot(
         u, v = dx * cos + dy * sin, dy * cos - dx * sin
         if u * u + v * v < (RADIUS + near) ** 2:
             return True
+        if not robot.has_gripper:
+            continue
         if max(finger_overlap(u, v, tip, jaw, near), palm_overlap(u, v, near)) > 0.0:
             return True
         gx, gy = u - robot.grip_x, v - robot.grip_y

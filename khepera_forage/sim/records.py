@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from khepera_forage.noise import Noise
 from khepera_forage.records import Word
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
+from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.sim.world import Timing
 
 
@@ -55,6 +56,9 @@ class RobotState:
         first_frame: Whether the coming frame is the first after a reset.
         next_label: Label of the next new track of food.
         holes: Of its marker, 1 or 2.
+        has_gripper: Whether it has a gripper. Without one, arm and jaw stay raised and open, where they touch nothing.
+        wheel_base: Distance of its wheels, mm.
+        max_speed: Highest speed of its wheels, in speed units.
         key: Of the random numbers of its world.
         round: Rounds since the key was set.
         proximity: Readings of the eight infra-reds.
@@ -97,6 +101,9 @@ class RobotState:
     first_frame: bool = False
     next_label: int = 0
     holes: int = 1
+    has_gripper: bool = True
+    wheel_base: float = KHEPERA.plan_base
+    max_speed: float = KHEPERA.max_speed
     key: Word = 0
     round: int = 0
     proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
@@ -130,7 +137,7 @@ class FoodDetection:
 
 @dataclass(slots=True)
 class Constants:
-    """Sizes and rates of `Noise`, and how the bodies move in time.
+    """Sizes and rates of `Noise`, how the bodies move in time, and what kind of robots they are.
 
     Attributes:
         wheel_slip: As in `Noise`; so are those down to `cable_loss_factor`.
@@ -149,6 +156,11 @@ class Constants:
         round_duration: As in `Timing`; so are the last two.
         arm_speed: Positions a second.
         jaw_speed: Positions a second.
+        has_gripper: As in `RobotModel`; so are the others.
+        wheel_base: On the plan, mm.
+        max_speed: Likewise.
+        reach: Likewise.
+        sensors: The infra-reds: mm forward and left, cosine and sine of each one's direction, one after another.
     """
 
     wheel_slip: float = 0.0
@@ -167,6 +179,11 @@ class Constants:
     round_duration: float = 0.1
     arm_speed: float = 0.0
     jaw_speed: float = 0.0
+    has_gripper: bool = True
+    wheel_base: float = KHEPERA.plan_base
+    max_speed: float = KHEPERA.max_speed
+    reach: float = 0.0
+    sensors: list[float] = field(default_factory=lambda: [v for sensor in KHEPERA.sensors for v in sensor])
 
 
 class Enclosure(NamedTuple):
@@ -189,13 +206,16 @@ class Enclosure(NamedTuple):
     corners: Any
 
 
-def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0) -> Constants:
+def constants_of(
+    noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA
+) -> Constants:
     """The `Constants` of worlds.
 
     Args:
         noise: Sizes and rates.
         timing: Duration of a round, and speeds of arm and jaw.
         wheel_speed: Share of the commanded speed that wheels reach.
+        model: The kind of robots.
     """
     names = {known.name for known in fields(Constants)} & {known.name for known in fields(noise)}
     return Constants(
@@ -203,4 +223,9 @@ def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0) -> Cons
         **timing._asdict(),
         loss_end=1.0 / noise.loss_rounds,
         wheel_speed=wheel_speed,
+        has_gripper=model.has_gripper,
+        wheel_base=model.plan_base,
+        max_speed=model.max_speed,
+        reach=model.reach,
+        sensors=[value for sensor in model.sensors for value in sensor],
     )

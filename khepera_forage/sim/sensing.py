@@ -6,7 +6,7 @@ Plain functions, also compiled. `robots.proximity` says where the response of th
 import math
 from typing import Any
 
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, PRESENT, RADIUS
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, JAW_OPEN, PRESENT, RADIUS
 from khepera_forage.robots.proximity import (
     HIDDEN_BY_ARM,
     MAX_READING,
@@ -15,7 +15,6 @@ from khepera_forage.robots.proximity import (
     RESPONSE_AT_RANGE,
     RESPONSE_GAIN,
     RESPONSE_OFFSET,
-    SENSORS,
 )
 from khepera_forage.sim.draws import DRAW_PROXIMITY, draw, lower, upper
 from khepera_forage.sim.gripper import grip_place, in_barrier, seen_from
@@ -36,23 +35,26 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
         constants: `Constants`.
     """
     robot = robots[i]
-    _sense_gripper(robot, foods)
+    if robot.has_gripper:
+        _sense_gripper(robot, foods)
+    else:
+        _sense_food_ahead(robot, foods, constants.reach)
     for sensor in range(8):
         robot.proximity[sensor] = 0.0
     first = _FRONT if robot.arm >= ARM_ON_FLOOR else 0
     for k in range(len(walls)):
         wall = walls[k]
         if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) < REACH:
-            _see_wall(robot, wall, first)
+            _see_wall(robot, wall, first, constants.sensors)
     for k in range(len(foods)):
         dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
         lifted = robot.held == k and robot.arm < ARM_ON_FLOOR
         if dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted:
-            _see_disc(robot, foods[k].x, foods[k].y, FOOD_RADIUS, first)
+            _see_disc(robot, foods[k].x, foods[k].y, FOOD_RADIUS, first, constants.sensors)
     for j in range(len(robots)):
         dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
         if j != i and dx * dx + dy * dy < (REACH + RADIUS) ** 2:
-            _see_disc(robot, robots[j].x, robots[j].y, RADIUS, first)
+            _see_disc(robot, robots[j].x, robots[j].y, RADIUS, first, constants.sensors)
     for pair in range(4):
         bits = draw(robot, DRAW_PROXIMITY + pair)
         one, other = 2 * pair, 2 * pair + 1
@@ -73,28 +75,38 @@ def _sense_gripper(robot: Any, foods: Any) -> None:
                 robot.object_presence = PRESENT
 
 
-def _see_wall(robot: Any, wall: Any, first: int) -> None:
+def _sense_food_ahead(robot: Any, foods: Any, reach: float) -> None:
+    """What stands for the readings of a gripper: an object is present while food lies before the robot."""
+    robot.object_presence, robot.arm_reading, robot.jaw_reading = 0, ARM_DOWN, JAW_OPEN
+    for k in range(len(foods)):
+        ahead, aside = seen_from(robot, foods[k].x, foods[k].y)
+        if 0.0 < ahead <= reach and abs(aside) <= FOOD_RADIUS:
+            robot.object_presence = PRESENT
+
+
+def _see_wall(robot: Any, wall: Any, first: int, sensors: Any) -> None:
     """Keep the readings of a wall that are the largest; `first` is the first sensor that is not hidden."""
     cos, sin = robot.cos, robot.sin
     dx, dy = wall.x1 - robot.x, wall.y1 - robot.y
     ahead, aside = dx * cos + dy * sin, dy * cos - dx * sin
     along, across = wall.ex * cos + wall.ey * sin, wall.ey * cos - wall.ex * sin
     for sensor in range(first, 8):
-        dx, dy = ahead - SENSORS[sensor][0], aside - SENSORS[sensor][1]
+        dx, dy = ahead - sensors[4 * sensor], aside - sensors[4 * sensor + 1]
         t = min(1.0, max(0.0, -(dx * along + dy * across) * wall.share))
-        _keep_largest(robot, sensor, dx + t * along, dy + t * across, 0.0)
+        _keep_largest(robot, sensor, dx + t * along, dy + t * across, 0.0, sensors)
 
 
-def _see_disc(robot: Any, x: float, y: float, radius: float, first: int) -> None:
+def _see_disc(robot: Any, x: float, y: float, radius: float, first: int, sensors: Any) -> None:
     """Keep the readings of food or another robot that are the largest; `first` as for `_see_wall`."""
     ahead, aside = seen_from(robot, x, y)
     for sensor in range(first, 8):
-        _keep_largest(robot, sensor, ahead - SENSORS[sensor][0], aside - SENSORS[sensor][1], radius)
+        dx, dy = ahead - sensors[4 * sensor], aside - sensors[4 * sensor + 1]
+        _keep_largest(robot, sensor, dx, dy, radius, sensors)
 
 
-def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float) -> None:
+def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float, sensors: Any) -> None:
     """Keep the reading of an obstacle (dx, dy) mm from a sensor, if it is the largest (see `robots.proximity`)."""
-    along = dx * SENSORS[sensor][2] + dy * SENSORS[sensor][3]
+    along = dx * sensors[4 * sensor + 2] + dy * sensors[4 * sensor + 3]
     if along <= 0.0:
         return
     distance = math.sqrt(dx * dx + dy * dy)

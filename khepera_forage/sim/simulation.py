@@ -19,9 +19,11 @@ from khepera_forage.robots.khepera import (
     applicable,
     check_finite,
 )
+from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
 from khepera_forage.sim.camera import SimulatedCamera, look
+from khepera_forage.sim.driving import set_motors
 from khepera_forage.sim.layout_checks import (
     arena_of,
     cable_anchor,
@@ -51,6 +53,11 @@ class SimulatedKhepera:
         """Where the robot truly is."""
         return Pose(float(self.record.x), float(self.record.y), float(self.record.heading))
 
+    @property
+    def has_gripper(self) -> bool:
+        """Whether it can pick up food."""
+        return bool(self.record.has_gripper)
+
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
         robot = self.record
@@ -67,10 +74,7 @@ class SimulatedKhepera:
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
         check_finite(motors)
-        applied = applicable(motors)
-        robot = self.record
-        robot.left, robot.right, robot.arm_target, robot.jaw_target = applied
-        return applied
+        return set_motors(self.record, applicable(motors))
 
     def stop(self) -> None:
         """Wheels to zero; arm and jaw complete their movements."""
@@ -110,6 +114,7 @@ class Simulation(ABC):
         noise: The laboratory's troubles.
         robot_parameters: Deviations of each robot; none by default.
         timing: How long a round lasts, and how fast arm and jaw move.
+        model: The kind of robots.
 
     Raises:
         ValueError: No arena, no robot, a marker with another number of holes, arenas that the camera does not see, or
@@ -124,6 +129,7 @@ class Simulation(ABC):
         robot_parameters: Sequence[RobotParameters] | None = None,
         *,
         timing: Timing,
+        model: RobotModel = KHEPERA,
     ) -> None:
         check_world(arenas, markers)
         if robot_parameters is not None and len(robot_parameters) != len(markers):
@@ -136,7 +142,7 @@ class Simulation(ABC):
         self.round_duration = timing.round_duration
         self.robots: tuple[SimulatedKhepera, ...] = ()
         self.camera = SimulatedCamera()
-        self.constants = constants_of(self.noise, timing)
+        self.constants = constants_of(self.noise, timing, model=model)
         self._anchor = cable_anchor(arenas)
         self._enclosures: tuple[Enclosure, ...] = ()
 

@@ -24,7 +24,7 @@ keeps it off the walls (3.4).
 
 import math
 
-from khepera_forage.geometry.angles import arcsine, bearing_of, turn_to
+from khepera_forage.geometry.angles import arcsine, bearing_of, cosine_sine, turn_to
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
@@ -37,6 +37,7 @@ from khepera_forage.robots.khepera import (
     MAX_SPEED,
     RADIUS,
     Motors,
+    applicable,
 )
 from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.decisions import (
@@ -57,6 +58,13 @@ _IN_RANGE = (RADIUS + 32.0 + FOOD_RADIUS) / MM_PER_PIXEL
 """Pixels from which the infra-reds turn a robot away from food."""
 _BEHIND = 9.0
 """Pixels to a wall behind from which a robot does not back off further."""
+_BESIDE = (RADIUS + FOOD_RADIUS + 15.0) / MM_PER_PIXEL
+"""Pixels from food on a way around it, for a robot without a gripper."""
+_BEHIND_FOOD, _ASTRAY_BEHIND = 25.0, 55.0
+"""Degrees off the line from the home through the food within which a robot drives to the food, and beyond which it does
+not go on pushing."""
+_PUSHING_ASIDE = 14.0
+"""Largest bearing of pushed food in degrees; at 23 degrees it would no longer lie before the robot."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 
@@ -85,6 +93,9 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
         raw: What the robot perceives now.
         decisions: `DecisionValues`.
     """
+    if not decisions.has_gripper:
+        left, right = _wheels_without_gripper(behaviour, raw, decisions)
+        return Motors(left, right, ARM_DOWN, JAW_OPEN)
     if behaviour == _SEARCH_FOR_FOOD:
         return _search(raw, decisions)
     if behaviour == _MOVE_SLOWLY:
@@ -124,18 +135,18 @@ def wait(raw: RawData) -> Motors:
 
 def _search(raw: RawData, decisions: DecisionValues) -> Motors:
     if not raw.food_seen and raw.arm < ARM_ON_FLOOR:
-        if decisions.search_without_food == WANDER:
-            left, right = wander(raw, decisions.search_speed, decisions)
-            return Motors(left, right, ARM_RAISED, JAW_OPEN)
-        # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
-        # is just at home out of there (on the spot they would turn for ever).
-        return Motors(
-            decisions.circle_speed - decisions.turn_speed,
-            decisions.circle_speed + decisions.turn_speed,
-            ARM_RAISED,
-            JAW_OPEN,
-        )
+        left, right = _look_around(raw, decisions)
+        return Motors(left, right, ARM_RAISED, JAW_OPEN)
     return _approach(raw, decisions.search_speed, False, decisions)
+
+
+def _look_around(raw: RawData, decisions: DecisionValues) -> tuple[float, float]:
+    """Wheels while no food is seen."""
+    if decisions.search_without_food == WANDER:
+        return wander(raw, decisions.search_speed, decisions)
+    # Turning uncovers what the robot's own marker hides; that it is a small circle takes two robots of which one
+    # is just at home out of there (on the spot they would turn for ever).
+    return decisions.circle_speed - decisions.turn_speed, decisions.circle_speed + decisions.turn_speed
 
 
 def _is_left_down(raw: RawData, decisions: DecisionValues) -> bool:
@@ -226,17 +237,22 @@ def _go_home(raw: RawData, decisions: DecisionValues) -> Motors:
 
 
 def _avoid_home(raw: RawData, decisions: DecisionValues) -> Motors:
-    away = raw.orientation + raw.home_bearing + 180.0
-    if raw.home_opening != EVERY_SIDE:
-        # Behind the home there is no way out: out means its open side.
-        away = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
-    error = turn_to(away, raw.orientation)
+    error = _error_to_leave_home(raw)
     blocked = raw.wall_distance < _BEHIND and abs(raw.wall_bearing) > 90.0
     if not blocked and (abs(error) > 90.0 or raw.arm >= ARM_ON_FLOOR):
         # Facing the home, with what was released in front of it, a robot leaves backwards.
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_RAISED, JAW_OPEN)
     left, right = steer(raw, error, decisions.slow_speed, decisions)
     return Motors(left, right, ARM_RAISED, JAW_OPEN)
+
+
+def _error_to_leave_home(raw: RawData) -> float:
+    """Degrees by which to turn to drive out of the home."""
+    away = raw.orientation + raw.home_bearing + 180.0
+    if raw.home_opening != EVERY_SIDE:
+        # Behind the home there is no way out: out means its open side.
+        away = raw.home_opening + clip(turn_to(away, raw.home_opening), 80.0)
+    return turn_to(away, raw.orientation)
 
 
 def _release(raw: RawData, decisions: DecisionValues) -> Motors:
@@ -254,6 +270,82 @@ def _release(raw: RawData, decisions: DecisionValues) -> Motors:
 
 def _arm_after_jaw(raw: RawData) -> int:
     return ARM_RAISED if raw.jaw <= _JAW_SHUT else ARM_DOWN
+
+
+def _wheels_without_gripper(behaviour: int, raw: RawData, decisions: DecisionValues) -> tuple[float, float]:
+    """Wheels of a robot that only pushes food."""
+    if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY, _ORIENT_WITH_FOOD):
+        if not raw.food_seen:
+            return _look_around(raw, decisions)
+        if behaviour == _ORIENT_WITH_FOOD:
+            return _approach_from_behind(raw, decisions.orient_speed, decisions)
+        speed = decisions.search_speed if behaviour == _SEARCH_FOR_FOOD else decisions.slow_speed
+        return _approach_from_behind(raw, speed, decisions)
+    if behaviour in (_PUSH_FOOD, _GO_HOME):
+        return _push_ahead(raw, decisions.push_speed, decisions)
+    if behaviour == _RELEASE_FOOD:
+        # On the spot, so that it remains at home until the food no longer lies before it.
+        turn = -math.copysign(decisions.turn_speed, _bearing_of_pushed(raw))
+        return -turn, turn
+    if behaviour == _AVOID_FOOD:
+        return -decisions.slow_speed, -decisions.slow_speed
+    if behaviour == _AVOID_HOME:
+        return steer(raw, _error_to_leave_home(raw), decisions.slow_speed, decisions)
+    return 0.0, 0.0
+
+
+def _off_line(raw: RawData) -> float:
+    """Degrees around the food from the side that faces away from the home to the robot, left positive."""
+    away = bearing_of(raw.food_x - raw.home_x, raw.food_y - raw.home_y)
+    return turn_to(bearing_of(raw.x - raw.food_x, raw.y - raw.food_y), away)
+
+
+def _approach_from_behind(raw: RawData, speed: float, decisions: DecisionValues) -> tuple[float, float]:
+    """Wheels to food that will be pushed: around it, until it lies between robot and home."""
+    past_home = detour(raw)
+    if past_home != 0.0:
+        return steer(raw, raw.food_bearing + past_home, speed, decisions)
+    off = _off_line(raw)
+    if abs(off) <= _BEHIND_FOOD or raw.food_path > raw.food_distance:
+        error = raw.food_bearing
+        if raw.food_distance < _IN_RANGE and abs(error) > decisions.aimed:
+            turn = math.copysign(decisions.turn_speed if abs(error) > decisions.astray else 1.0, error)
+            return -turn, turn
+        return steer(raw, error, speed, decisions, raw.food_distance >= _IN_RANGE)
+    ahead = off - math.copysign(min(abs(off), 50.0), off)
+    angle = math.radians(bearing_of(raw.food_x - raw.home_x, raw.food_y - raw.home_y) + ahead)
+    cosine, sine = cosine_sine(angle)
+    x, y = raw.food_x + _BESIDE * cosine - raw.x, raw.food_y + _BESIDE * sine - raw.y
+    error = turn_to(bearing_of(x, y), raw.orientation)
+    return steer(raw, error, speed, decisions, raw.food_distance >= _IN_RANGE)
+
+
+def _push_ahead(raw: RawData, speed: float, decisions: DecisionValues) -> tuple[float, float]:
+    """Wheels that push food home: the infra-reds show where it touches the robot.
+
+    Food moves away from the robot's centre. Food that lies to the left of the heading slips further to the left, so
+    that the robot comes to its right: this steers it.
+    """
+    food = _bearing_of_pushed(raw)
+    off = raw.home_bearing - food
+    if abs(off) > _ASTRAY_BEHIND:
+        return -decisions.retreat_speed, -decisions.retreat_speed
+    turn = clip(0.2 * (food - clip(0.5 * off, _PUSHING_ASIDE)), speed / 2)
+    return speed - turn, speed + turn
+
+
+def _bearing_of_pushed(raw: RawData) -> float:
+    """Degrees to the left at which food touches a robot, as the four front infra-reds show."""
+    near = raw.proximity
+    sides = near[1] + near[2] + near[3] + near[4]
+    return (45.0 * (near[1] - near[4]) + 10.0 * (near[2] - near[3])) / sides if sides > 0 else 0.0
+
+
+def same_motors(one: Motors, other: Motors, decisions: DecisionValues) -> bool:
+    """Whether two commands are the same for a robot, which may have no gripper."""
+    a, b = applicable(one), applicable(other)
+    wheels = a.left == b.left and a.right == b.right
+    return wheels and (not decisions.has_gripper or (a.arm == b.arm and a.jaw == b.jaw))
 
 
 def decode_motors(left: float, right: float, arm: float, jaw: float) -> Motors:
@@ -328,7 +420,8 @@ def steer(
     if abs(error) > _ON_THE_SPOT:
         return _turn_on_the_spot(raw, error, decisions)
     turn = error * (0.3 if abs(error) > 10.0 else 0.2)
-    if by_infra_reds and raw.arm < ARM_ON_FLOOR:
+    is_up = raw.arm < ARM_ON_FLOOR or not decisions.has_gripper
+    if by_infra_reds and is_up:
         near = raw.proximity
         if near[2] > _BLOCKED and near[3] > _BLOCKED:
             return -_CAREFUL, -_CAREFUL
@@ -336,7 +429,7 @@ def steer(
         if left > _OBSTACLE or right > _OBSTACLE:
             speed = min(speed, _CAREFUL)
             turn = math.copysign(speed, right - left)
-    turn = clip(turn, min(speed, MAX_SPEED - speed) if raw.arm < ARM_ON_FLOOR else speed / 2)
+    turn = clip(turn, min(speed, MAX_SPEED - speed) if is_up else speed / 2)
     return speed - turn, speed + turn
 
 
@@ -344,7 +437,7 @@ def _turn_on_the_spot(raw: RawData, error: float, decisions: DecisionValues) -> 
     """Wheels for a turn on the spot, the long way round if the gripper would sweep a wall on the short one."""
     turn = math.copysign(decisions.quick_turn_speed if abs(error) > 70.0 else decisions.turn_speed, error)
     wall = raw.wall_bearing
-    if raw.wall_distance < _SWING:
+    if raw.wall_distance < _SWING and decisions.has_gripper:
         if abs(wall) < 30.0:
             return -_CAREFUL, -_CAREFUL
         if wall * error > 0.0 and abs(wall) < abs(error) + 30.0:

@@ -372,10 +372,14 @@ class Decisions:
         """Fields that differ from the defaults, with their values."""
         return {name: own for name, (own, _) in self.differing(type(self)()).items()}
 
-    def values(self) -> "DecisionValues":
-        """The decisions as rules take them: numbers, and for a choice its position among the alternatives."""
+    def values(self, has_gripper: bool = True) -> "DecisionValues":
+        """The decisions as rules take them: numbers, and for a choice its position among the alternatives.
+
+        Args:
+            has_gripper: Whether the robot can pick up food: the rules take this with the decisions.
+        """
         values: list[Any] = [field.as_number(getattr(self, name)) for name, field in FIELDS.items()]
-        return DecisionValues(*values)
+        return DecisionValues(*values, has_gripper)  # type: ignore[call-arg] # a named tuple
 
 
 FIELDS: Mapping[str, Field] = {
@@ -385,9 +389,14 @@ FIELDS: Mapping[str, Field] = {
 """The fields of `Decisions` by their names, in their order."""
 
 if TYPE_CHECKING:
-    DecisionValues = Decisions
+
+    class DecisionValues(Decisions):
+        """`Decisions` as numbers, and what the robot can do."""
+
+        has_gripper: bool
+
 else:
-    DecisionValues = namedtuple("DecisionValues", FIELDS)
+    DecisionValues = namedtuple("DecisionValues", (*FIELDS, "has_gripper"))
     """`Decisions` as numbers, in the same order: what rules take."""
 
 DEFAULT_DECISIONS = Decisions()

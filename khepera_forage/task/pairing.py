@@ -185,6 +185,8 @@ def lead(
     """
     if pairing.separated and behaviour == Behaviour.WAIT:
         return recover(motors, x, y, orientation, pairing.teacher_x, pairing.teacher_y, decisions)
+    if behaviour == Behaviour.PUSH_FOOD and not decisions.has_gripper:
+        return motors  # On an arc, food would slip away to the side.
     return follow(
         motors,
         x,

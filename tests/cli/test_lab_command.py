@@ -1,17 +1,22 @@
 """`khepera-forage lab`: a laboratory is set up and checked, with virtual cubes and a virtual e-puck2."""
 
+import argparse
+import io
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from khepera_forage.cli.camera import calibrate
 from khepera_forage.cli.lab.new import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.vision.calibration import Calibration
 from tests.robots.rig import make_rig
 
-pytest.importorskip("cv2")
+cv2 = pytest.importorskip("cv2")
 
 
 def test_new_writes_a_file_that_check_accepts(
@@ -32,6 +37,37 @@ def test_new_writes_a_file_that_check_accepts(
     assert "all is well" in capsys.readouterr().out
     assert main(["lab", "new", "--out", str(file)]) == 2
     assert "is there already; allowed: another --out" in capsys.readouterr().err
+
+
+def test_new_shows_the_picture_and_calibrates_by_clicks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The clicks themselves belong to `khepera-forage camera calibrate`."""
+    film = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (768, 576))
+    for _ in range(60):
+        writer.write(np.full((576, 768, 3), 128, np.uint8))
+    writer.release()
+    places: list[str] = []
+
+    def calibrated(arguments: argparse.Namespace) -> int:
+        places.extend(arguments.places)
+        Calibration.identity((1000.0, 1000.0, 2000.0)).save(arguments.out)
+        return 0
+
+    monkeypatch.setattr(calibrate, "run", calibrated)
+    monkeypatch.setattr("builtins.input", lambda question: "y")
+    monkeypatch.chdir(tmp_path)
+    with make_rig() as rig, VirtualKhepera(EPuckFirmware(rig.robots[0], rig.lock), baud=None) as port:
+        assert main(["lab", "new", "--robot", "e-puck2", "--port", port.url, "--camera", str(film)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:4]] == ["pass"] * 3 + [
+        "FAIL"
+    ]
+    assert "no marker of teacher is seen in its arena" in lines[3]
+    assert (tmp_path / "lab.png").stat().st_size > 0
+    assert places == ["600,600", "1250,600", "1250,830", "600,830"], "the corners of the corridor"
+    assert load_settings("lab.toml").camera.calibration is not None
 
 
 def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -55,6 +91,13 @@ def test_errors_of_users_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
     file.write_text(lab_text("khepera", ["/dev/a"], (), "0", None, "corridor").replace("port", "prt"))
     assert main(["lab", "check", str(file)]) == 2
     errors = capsys.readouterr().err.splitlines()
-    assert len(errors) == 2
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.stdin", io.StringIO())
+        assert main(["lab", "new", "--out", str(tmp_path / "new.toml")]) == 2
+    errors += capsys.readouterr().err.splitlines()
+    assert len(errors) == 3
+    assert (
+        "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in errors[2]
+    )
     assert "none.toml" in errors[0]
     assert "robots[0].prt is unknown (did you mean port?)" in errors[1]

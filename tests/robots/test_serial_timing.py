@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import pytest
 
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.line import Traffic
 from khepera_forage.robots.serial.line_timing import LineTiming, LineTooSlow
@@ -38,7 +39,7 @@ def opened(
 
 
 @pytest.mark.parametrize("baud", [19200, 38400, 115200])
-@pytest.mark.parametrize("latency", [0.0, 0.005, 0.016, 0.04, 0.06, 0.078])
+@pytest.mark.parametrize("latency", [0.0, 0.005, 0.016, 0.04, 0.06, 0.08])
 def test_rounds_keep_the_period_and_one_latency(
     baud: int, latency: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -57,12 +58,12 @@ def test_rounds_keep_the_period_and_one_latency(
         assert robot.timing.latency == pytest.approx(latency, abs=POLLS)
         assert robot.timing.pipelined
         robot.receive()
-        begin = line.now
+        clock = WallClock(PERIOD, lambda: line.now, lambda seconds: line.sleep(line.now + seconds))
         robot.receive()
         end = line.now
         for round_ in range(60):
-            begin += PERIOD
-            line.sleep(begin)
+            clock.wait()
+            begin = clock.beginning
             stage.rounds(1)
             robot.receive()
             assert line.now - end <= robot.timing._replace(latency=latency).longest_round(PERIOD) + POLLS
@@ -254,6 +255,24 @@ def test_counters_are_right_after_replies_were_lost_for_a_second(monkeypatch: py
         lost_from = line.now
         robot.receive()
         assert robot.sense().left_pulses == 512
+
+
+@pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
+def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""
+    counts = iter([490, None, *range(500, 540, 10)])
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if request != b"H":
+            return NumberedReplies({})(request, number)
+        count = next(counts)
+        return [wrong + b"\r\n" if count is None else b"h,%d,%d\r\n" % (count, count)]
+
+    with opened(monkeypatch, script) as (robot, line):
+        for _ in range(6):
+            robot.receive()
+        assert robot.sense()[1:3] == (530, 530)
+        assert [request for _, request in line.requests if request.startswith(b"D,")] == [b"D,0,0"]
 
 
 def test_longest_round_is_the_period_and_the_latency_or_the_transmission() -> None:

@@ -53,14 +53,17 @@ def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: Stepped
         assert (robot.sense().arm, robot.sense().jaw, robot.sense().object_presence) == (255, 200, 0)
 
 
-def test_command_ends_by_itself(stepped: SteppedTable) -> None:
+@pytest.mark.parametrize(("period", "longest"), [(0.1, 0.3), (0.5, 1.0)])
+def test_command_ends_by_itself(stepped: SteppedTable, period: float, longest: float) -> None:
     """A program that is killed, crashes or is frozen sends nothing more."""
     stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
-    with ToioRobot("virtual:a") as robot:
+    with ToioRobot("virtual:a", period=period) as robot:
         robot.drive(Motors(8, 8, 215, 200))
         robot.transmit()
         assert not robot.stop_confirmed
-        stepped.advance(0.35)
+        stepped.advance(period)
+        assert stepped.table.cube("a").turning
+        stepped.advance(longest - period + 0.05)
         robot.receive()
         there = robot.pose
         stepped.advance(5.0)

@@ -156,8 +156,9 @@ def test_decisions_are_immutable_hashable_and_picklable() -> None:
 def test_values_are_numbers_in_the_order_of_the_fields() -> None:
     decisions = Decisions(equal_distance="farther state", patience=7, next_to_food=17)
     values = decisions.values()
-    assert values._fields == tuple(FIELDS)  # type: ignore[attr-defined]
-    assert all(type(value) is float for value in values)  # type: ignore[attr-defined]
+    assert values._fields == (*FIELDS, "has_gripper")  # type: ignore[attr-defined]
+    assert values.has_gripper is True
+    assert all(type(value) is float for value in values[:-1])  # type: ignore[index]
     assert (values.patience, values.next_to_food, values.equal_distance) == (7.0, 17.0, FARTHER_STATE)
     for name in NUMBERS:
         assert getattr(values, name) == getattr(decisions, name)

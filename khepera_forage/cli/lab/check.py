@@ -1,8 +1,9 @@
 """`khepera-forage lab check`: what is wrong with a laboratory, in the order in which it must be repaired."""
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 from khepera_forage.envs.laboratories import load_settings
@@ -11,9 +12,6 @@ from khepera_forage.lab.settings import LabSettings, RobotSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.toio.driver import ToioRobot
-
-Part = tuple[str, Callable[[], str]]
-"""A part, and what checks it: returns what it found, or raises `OSError`, `ValueError` or `ImportError`."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,25 +33,24 @@ def run(arguments: argparse.Namespace) -> int:
     """
     settings = load_settings(arguments.file)
     print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
-    failed = sum([not passes(part) for part in parts(settings)])
+    results = [passes(f"robot {r.name}", partial(check_robot, r, settings.period)) for r in settings.robots]
+    for port in settings.food_cubes:
+        food = RobotSettings(port, "food", type=settings.robots[0].type)
+        results.append(passes(f"food cube {port}", partial(check_robot, food, settings.period)))
+    if not settings.has_mat:
+        results.append(passes("camera", partial(check_camera, settings)))
+    failed = results.count(False)
     print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
     return 1 if failed else 0
 
 
-def parts(settings: LabSettings) -> Iterator[Part]:
-    """All parts of a laboratory, in order."""
-    for entry in settings.robots:
-        yield f"robot {entry.name}", lambda entry=entry: check_robot(entry, settings.period)  # type: ignore[misc]
-    for port in settings.food_cubes:
-        food = RobotSettings(port, "food", type=settings.robots[0].type)
-        yield f"food cube {port}", lambda food=food: check_robot(food, settings.period)  # type: ignore[misc]
-    if not settings.has_mat:
-        yield "camera", lambda: check_camera(settings)
+def passes(name: str, check: Callable[[], str]) -> bool:
+    """Check a part, and print the result.
 
-
-def passes(part: Part) -> bool:
-    """Check a part, and print the result."""
-    name, check = part
+    Args:
+        name: Of the part.
+        check: Returns what it found, or raises `OSError`, `ValueError` or `ImportError`.
+    """
     try:
         verdict, found = "pass", check()
     except (OSError, ValueError, ImportError) as error:

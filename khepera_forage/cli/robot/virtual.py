@@ -14,7 +14,7 @@ from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
 from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     arena = checked_arena(CORRIDOR, decisions)
     # A robot has no rounds: its firmware has a control period.
     timing = timing_of(decisions)._replace(round_duration=CONTROL_PERIOD)
-    world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing)
+    world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing, model=MODELS[arguments.robot])
     world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
     is_khepera = arguments.robot == KHEPERA.name

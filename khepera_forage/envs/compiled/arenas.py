@@ -18,6 +18,7 @@ from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import CELLS, Corner, Spot, Ways
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import array_of, dtype_of
+from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.compiled.world import constants_dtype, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor, check_seen
@@ -27,7 +28,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.placement import arena_number
 from khepera_forage.task.states import FoodType
 
-decisions_dtype = np.dtype([(name, "f8") for name in Decisions.__dataclass_fields__])
+decisions_dtype = np.dtype([(name, "f8") for name in (*Decisions.__dataclass_fields__, "has_gripper")])
 """`task.decisions.DecisionValues`."""
 settings_dtype = np.dtype(
     [
@@ -213,6 +214,7 @@ def settings_of(
     decisions: Decisions,
     holes: int,
     wheel_speed: float = 1.0,
+    robot: str = KHEPERA.name,
 ) -> NDArray[Any]:
     """The settings of worlds, as an array of one record.
 
@@ -224,17 +226,21 @@ def settings_of(
         decisions: Of the task.
         holes: Of the robot's marker.
         wheel_speed: Share of the commanded speed that wheels reach.
+        robot: Kind of robot.
 
     Raises:
         ValueError: An argument out of range.
     """
     whole_number("foods", foods, 1, MOST_FOODS)
     record = np.zeros(1, settings_dtype)
-    record["constants"] = array_of(constants_of(checked_noise(noise), timing_of(decisions), wheel_speed))
-    values: Any = decisions.values()
+    model = model_of(robot)
+    record["constants"] = array_of(
+        constants_of(checked_noise(noise), timing_of(decisions), wheel_speed, model)
+    )
+    values: Any = decisions.values(model.has_gripper)
     record["decisions"] = np.array([tuple(values)], decisions_dtype)
     record["odds"], record["limit"], record["holes"] = (
-        food_odds(food_types),
+        food_odds(food_types, model.has_gripper),
         whole_number("limit", limit, 1),
         holes,
     )

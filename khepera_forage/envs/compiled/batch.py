@@ -23,6 +23,7 @@ from khepera_forage.envs.layouts import given_places, no_room
 from khepera_forage.envs.recalls import Shown
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import penalty, score
@@ -45,6 +46,7 @@ class CompiledBatch:
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
         decisions: Ours by default.
+        robot: Kind of robot.
 
     Attributes:
         worlds: Their records.
@@ -64,12 +66,13 @@ class CompiledBatch:
         noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         decisions: Decisions | None = None,
+        robot: str = KHEPERA.name,
     ) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
         self.decisions = checked_decisions(decisions)
         self.foods, self.limit = foods, limit
         self._settings = settings_of(
-            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker
+            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker, robot=robot
         )
         pool = ArenaPool(arena, self.decisions)
         self.largest_diagonal = pool.diagonal

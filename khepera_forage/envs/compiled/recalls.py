@@ -14,6 +14,7 @@ from khepera_forage.envs.recalls import Shown
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.camera import marker_region
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -44,8 +45,9 @@ class CompiledRecalls:
         noise: Noise | str | None,
         food_types: FoodOdds,
         decisions: Decisions,
+        robot: str = KHEPERA.name,
     ) -> None:
-        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions)
+        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions, robot)
         self._noise, self._decisions = noise, decisions
         self.largest_diagonal = self._batch.largest_diagonal
         self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
@@ -110,10 +112,11 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     tracker.links = [Link(*link.item()) for link in world.links]
     tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
     robot = SimulatedKhepera(world.robots[0])
-    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, decisions.values())
+    values = decisions.values(robot.has_gripper)
+    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
     forager.own = marker_region(0, world.robots[0])
-    values = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
-    raw = RawData._make(values)
+    numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
+    raw = RawData._make(numbers)
     # Compiled worlds look up the way home when a behaviour uses it.
     x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.chosen, arena_map)
     forager.raw = raw._replace(

@@ -17,10 +17,10 @@ from khepera_forage.geometry.walls import to_nearest_wall
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
 from khepera_forage.sim.camera import forget_tracks
 from khepera_forage.sim.compiled.world import advance
-from khepera_forage.sim.driving import put_down
+from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
 from khepera_forage.task.food_tracking import explored, update_food
 from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
@@ -109,14 +109,8 @@ def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any
     The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
     """
     forager = world.foragers[0]
-    given = applicable(decode_motors(action[0], action[1], action[2], action[3]))
-    right = applicable(motors_of(world, map_of(arena), settings, forager.state))
-    same = (
-        given.left == right.left
-        and given.right == right.right
-        and given.arm == right.arm
-        and given.jaw == right.jaw
-    )
+    given = decode_motors(action[0], action[1], action[2], action[3])
+    same = same_motors(given, motors_of(world, map_of(arena), settings, forager.state), settings.decisions)
     forager.behaviour = forager.state if same else _WAIT
     drive(world, given)
 
@@ -144,9 +138,7 @@ def drive(world: World, motors: Motors) -> None:
     robot.left = robot.right = 0.0
     robot.arm_target, robot.jaw_target = ARM_RAISED, JAW_OPEN
     if not robot.first_frame:
-        applied = applicable(motors)
-        robot.left, robot.right = applied.left, applied.right
-        robot.arm_target, robot.jaw_target = applied.arm, applied.jaw
+        set_motors(robot, applicable(motors))
 
 
 @rule

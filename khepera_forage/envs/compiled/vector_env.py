@@ -23,6 +23,7 @@ from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies.teacher import APPLICABLE
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import Decisions
@@ -53,6 +54,7 @@ class RecallVectorEnv(VectorEnv):
         decisions: As for the single environment.
         backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
         max_episode_steps: Truncates episodes without another effect, as Gymnasium's `TimeLimit` does; none by default.
+        robot: As for the single environment.
 
     Raises:
         ValueError: An argument out of range.
@@ -74,12 +76,13 @@ class RecallVectorEnv(VectorEnv):
         decisions: Decisions | None = None,
         backend: str = COMPILED,
         max_episode_steps: int | None = None,
+        robot: str = KHEPERA.name,
     ) -> None:
         check_compiled(backend)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is {render_mode!r}; allowed for a batch: None, 'rgb_array'")
         self.num_envs = whole_number("num_envs", num_envs, 1)
-        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions)
+        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions, robot)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         duration = self.batch.decisions.round_duration
         self.metadata = {

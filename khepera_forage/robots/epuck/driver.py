@@ -2,13 +2,11 @@
 
 from khepera_forage.robots.epuck import protocol
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, Motors, Senses
-from khepera_forage.robots.model import E_PUCK
+from khepera_forage.robots.model import E_PUCK, KHEPERA_ORDER
 from khepera_forage.robots.proximity import MAX_READING
 from khepera_forage.robots.serial.protocol import Request
 from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
 
-_KHEPERA_ORDER = (5, 6, 7, 0, 1, 2, 3, 4)
-"""The e-puck's sensors in the order of `Senses.proximity`: left 90, 49, 17, right 17, 49, 90, back right, back left."""
 _FULL_READING = 4096
 TOUCHED = 300
 """Reading of the two front sensors from which an object is before the robot, about 30 mm away. Assumption: the response
@@ -45,7 +43,7 @@ class SerialEPuck(SerialRobot):
         )
         if self._counters.update(*counters):
             self._must_restore = True
-        readings = [max(0, infra_reds[i]) * (MAX_READING + 1) // _FULL_READING for i in _KHEPERA_ORDER]
+        readings = [max(0, infra_reds[i]) * (MAX_READING + 1) // _FULL_READING for i in KHEPERA_ORDER]
         a, b, c, d, e, f, g, h = readings
         step = self.model.pulse / self.model.scale / PULSE
         left, right = (round(count * step) for count in self._counters.total)

@@ -35,7 +35,7 @@ _FLASH = 0.3
 _SHORT_EXCHANGE = 20
 """Bytes of a request and its reply with one number."""
 _RESTART_JUMP = 1000
-"""Counts: a restart has reset a counter that changed by more than this and is now nearer to zero than this."""
+"""Counts by which a counter does not change in a round: it was reset, or the reading is wrong."""
 
 
 class SerialRobot(RealRobot):
@@ -333,33 +333,36 @@ class Counters:
         self.total = (0, 0)
         self._bits = bits
         self._raw: tuple[int, int] | None = None
-        self._restarted = self._suspected = False
+        self._doubt: tuple[int, int] | None = None
+        self._restarted = False
 
     def restarted(self) -> None:
         """Record that the robot sent its banner: its counters restarted at zero."""
         self._restarted = True
 
     def update(self, left: int, right: int) -> bool:
-        """Add a reading.
+        """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
 
         Returns:
-            Whether it shows a restart whose banner was not received: the second reading in a row that does, because
-            a disturbed one may.
+            Whether it shows a restart whose banner was not received: a jump to near zero.
         """
         raw = left, right
         if self._raw is None:
             self._raw = self.total = raw
             return False
-        changes = [wrap_counter(new - old, self._bits) for new, old in zip(raw, self._raw, strict=True)]
-        jumped = any(abs(change) > _RESTART_JUMP for change in changes)
-        is_low = all(abs(value) < _RESTART_JUMP for value in raw)
-        if jumped and is_low and not self._restarted and not self._suspected:
-            self._suspected = True
+        jumped = self._is_far(raw, self._raw)
+        if jumped and not self._restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
+            self._doubt = raw
             return False
-        was_reset = is_low and (self._restarted or jumped)
+        was_reset = (self._restarted or jumped) and not self._is_far(raw, (0, 0))
         noticed = was_reset and not self._restarted
-        left_change, right_change = raw if was_reset else changes
+        left_change, right_change = raw if was_reset else self._changes(raw, self._raw)
         self.total = self.total[0] + left_change, self.total[1] + right_change
-        self._raw = raw
-        self._restarted = self._suspected = False
+        self._raw, self._doubt, self._restarted = raw, None, False
         return noticed
+
+    def _changes(self, new: tuple[int, int], old: tuple[int, int]) -> tuple[int, int]:
+        return wrap_counter(new[0] - old[0], self._bits), wrap_counter(new[1] - old[1], self._bits)
+
+    def _is_far(self, new: tuple[int, int], old: tuple[int, int]) -> bool:
+        return max(map(abs, self._changes(new, old))) > _RESTART_JUMP

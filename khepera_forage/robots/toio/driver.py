@@ -11,7 +11,16 @@ from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from khepera_forage.extras import require
-from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, RADIUS, RobotLost, Senses
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    CONTROL_PERIOD,
+    JAW_OPEN,
+    PRESENT,
+    PULSE,
+    RADIUS,
+    RobotLost,
+    Senses,
+)
 from khepera_forage.robots.model import TOIO
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose, Mat
@@ -24,14 +33,17 @@ T = TypeVar("T")
 VIRTUAL = "virtual:"
 """A port that begins like this is a virtual cube; see `toio.virtual`."""
 COMMAND_DURATION = 300
-"""Milliseconds that a motor command lasts: the cube of a program that has ended or is frozen stops by itself."""
+"""Milliseconds that a motor command lasts, or two periods: the cube of a program that has ended stops by itself."""
 SLOWEST_UNIT, FASTEST_UNIT = 8, 115
 """Motor speeds that have an effect; a wheel does not turn below."""
 _MAX_SILENCE = 0.5
 """Seconds without a position after which a cube on the mat counts as lost; it sends one every 10 ms."""
 _SCAN_TIMEOUT = 10.0
+_MOST_CUBES = 50
 _WRITE_TIMEOUT = 2.0
 _POLL = 0.002
+_OFF_MAT = 0.02
+"""Seconds to wait for a position of a cube that does not see the mat: it sends none."""
 _FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
 """Light for one second, white."""
 _LOOK_AHEAD = 8.0
@@ -43,14 +55,15 @@ _POSITION, _POSITION_MISSED = 0x01, 0x03
 class ToioRobot(RealRobot):
     """A cube on a mat. See `RealRobot`.
 
-    Each command lasts 0.3 s, so that the wheels of a cube stop by themselves when the program ends in any way or the
-    connection is lost; it has no watchdog process. A cube has neither gripper nor infra-reds. Its counters follow from
-    its positions, and whether food is before it from those of the food.
+    Each command lasts 0.3 s, or two periods if they are longer, so that the wheels of a cube stop by themselves when
+    the program ends in any way or the connection is lost; it has no watchdog process. A cube has neither gripper nor
+    infra-reds. Its counters follow from its positions, and whether food is before it from those of the food.
 
     Args:
         port: Name of the cube as in "toio-A1b", its Bluetooth address, or "virtual:" and any name.
         max_speed: Limit of the wheel speeds in speed units.
         mat: The mat on which it drives.
+        period: Seconds of a round, at most 0.5.
 
     Attributes:
         pose: Its last place on the plan.
@@ -66,13 +79,21 @@ class ToioRobot(RealRobot):
 
     model = TOIO
 
-    def __init__(self, port: str, *, max_speed: int | None = None, mat: Mat = SIMPLE_MAT) -> None:
+    def __init__(
+        self,
+        port: str,
+        *,
+        max_speed: int | None = None,
+        mat: Mat = SIMPLE_MAT,
+        period: float = CONTROL_PERIOD,
+    ) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
         require("a toio cube", "toio")
         self.pose = CubePose(0.0, 0.0, 0.0)
         self.on_mat = False
         self.clearance: Callable[[float, float], float] | None = None
         self._mat = mat
+        self._duration = max(COMMAND_DURATION, round(2000 * period))
         self._cube: Any = None
         self._notifications = 0
         self._travel = (0.0, 0.0)
@@ -111,7 +132,7 @@ class ToioRobot(RealRobot):
             reason = str(error) or type(error).__name__
             raise RobotLost(self.port, "", 0, f"it cannot be connected: {reason}") from error
         self._stop_wheels()
-        self._wait_for_position()
+        self._wait_for_position(_MAX_SILENCE)
 
     def _interface(self) -> "CubeInterface":
         """The cube of the port."""
@@ -148,9 +169,13 @@ class ToioRobot(RealRobot):
             self.on_mat = False
         self._notifications += 1
 
-    def _wait_for_position(self) -> None:
-        """Wait for a position that was taken after now."""
-        seen, end = self._notifications, time.monotonic() + _MAX_SILENCE
+    def _wait_for_position(self, patience: float) -> None:
+        """Wait for a position that was taken after now.
+
+        Args:
+            patience: Seconds to wait; a cube that saw the mat is lost then.
+        """
+        seen, end = self._notifications, time.monotonic() + patience
         while self._notifications == seen:
             self._check_interruption()
             if not self._cube.is_connect():
@@ -171,10 +196,10 @@ class ToioRobot(RealRobot):
                 after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
                 if after < min(RADIUS, self.clearance(x, y)):
                     left, right = left - forward, right - forward
-            self._write_motors(left, right, COMMAND_DURATION)
+            self._write_motors(left, right, self._duration)
 
     def _receive(self) -> None:
-        self._wait_for_position()
+        self._wait_for_position(_MAX_SILENCE if self.on_mat else _OFF_MAT)
         left, right = (round(travel / PULSE) for travel in self._travel)
         self._senses = Senses((0,) * 8, left, right, ARM_DOWN, JAW_OPEN, PRESENT)
 
@@ -185,20 +210,25 @@ class ToioRobot(RealRobot):
         units = [_motor_unit(speed * self.model.unit) for speed in (left, right)]
         if any(units):
             self.stop_confirmed = False
-        try:
-            if not self._cube.is_connect():
-                raise ConnectionError("the connection was lost")
-            _wait(self._cube.api.motor.motor_control(*units, milliseconds or None), _WRITE_TIMEOUT)
-        except Exception as error:
-            command = f"motors {units[0]}, {units[1]}"
-            raise RobotLost(
-                self.port, command, 1, f"Bluetooth failed: {error or type(error).__name__}"
-            ) from error
+        motor = self._cube.api.motor
+        self._send(
+            f"motors {units[0]}, {units[1]}", lambda: motor.motor_control(*units, milliseconds or None)
+        )
         if not any(units):
             self.stop_confirmed = True
 
     def _flash(self) -> None:
-        _wait(self._cube.api.indicator._write(_FLASH), _WRITE_TIMEOUT)
+        self._send("light", lambda: self._cube.api.indicator._write(_FLASH))
+
+    def _send(self, command: str, work: Callable[[], Coroutine[Any, Any, Any]]) -> None:
+        """Let toio-py write something."""
+        try:
+            if not self._cube.is_connect():
+                raise ConnectionError("the connection was lost")
+            _wait(work(), _WRITE_TIMEOUT)
+        except Exception as error:
+            reason = str(error) or type(error).__name__
+            raise RobotLost(self.port, command, 1, f"Bluetooth failed: {reason}") from error
 
     def _disconnect(self) -> None:
         if self._cube is not None and self._cube.is_connect():
@@ -206,6 +236,18 @@ class ToioRobot(RealRobot):
                 _wait(self._cube.disconnect(), _WRITE_TIMEOUT)
             except Exception:  # a lost cube cannot be disconnected
                 return
+
+
+def find_cubes(timeout: float = 3.0) -> list[str]:
+    """The names of the cubes that can be connected; none without Bluetooth."""
+    require("a toio cube", "toio")
+    from toio import BLEScanner
+
+    try:
+        found = _wait(BLEScanner.scan(_MOST_CUBES, timeout=timeout), 2 * timeout)
+        return [cube.name for cube in found if cube.name]
+    except Exception:  # bleak has an error for each system and kind of trouble
+        return []
 
 
 def _motor_unit(speed: float) -> int:

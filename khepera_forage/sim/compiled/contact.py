@@ -20,7 +20,6 @@ from khepera_forage.robots.khepera import (
     FINGER_TIP,
     FOOD_RADIUS,
     RADIUS,
-    WHEEL_BASE,
     half_gap,
 )
 from khepera_forage.sim.driving import lateness
@@ -105,7 +104,7 @@ def _yield_at(robot: Any, u: float, v: float, nx: float, ny: float, depth: float
     """Give way to something that pushes at (u, v) of the robot's frame, by `depth` mm along (nx, ny)."""
     cos, sin = robot.cos, robot.sin
     lever = (u * cos - v * sin) * ny - (u * sin + v * cos) * nx
-    if abs(lever) > WHEEL_BASE / 2:
+    if abs(lever) > robot.wheel_base / 2:
         put(robot, robot.x, robot.y, robot.heading + depth / lever)
     else:
         put(robot, robot.x + nx * depth, robot.y + ny * depth, robot.heading)
@@ -124,7 +123,7 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
             robot.x += nx * (RADIUS - far)
             robot.y += ny * (RADIUS - far)
             moved += RADIUS - far
-        for corner in range(4):
+        for corner in range(4 if robot.has_gripper else 0):
             u, v, depth, nx, ny = behind_wall(robot, corner, wide, wall)
             if depth > 0.0:
                 _yield_at(robot, u, v, nx, ny, depth)
@@ -145,6 +144,8 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
 
 def _give_way_to_disc(robot: Any, x: float, y: float, radius: float) -> float:
     """Move the gripper out of a disc on the floor; returns the overlap, mm."""
+    if not robot.has_gripper:
+        return 0.0
     u, v = seen_from(robot, x, y)
     depth, along, aside = push_out(u, v, tip_of(robot), robot.jaw, radius)
     if depth <= 0.0:
@@ -177,16 +178,17 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
         if squared > _REACH * _REACH:
             continue
         worst = max(worst, RADIUS - math.sqrt(squared))
-        for corner in range(4):
+        for corner in range(4 if robot.has_gripper else 0):
             worst = max(worst, behind_wall(robot, corner, wide, walls[k])[2])
-    for k in range(len(corners)):
+    for k in range(len(corners) if robot.has_gripper else 0):
         u, v = seen_from(robot, corners[k].x, corners[k].y)
         worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, 0.0)[0])
     for j in range(len(robots)):
         if j != i:
             u, v = seen_from(robot, robots[j].x, robots[j].y)
             worst = max(worst, 2 * RADIUS - math.sqrt(u * u + v * v))
-            worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, RADIUS)[0])
+            if robot.has_gripper:
+                worst = max(worst, push_out(u, v, tip_of(robot), robot.jaw, RADIUS)[0])
     for k in range(len(foods)):
         x, y = foods[k].x, foods[k].y
         u, v = seen_from(robot, x, y)

@@ -19,7 +19,6 @@ from khepera_forage.robots.khepera import (
     JAW_ROOT,
     MASS,
     RADIUS,
-    WHEEL_BASE,
     half_gap,
 )
 from khepera_forage.sim.driving import is_near_wall, steps_of, travel_of
@@ -154,7 +153,7 @@ class _RobotBody:
             pymunk.GearJoint(self._wheels, body, 0, 1),
         )
         pull.max_bias = twist.max_bias = 0
-        pull.max_force, twist.max_force = TRACTION, TRACTION * WHEEL_BASE / 2
+        pull.max_force, twist.max_force = TRACTION, TRACTION * robot.wheel_base / 2
         space.add(body, self._wheels, pull, twist)
         palm, wide, self._end = JAW_ROOT - _THIN, half_gap(JAW_OPEN) + _THIN, tip_of(robot) - _THIN
         self._fingers = [
@@ -184,6 +183,8 @@ class _RobotBody:
     def shape(self, robot: Any) -> None:
         """Arm, fingers and held food as the record says."""
         layer = FINGERS if robot.arm >= ARM_ON_FLOOR else ABOVE
+        if not robot.has_gripper:
+            layer = NOTHING
         for shape in self._gripper:
             shape.filter = layer
         aside = half_gap(robot.jaw) + _THIN
