@@ -6,8 +6,18 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import compare, dataset, decisions, infer, plot, recall, reproduce, train, watch
-from khepera_forage.cli.arena import command as arena
+from khepera_forage.cli import (
+    arena,
+    compare,
+    dataset,
+    decisions,
+    infer,
+    plot,
+    recall,
+    reproduce,
+    train,
+    watch,
+)
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.lab import command as lab
 from khepera_forage.cli.robot import command as robot
