@@ -93,7 +93,7 @@ class ToioRobot(RealRobot):
         self.on_mat = False
         self.clearance: Callable[[float, float], float] | None = None
         self._mat = mat
-        self._duration = max(COMMAND_DURATION, round(2000 * period))
+        self._period = period
         self._cube: Any = None
         self._notifications = 0
         self._travel = (0.0, 0.0)
@@ -196,7 +196,12 @@ class ToioRobot(RealRobot):
                 after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
                 if after < min(RADIUS, self.clearance(x, y)):
                     left, right = left - forward, right - forward
-            self._write_motors(left, right, self._duration)
+            # Wheels do not turn slower than the slowest speed: turn for a part of the round.
+            part = min(1.0, max(abs(left), abs(right)) * self.model.unit / SLOWEST_UNIT)
+            if 0.0 < part < 1.0:
+                self._write_motors(left / part, right / part, 10 * max(1, round(100 * self._period * part)))
+            else:
+                self._write_motors(left, right, max(COMMAND_DURATION, round(2000 * self._period)))
 
     def _receive(self) -> None:
         self._wait_for_position(_MAX_SILENCE if self.on_mat else _OFF_MAT)
