@@ -26,9 +26,9 @@ hidden. A decision, because the thesis has no such robot:
 
 | behaviour | wheels |
 |---|---|
-| SEARCH, MOVE SLOWLY, ORIENT | around the food until it lies between robot and home, then to it until it is before the robot |
+| SEARCH, MOVE SLOWLY, ORIENT | around the food until it lies between robot and home; then to it |
 | EXPLORE FOOD | 0, which identifies the food |
-| PUSH FOOD, GO HOME | home at `push_speed`; the infra-reds show where the food touches. Back if it is too far aside |
+| PUSH FOOD, GO HOME | home at `push_speed`; the infra-reds show where food touches. Back if it is far aside |
 | RELEASE FOOD | turn on the spot, until the food is no longer before the robot |
 | AVOID FOOD | `slow_speed` backwards |
 | AVOID HOME | turn, then drive out |
