@@ -12,6 +12,7 @@ import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -267,15 +268,23 @@ class Table:
         body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
         return f"## {self.title}\n\n{self.note}\n\n{body}\n"
 
-    def text(self) -> str:
-        """Heading, note and table with aligned columns, for a terminal."""
+    def text(self, width: int | None = None) -> str:
+        """Heading, note and table with aligned columns, for a terminal.
+
+        Args:
+            width: Of the terminal: the last columns that do not fit are left out; by default all are shown.
+        """
         numeric, lines = self._page_lines()
-        layout = [
-            f"{'>' if right else '<'}{max(map(len, cells))}"
-            for right, cells in zip(numeric, zip(*lines, strict=True), strict=True)
-        ]
+        widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
+        shown = len(widths)
+        while width is not None and shown > 1 and sum(widths[:shown]) + 2 * (shown - 1) > width:
+            shown -= 1
+        layout = [f"{'>' if r else '<'}{w}" for r, w in zip(numeric[:shown], widths, strict=False)]
         body = "\n".join("  ".join(map(format, line, layout)).rstrip() for line in lines)
-        return f"{self.title}\n\n{self.note}\n\n{body}\n"
+        note = self.note if width is None else fill(self.note, width)
+        if len(layout) < len(widths):
+            body += f"\n({len(widths) - len(layout)} more columns are in table_{self.stem}.csv)"
+        return f"{self.title}\n\n{note}\n\n{body}\n"
 
     def _page_lines(self) -> tuple[list[bool], list[list[str]]]:
         """Which columns of the page are numbers, and its lines with the names of the columns first."""

@@ -12,7 +12,6 @@ EXTRAS = {
     "camera": ("cv2",),
     "fast": ("numba",),
     "baselines": ("stable_baselines3",),
-    "inference": ("SALib",),
     "minari": ("minari", "h5py", "PIL"),
 }
 """The modules of each extra of `pyproject.toml`."""

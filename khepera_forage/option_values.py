@@ -1,10 +1,13 @@
-"""Readers of option values, and a parser whose errors are one line: the value, and what is allowed."""
+"""Readers of option values, a parser whose errors are one line, and a progress bar for terminals."""
 
 import argparse
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
+
+from tqdm import tqdm
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -88,3 +91,14 @@ def given_path(text: str) -> Path:
     if not text.strip():
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: the name of a file or folder")
     return Path(text)
+
+
+def progress(items: Iterable[Any] | None = None, hidden: bool = False, **about: Any) -> Any:
+    """A progress bar of tqdm, where the error output is a terminal.
+
+    Args:
+        items: What is iterated over.
+        hidden: Show none in any case.
+        **about: As tqdm takes it.
+    """
+    return tqdm(items, disable=hidden or sys.stderr is None or not sys.stderr.isatty(), **about)

@@ -41,12 +41,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol, TypeVar
 
 from joblib import Parallel, delayed
-from tqdm import tqdm
 
 from khepera_forage.estimates import Table
 from khepera_forage.figures import save
 from khepera_forage.files import NamingFile, replacing
-from khepera_forage.option_values import OneLineParser, given_path, processes, whole_number
+from khepera_forage.option_values import OneLineParser, given_path, processes, progress, whole_number
 from khepera_forage.rollouts.row_files import write_rows
 from khepera_forage.task.decision_versions import PRESENT
 
@@ -365,8 +364,7 @@ def collect(
         number = f"{len(units) - len(open_units)} of {len(units)}"
         print(f"{number} units are done already, in {given.out} (--fresh does them again)", flush=True)
     running = (execute or in_processes(given.jobs))(open_units) if open_units else iter(())
-    silent = not sys.stderr.isatty()
-    for key, rows in tqdm(running, total=len(open_units), desc=given.name, unit="unit", disable=silent):
+    for key, rows in progress(running, total=len(open_units), desc=given.name, unit="unit"):
         store.add(key, rows)
     store.write_tables(keys)
     chosen = [key for key in store.finished if key not in set(keys)] if others else []

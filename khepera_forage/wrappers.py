@@ -38,6 +38,7 @@ class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, rounds=rounds)
         super().__init__(env)
         self.rounds = whole_number("rounds", rounds, 1)
+        self.metadata = _slower(env.metadata, self.rounds)
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """The rounds of one action; observation and info are those after the last of them."""
@@ -54,7 +55,8 @@ class HoldVectorAction(VectorWrapper):
     """`HoldAction` for vector environments that begin a new episode in the step that ends one.
 
     An episode that begins within the rounds of an action begins again after the last of them, so that every episode has
-    its full length. The info also has `held_rounds`: how many rounds of the action each environment has carried out.
+    its full length. The info holds what was reported last in each environment, in whichever round that was, and
+    `held_rounds`: how many rounds of the action each environment has carried out.
 
     ```python
     env = gym.make_vec("khepera_forage/Corridor-v1", num_envs=64, autoreset_mode="SameStep")
@@ -74,6 +76,7 @@ class HoldVectorAction(VectorWrapper):
         check_same_step(env)
         super().__init__(env)
         self.rounds = whole_number("rounds", rounds, 1)
+        self.metadata = _slower(env.metadata, self.rounds)
 
     def step(
         self, actions: Any
@@ -82,24 +85,18 @@ class HoldVectorAction(VectorWrapper):
         count = self.num_envs
         rewards, held = np.zeros(count), np.zeros(count, np.int64)
         terminated, truncated, early = (np.zeros(count, np.bool_) for _ in range(3))
-        final: dict[str, Any] = {"final_obs": np.full(count, None, dtype=object), "final_info": {}}
+        info: dict[str, Any] = {}
         for _ in range(self.rounds):
             early = terminated | truncated
-            shown, more, now_terminated, now_truncated, info = self.env.step(actions)
+            shown, more, now_terminated, now_truncated, report = self.env.step(actions)
             rewards += np.where(early, 0.0, more)
             held += ~early
-            now = ~early & (now_terminated | now_truncated)
-            terminated |= now & now_terminated
-            truncated |= now & now_truncated
-            if now.any():
-                final["final_obs"][now] = info["final_obs"][now]
-                _put(final["final_info"], info["final_info"], now)
-        ended = terminated | truncated
+            terminated |= ~early & now_terminated
+            truncated |= ~early & now_truncated
+            _put(info, report, ~early)
         if early.any():
-            shown, begun = self.env.reset(options={"reset_mask": early})
-            _put(info, begun, early)
-        if ended.any():
-            info |= {**final, "_final_obs": ended.copy(), "_final_info": ended.copy()}
+            shown, report = self.env.reset(options={"reset_mask": early})
+            _put(info, report, early)
         info |= {"held_rounds": held, "_held_rounds": np.ones(count, np.bool_)}
         return shown, rewards, terminated, truncated, info
 
@@ -112,13 +109,30 @@ def check_same_step(env: VectorEnv[Any, Any, Any]) -> None:
     """
     mode = env.metadata.get("autoreset_mode")
     if mode != AutoresetMode.SAME_STEP:
-        raise ValueError(f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}")
+        raise ValueError(
+            f"autoreset_mode is {mode}; allowed: {AutoresetMode.SAME_STEP}, as by make_vec(..., "
+            'autoreset_mode="SameStep"), or with vectorization_mode="sync" or "async" by make_vec(..., '
+            'vector_kwargs={"autoreset_mode": "SameStep"})'
+        )
+
+
+def _slower(metadata: dict[str, Any], rounds: int) -> dict[str, Any]:
+    """Metadata of an environment that shows one picture for several rounds: films then have their true speed."""
+    fps = metadata.get("render_fps")
+    return metadata if fps is None else metadata | {"render_fps": fps / rounds}
 
 
 def _put(infos: dict[str, Any], others: dict[str, Any], mask: NDArray[np.bool_]) -> None:
-    """Take the infos of the environments of a mask from others."""
+    """Take the infos of the environments of a mask from others, where these have them. Arrays are not changed."""
     for name, values in others.items():
-        if isinstance(values, np.ndarray):
-            kept = np.array(infos[name]) if name in infos else np.zeros_like(values)
-            kept[mask] = values[mask]
-            infos[name] = kept
+        if name.startswith("_") and name[1:] in others:
+            infos[name] = infos.get(name, False) | (values & mask)
+            continue
+        rows = mask & others.get(f"_{name}", True)
+        if isinstance(values, dict):
+            _put(infos.setdefault(name, {}), values, rows)
+        elif name not in infos or rows.all() or not isinstance(values, np.ndarray):
+            infos[name] = values
+        elif rows.any():
+            infos[name] = infos[name].copy()
+            infos[name][rows] = values[rows]

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import khepera_forage
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import load, parse
@@ -98,5 +99,6 @@ def test_worlds_and_laboratories_have_no_defaults_of_what_is_decided(function: A
 
 def test_policies_have_the_default_decisions() -> None:
     decisions = Decisions()
-    assert Teacher() == Teacher(round(decisions.home_radius / 5), decisions)
+    radius = round(decisions.home_radius / 5)
+    assert Teacher.of(BehavioursEnv()) == Teacher(radius, decisions)
     assert NearestNeighbourImitator().arithmetic == decisions.distance_arithmetic

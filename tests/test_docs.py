@@ -226,7 +226,8 @@ def test_learner_page_lists_all_learners() -> None:
 
 
 def test_decisions_page_has_the_current_table() -> None:
-    assert PAGES["decisions.md"].endswith(f"\n\n{markdown_table()}"), (
+    page = (DOCS / "decisions" / "fields.md").read_text(encoding="utf-8")
+    assert page.endswith(f"\n\n{markdown_table()}"), (
         "replace the table by what python -m khepera_forage.task.decisions prints"
     )
 

@@ -29,7 +29,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("reproduce --quick", "fast,plots"),
         ("reproduce --quick --backend pymunk", "plots"),
         ("compare --quick --only tree", "plots"),
-        ("infer --quick", "fast,inference,plots"),
+        ("infer --quick", "fast,plots"),
         ("dataset --episodes 1", "minari"),
         ("watch training", "render"),
         ("watch recall --out film.gif", "render"),

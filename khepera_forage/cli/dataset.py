@@ -4,12 +4,11 @@ import argparse
 import os
 import re
 import shutil
-import sys
-from collections.abc import Set
+from collections.abc import Mapping, Sequence, Set
 from contextlib import closing
+from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_allow_other_decisions_argument,
@@ -28,7 +27,8 @@ from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
-from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.option_values import given_path, progress, whole_number
+from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--name",
         type=_dataset_name,
-        help="Minari's name of the dataset (khepera_forage/ARENA-v0, with the arena of the episodes)",
+        help="Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)",
     )
     parser.add_argument("--episodes", type=whole_number(1), help=f"complete training episodes ({EPISODES})")
     parser.add_argument(
@@ -55,6 +55,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=given_path,
         metavar="FILE",
         help="files of 'khepera-forage train' or of real robots, one episode each, instead of new episodes",
+    )
+    parser.add_argument(
+        "--wheels",
+        action="store_true",
+        help="raw data and motors of every round, in place of state vectors and behaviours",
+    )
+    parser.add_argument(
+        "--protocol",
+        action="store_true",
+        help="the datasets of the protocol forage-bench-1: those that its learners learn from",
     )
     add_seed_argument(parser, "the same seed gives the same episodes")
     add_out_argument(
@@ -77,9 +87,12 @@ def run(arguments: argparse.Namespace) -> int:
         OSError: A file cannot be read or written.
     """
     require("khepera-forage dataset", "minari")
+    if arguments.protocol:
+        return _protocol(arguments)
     decisions, arena = decisions_of(arguments), arena_of(arguments)
+    recorded: dict[str, Any] = {}
     if arguments.experience:
-        refuse_ignored(arguments, ["--episodes", "--food-type"], "without --experience")
+        refuse_ignored(arguments, ["--episodes", "--food-type", "--wheels"], "without --experience")
         parts = [Experience.load(path) for path in arguments.experience]
         name = _free_name(arguments, {part.arena for part in parts})
         seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
@@ -87,31 +100,85 @@ def run(arguments: argparse.Namespace) -> int:
         name = _free_name(arguments, {_name_of(arena)})
         seed = arguments.seed
         procedure = SIMULATED.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
-        parts = _recorded(arguments, arena, decisions)
+        parts, raw = zip(*_recorded(arguments, arena, decisions), strict=True)
+        if arguments.wheels:
+            recorded["episodes"] = raw
+        else:
+            recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
+    origin = Origin(
+        _command(arguments, name), procedure, arguments.licence, arguments.author, seed, arguments.wheels
+    )
+    _write(arguments, name, parts, origin, arena if arguments.arena or seed is not None else None, recorded)
+    return 0
+
+
+def _write(
+    arguments: argparse.Namespace,
+    name: str,
+    parts: Sequence[Experience],
+    origin: Origin,
+    arena: str | Arena | None,
+    recorded: Mapping[str, Any],
+) -> None:
+    """Write a dataset and its card, and say where they are.
+
+    Args:
+        arguments: Of the command.
+        name: Minari's name of it.
+        parts: Its episodes.
+        origin: Where they come from.
+        arena: Of all of them, if it is known.
+        recorded: Further arguments of `to_minari`.
+    """
     out = arguments.out.resolve()
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(out)
     from khepera_forage.experience.minari import to_minari
 
-    origin = Origin(_command(arguments, name), procedure, arguments.licence, arguments.author, seed)
+    steps = [len(episode.actions) for episode in recorded.get("episodes", ())]
     folder = out / name
     try:
         to_minari(
             parts,
             name,
-            arena=arena if arguments.arena or not arguments.experience else None,
+            arena=arena,
             allow_other_decisions=arguments.allow_other_decisions,
             author=arguments.author,
-            description=procedure,
+            description=origin.procedure,
+            **recorded,
         )
         with replacing(folder / CARD) as path:
-            path.write_text(data_card(name, parts, origin), encoding="utf-8")
+            path.write_text(data_card(name, parts, origin._replace(steps=steps)), encoding="utf-8")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise
-    print(f"{name}: {len(parts)} episodes, {sum(map(len, parts)):,} steps, in {arguments.out}")
+    print(f"{name}: {len(parts)} episodes, {sum(steps or map(len, parts)):,} steps, in {arguments.out}")
     print(f"data card: {arguments.out / name / CARD}")
     print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({name!r})")
+
+
+def _protocol(arguments: argparse.Namespace) -> int:
+    """Write the datasets of the protocol."""
+    refuse_ignored(
+        arguments,
+        ["--name", "--experience", "--wheels", "--arena", "--food-type"],
+        "without --protocol, whose datasets have names and arenas of their own",
+    )
+    if arguments.decision:
+        raise ValueError("--decision has no effect here; allowed: without --protocol")
+    from khepera_forage.comparison.protocol import datasets
+
+    command = f"khepera-forage dataset --protocol --seed {arguments.seed}"
+    if arguments.episodes:
+        command += f" --episodes {arguments.episodes}"
+    for name, made in datasets(arguments.seed, arguments.episodes).items():
+        _free_name(argparse.Namespace(name=name, out=arguments.out), set())
+        about, parts, recorded = made()
+        wheels = "episodes" in recorded
+        procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
+        origin = Origin(command, procedure, arguments.licence, arguments.author, arguments.seed, wheels)
+        origin = origin._replace(alone="alone" in name)
+        _write(arguments, name, parts, origin, None, recorded)
     return 0
 
 
@@ -136,8 +203,10 @@ def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
     Raises:
         ValueError: There is a dataset of this name.
     """
-    arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
-    name: str = arguments.name or f"khepera_forage/{arena}-v0"
+    name: str = arguments.name
+    if not name:
+        arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
+        name = f"khepera_forage/{arena}{'-wheels' if arguments.wheels else ''}-v1"
     if (arguments.out / name).exists():
         raise ValueError(f"--name is {name!r}; allowed: a name that is not in {arguments.out} yet")
     return name
@@ -154,10 +223,16 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
     return f"food ({shares})" if shares else f"{arguments.food_type or FoodType.PICKABLE.name} food"
 
 
-def _recorded(arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions) -> list[Experience]:
+def _recorded(
+    arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions
+) -> list[tuple[Experience, RawEpisode]]:
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
     with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
-        return [train(env, seed)[0] for seed in tqdm(seeds, unit="episode", disable=not sys.stderr.isatty())]
+        recorder, found = LearnerRecorder(env), []
+        for seed in progress(seeds, unit="episode"):
+            experience, _ = train(env, seed, teacher=recorder, callback=recorder)
+            found.append((experience, recorder.episode()))
+        return found
 
 
 def _command(arguments: argparse.Namespace, name: str) -> str:
@@ -171,5 +246,5 @@ def _command(arguments: argparse.Namespace, name: str) -> str:
         words.append(f"--arena {arguments.arena}")
     if arguments.food_type:
         words.append(f"--food-type {arguments.food_type}")
-    words += [f"--decision {word}" for word in arguments.decision]
+    words += ["--wheels"] * arguments.wheels + [f"--decision {word}" for word in arguments.decision]
     return " ".join(words)

@@ -1,5 +1,7 @@
 """The `khepera-forage` command."""
 
+import io
+import os
 import sys
 from collections.abc import Sequence
 
@@ -67,6 +69,10 @@ SUBCOMMANDS = (
 )
 
 
+CLOSED_PIPE = 141
+"""Exit status when nobody reads the output any more: that of other programs, 128 + SIGPIPE."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand; report a user's mistake in one line.
 
@@ -74,8 +80,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments; those of the process by default.
 
     Returns:
-        Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt.
+        Exit status: that of the subcommand, 2 for bad input, 130 after an interrupt, 141 for a closed pipe.
     """
+    _open_streams()
+    try:
+        try:
+            return _run(argv)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        # Python writes what is left in its buffer when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+
+
+def _open_streams() -> None:
+    """Give the process the output streams that pythonw or `2>&-` took away, and let them write any character."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            # Otherwise the next file that is opened would be the one that libraries write errors to.
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (for the whole process)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _run(argv: Sequence[str] | None) -> int:
     parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
     parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
     add_subcommands(parser, "command", SUBCOMMANDS)
@@ -88,6 +118,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         status: int = arguments.run(arguments)
     except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
+        if isinstance(error, BrokenPipeError):
+            print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

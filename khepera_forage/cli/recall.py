@@ -1,12 +1,10 @@
 """`khepera-forage recall`: a trained learner, or the teacher, forages alone (4.6, 5.4)."""
 
 import argparse
-import sys
 import warnings
 from contextlib import closing
 
 import numpy as np
-from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_allow_other_decisions_argument,
@@ -23,7 +21,7 @@ from khepera_forage.cli.arguments import (
 from khepera_forage.cli.environments import print_late_rounds, recall_env
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.option_values import given_path
+from khepera_forage.option_values import given_path, progress
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter
@@ -124,10 +122,10 @@ def _recall(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow
     seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
     rows = []
     # An operator of real robots answers questions on the screen that a progress bar would use.
-    hide_progress = arguments.lab is not None or not sys.stderr.isatty()
+    hidden = arguments.lab is not None
     print(" recall    steps  correct  penalty    score     food")
     with RowWriter(arguments.out, RecallRow) as writer:
-        for number, seed in enumerate(tqdm(seeds, unit="recall", disable=hide_progress)):
+        for number, seed in enumerate(progress(seeds, hidden, unit="recall")):
             try:
                 row = recall_rollouts.recall(
                     env, policy, seed, learner=learner, number=number, experience_size=size

@@ -4,8 +4,6 @@ import argparse
 import sys
 from contextlib import closing
 
-from tqdm import tqdm
-
 from khepera_forage.cli.arguments import (
     add_arena_argument,
     add_decision_argument,
@@ -28,7 +26,7 @@ from khepera_forage.cli.training_plan import (
     unfinished,
 )
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.option_values import whole_number
+from khepera_forage.option_values import progress, whole_number
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import TrainingRow
@@ -117,9 +115,9 @@ def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
 def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Namespace) -> None:
     """Write one file for each complete episode, and one row for each attempt."""
     # An operator of real robots answers questions on the screen that a progress bar would use.
-    hide_progress = arguments.lab is not None or not sys.stderr.isatty()
+    hidden = arguments.lab is not None
     with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
-        for number, path, seed in tqdm(files, unit="episode", disable=hide_progress):
+        for number, path, seed in progress(files, hidden, unit="episode"):
             experience, rows = training.train(
                 env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
             )

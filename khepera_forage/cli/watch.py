@@ -2,14 +2,12 @@
 
 import argparse
 import itertools
-import sys
 from collections.abc import Callable
 from contextlib import closing
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from khepera_forage.cli.arguments import (
     add_num_learners_argument,
@@ -21,7 +19,7 @@ from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
 from khepera_forage.extras import require
-from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
 
@@ -134,7 +132,7 @@ def _frame_recorder(
     env: Any, frames: list[NDArray[np.uint8]], arguments: argparse.Namespace
 ) -> Callable[[], None]:
     """A callback that appends a frame every `--every` rounds; without `--out` the environment draws by itself."""
-    rounds = tqdm(desc="film", unit="round", disable=arguments.out is None or not sys.stderr.isatty())
+    rounds = progress(hidden=arguments.out is None, desc="film", unit="round")
     number = itertools.count()
 
     def record() -> None:

@@ -1,6 +1,7 @@
 """The comparison of learners: who takes part, the rows that are missing, and what is written."""
 
 from collections.abc import Mapping
+from shutil import get_terminal_size
 
 from khepera_forage.comparison import tuning
 from khepera_forage.comparison.learning import (
@@ -9,13 +10,14 @@ from khepera_forage.comparison.learning import (
     RecallBatch,
     Size,
     all_learners,
+    check_form,
     in_order,
     plan,
     settings_of,
     steps_up_to,
     unable,
 )
-from khepera_forage.comparison.page import page
+from khepera_forage.comparison.page import SMOKE_TEST, page
 from khepera_forage.comparison.results import (
     ReadLearner,
     Results,
@@ -33,6 +35,8 @@ from khepera_forage.study import UNITS, Arguments, Page, collect, command_line, 
 TUNING = "tuning"
 """The folder in `--out` that `--tune` writes to."""
 RESULTS = "results.json"
+BASELINES = ("teacher", "imitator")
+"""What a learner of `--learner` is compared with, without `--only`."""
 EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
 QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
 
@@ -65,7 +69,11 @@ def compare(given: Arguments) -> int:
     for name in given.only or ():
         if name not in known:
             raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
-    chosen = [*(given.only or ()), *own] or list(known)
+    chosen = [*(given.only or (BASELINES if own else known)), *own]
+    if given.protocol:
+        from khepera_forage.comparison.protocol_page import run as run_protocol  # needs numba
+
+        return run_protocol(given, {name: one for name, one in known.items() if name in chosen})
     missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
     if not given.only:
         missing |= installed_learners().broken
@@ -82,7 +90,7 @@ def compare(given: Arguments) -> int:
         {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
         found,
     )
-    written = page(*beside(found, shown, against), missing, _tuning_result(given))
+    written = page(*beside(found, shown, against), missing, _tuning_result(given), given.quick)
     write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
@@ -117,6 +125,7 @@ def _own_learners(places: list[str]) -> dict[str, Compared]:
     for place in places:
         try:
             name, learner = learner_at(place)
+            check_form(place, learner)
         except ValueError as error:
             raise ValueError(f"--{error}") from None
         if name in all_learners() or name in found:
@@ -175,6 +184,8 @@ def _tuning_result(given: Arguments) -> str:
 
 
 def _printed(given: Arguments, written: Page) -> int:
-    print("\n".join(table.markdown() for table in written.tables))
-    print(f"Page, picture, tables and rows are in {given.out}")
+    if given.quick:
+        print(SMOKE_TEST)
+    print(written.tables[0].text(get_terminal_size().columns))
+    print(f"Page, picture, all tables and rows are in {given.out}")
     return 0

@@ -20,7 +20,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
-from khepera_forage.policies.learner_registry import installed_learners
+from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
 from khepera_forage.policies.uniform import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
@@ -32,7 +32,7 @@ from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, r
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS as NAMED
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.states import FoodType
+from khepera_forage.task.states import FoodType, StateVector
 
 ARENAS = THESIS_ARENAS
 """Where learners are tested by default; all of them learn in the first."""
@@ -280,7 +280,7 @@ class LearnerUnit(NamedTuple):
             1 + len(ALL_ARENAS)
         )
         amounts = self.size.amounts(self.learner.needs)
-        with threadpool_limits(1):
+        with threadpool_limits(1), own_errors(f"learner {self.name}"):
             return [
                 self._batch(amount, arena, learned, testing[ALL_ARENAS.index(arena)])
                 for amount, learned in zip(amounts, learn(self.learner, amounts, learning), strict=True)
@@ -338,6 +338,28 @@ def _recall_env(arena: str, level: int) -> BehavioursEnv:
 @lru_cache(maxsize=len(ALL_ARENAS))
 def _wheels_env(arena: str) -> WheelsEnv:
     return recall_wheels_env(arena)
+
+
+def check_form(name: str, learner: Compared) -> None:
+    """Fit a learner from vectors or queries to one training episode, before any work is done.
+
+    Raises:
+        ValueError: It is no classifier of state vectors.
+        LearnerError: Its own code raises an error.
+    """
+    student = learner.learner if isinstance(learner, FromQueries) else learner
+    if not isinstance(student, FromVectors):
+        return
+    vectors, behaviours = arrays([train(TrainingEnv(), 0)[0]])
+    groups = np.zeros(len(vectors), np.int64)
+    try:
+        with own_errors(f"learner {name}"):
+            policy = student.learn(vectors, behaviours, groups=groups)
+            policy.act(StateVector(*vectors[0].tolist()), np.random.default_rng(0))
+    except LearnerError:
+        raise
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"learner {name}: {error}") from None
 
 
 def all_learners() -> dict[str, Compared]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.comparison.learning import ARENAS, settings_of
@@ -46,6 +47,7 @@ TUNING = """The settings of a learner stand in one place, `khepera_forage/polici
 the thesis's imitator, which is fixed: with seeds that no table here uses, in the corridor, after the largest amount of
 learning. Reinforcement learners are left out, because a grid of full trainings would take days. The comments beside
 their settings say how they were found."""
+SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim about any learner."
 AFTERWARDS = """A run that was killed is continued by the same command. `--backend ray` and `--backend dask` do the same
 work on a cluster; `--address` names one that exists already."""
 
@@ -55,9 +57,9 @@ def main_table(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> Table:
     rows = []
     for curve in curves:
         learner, end = learners[curve.learner], curve.end
-        name = (learner.title, learner.needs.value if learner.needs else "-", curve.arena, end.batches)
-        values = (end.score, end.delivered, end.recall_steps, end.steps, end.vectors)
-        rows.append((*name, *values, curve.steps_to_success, curve.gain, end.seconds))
+        values = (end.delivered, end.score, end.steps, curve.steps_to_success, curve.gain, end.recall_steps)
+        kind = learner.needs.value if learner.needs else "-"
+        rows.append((learner.title, curve.arena, *values, end.vectors, end.seconds, kind, end.batches))
     return Table(
         "learners",
         "After all of the learning",
@@ -66,17 +68,17 @@ def main_table(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> Table:
         "Gain: food delivered minus that after the first amount of learning.",
         (
             Column("learner"),
-            Column("learns from"),
             Column("arena"),
-            Column("seeds"),
-            Column("score (%)", estimate=True),
             Column("food delivered (%)", estimate=True),
-            Column("steps a recall", 0, estimate=True),
+            Column("score (%)", estimate=True),
             Column("steps of learning", 0, estimate=True),
-            Column("vectors", 0, estimate=True),
             Column(f"steps to {SHARE} of the food", 0, estimate=True),
             Column("gain (points)", estimate=True),
+            Column("steps a recall", 0, estimate=True),
+            Column("vectors", 0, estimate=True),
             Column("learning (s)", 2, estimate=True),
+            Column("learns from"),
+            Column("seeds"),
         ),
         rows,
     )
@@ -108,7 +110,11 @@ def amounts_table(curves: Sequence[Curve]) -> Table:
 
 
 def page(
-    curves: Sequence[Curve], learners: Mapping[str, Shown], missing: Mapping[str, str], tuning: str
+    curves: Sequence[Curve],
+    learners: Mapping[str, Shown],
+    missing: Mapping[str, str],
+    tuning: str,
+    quick: bool = False,
 ) -> Page:
     """All of it.
 
@@ -117,6 +123,7 @@ def page(
         learners: All learners, by name.
         missing: Why some are left out.
         tuning: Result of the comparison of settings, which has a page in the folder `tuning`; empty without one.
+        quick: Whether the run is a smoke test.
     """
     names = list(dict.fromkeys(curve.learner for curve in curves))
     settings = Table(
@@ -137,7 +144,7 @@ def page(
             "**How much experience does a learner need to forage?**",
             *_pictures(curves, learners),
             *absent,
-            f"## Results\n\n{results(curves, learners)}",
+            f"## Results\n\n{SMOKE_TEST if quick else results(curves, learners)}",
             METHOD,
             main_table(curves, learners),
             "The same after every amount of learning is in `table_amounts.csv`, every batch of recalls in `rows.csv`.",
@@ -240,7 +247,9 @@ class Style(NamedTuple):
 
 
 STYLES = dict(zip(ARENAS, (Style(OURS, "o", "-", ":"), Style(THESIS, "s", "--", "-.")), strict=True))
-_PANEL, _HEADING, _LEGEND = 1.62, 0.34, 1.0
+_TITLE = 24
+"""Characters in a line of a panel's title."""
+_PANEL, _HEADING, _LEGEND = 1.7, 0.34, 1.0
 """Inches: height of a line of panels, of the heading of a kind with its label of the steps, and of the rest."""
 
 
@@ -275,7 +284,7 @@ def _block(
     lines = math.ceil(len(titles) / COLUMNS)
     panels = block.subplots(lines, COLUMNS, sharex=True, sharey=True, squeeze=False)
     for axes, (name, title) in zip(panels.flat, titles.items(), strict=False):
-        _axes(axes, title)
+        _axes(axes, "\n".join(wrap(title, _TITLE)))
         for reference in references:
             value = reference.end.delivered.value
             axes.axhline(value, color=GREY, lw=1, ls=STYLES[reference.arena].reference, zorder=1)
@@ -295,7 +304,7 @@ def _block(
 
 
 def _axes(axes: "Axes", title: str) -> None:
-    axes.set_title(title, fontsize=9)
+    axes.set_title(title, fontsize=SMALL)
     axes.set_xscale("log")
     axes.set_ylim(*padded(0, 100))
     axes.set_yticks(range(0, 101, 20))

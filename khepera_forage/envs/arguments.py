@@ -196,7 +196,8 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
 
 def _food_type(name: Any) -> FoodType:
     for food_type in _DRAWABLE:
-        if name is food_type or (isinstance(name, str) and name.upper() == food_type.name):
+        # Where a spec was stored as JSON, types are numbers, and as keys of a mapping texts of numbers.
+        if name is food_type or str(name).upper() in (food_type.name, str(food_type.value)):
             return food_type
     allowed = ", ".join(t.name for t in _DRAWABLE)
     raise ValueError(f"food type {name!r} is unknown; allowed: {allowed}")

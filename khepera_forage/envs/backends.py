@@ -12,8 +12,11 @@ from khepera_forage.envs.arguments import BACKENDS, COMPILED, PYMUNK, check_back
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, FIELDS, Decisions
+from khepera_forage.sim.arenas.difficulty import Difficulty
+from khepera_forage.sim.arenas.procedural import ProceduralArenas
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 __all__ = [
     "BACKENDS",
@@ -128,31 +131,34 @@ def _arguments(kwargs: Mapping[str, Any], decisions: Any, default: Decisions) ->
     """
     if decisions is None:
         decisions = default
-    elif isinstance(decisions, Mapping) and decisions.keys() == FIELDS.keys():
-        decisions = Decisions(**decisions)
-    arena = {"arena": _spec_arena(kwargs["arena"])} if "arena" in kwargs else {}
-    return {**kwargs, **arena, "decisions": decisions}
+    return {**{name: restored(value) for name, value in kwargs.items()}, "decisions": restored(decisions)}
 
 
-def _spec_arena(arena: Any) -> Any:
-    """An `Arena` for a mapping of all its fields, and anything else as it is; in a list, one by one."""
-    if isinstance(arena, list):
-        return [_spec_arena(one) for one in arena]
-    if not (isinstance(arena, Mapping) and arena.keys() == {field.name for field in fields(Arena)}):
-        return arena
-    return Arena(
-        name=arena["name"],
-        walls=_points(arena["walls"]),
-        home=Point(*arena["home"]),
-        home_radius=arena["home_radius"],
-        start=Pose(*arena["start"]),
-        foods=_points(arena["foods"]),
-        obstacles=tuple(map(_points, arena["obstacles"])),
-    )
+def restored(value: Any) -> Any:
+    """An argument as it was before a spec was stored as JSON, which makes mappings and lists of it."""
+    if isinstance(value, list):
+        return [restored(one) for one in value]
+    if isinstance(value, Mapping):
+        for kind in _STORED:
+            if value.keys() == {field.name for field in fields(kind) if field.init}:
+                return kind(**{name: _RESTORE.get(name, restored)(part) for name, part in value.items()})
+    return value
 
 
 def _points(places: Any) -> tuple[Point, ...]:
     return tuple(Point(*place) for place in places)
+
+
+_STORED: tuple[Any, ...] = (Arena, ProceduralArenas, Difficulty, Noise, Decisions)
+_RESTORE: dict[str, Callable[[Any], Any]] = {
+    "walls": _points,
+    "home": lambda place: Point(*place),
+    "start": lambda pose: Pose(*pose),
+    "foods": lambda foods: foods if isinstance(foods, int) else _points(foods),
+    "obstacles": lambda outlines: tuple(map(_points, outlines)),
+    **dict.fromkeys(("length", "width", "notches", "partitions", "blocks"), tuple),
+}
+"""How attributes of these classes are restored, where a list of them was a tuple."""
 
 
 behaviours = EntryPoint(BehavioursEnv, Decisions.v0_1())

@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
+from khepera_forage.policies.model_observations import state_vector_space
+from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
@@ -72,16 +74,21 @@ class BehavioursEnv(RecallEnv[int]):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        diagonal = self.largest_diagonal
-        distance = spaces.Box(0, diagonal, (1,), np.int64)
         self.action_space = spaces.Discrete(NUM_BEHAVIOURS)  # type: ignore[assignment]
-        self.observation_space = spaces.Dict(
-            object_presence=spaces.Discrete(2),
-            robot_home_distance=distance,
-            food_type=spaces.Discrete(len(FoodType)),
-            arms_height=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
-            robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
-        )
+        self.observation_space = state_vector_space(self.largest_diagonal)
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Which behaviours apply now, for learners that mask actions, such as sb3-contrib's MaskablePPO.
+
+        A behaviour applies if the tree of figure 4.2 can choose it with this object presence and food type, whatever
+        the distances and the height of the arm.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+        """
+        vector = self.forager.vector
+        masks: NDArray[np.bool_] = APPLICABLE[vector.object_presence, vector.food_type].copy()
+        return masks
 
     def _numbers(self, action: int) -> Sequence[float]:
         behaviour = behaviour_number(action, NUM_BEHAVIOURS)

@@ -110,7 +110,7 @@ class Forager:
         update_food(
             tracker,
             tracker.foods,
-            tracker.memory,
+            tracker.chosen,
             tracker.links,
             scene.regions,
             self.arena,

@@ -7,6 +7,7 @@ from typing import Any
 
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.envs.forager import arena_map_of, floor_of
+from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -16,7 +17,6 @@ from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
-from khepera_forage.task.way_finding import no_memory
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 
@@ -178,7 +178,7 @@ def tracker_of(places: Sequence[Point], arena: ArenaMap) -> FoodTracker:
     return FoodTracker(
         deliverable=len(foods),
         foods=foods,
-        memory=no_memory(len(foods), len(arena.ways.waypoints)),
+        chosen=[ChosenWaypoint() for _ in range(1 + len(foods))],
         links=[Link() for _ in range(2 * len(foods))],
     )
 

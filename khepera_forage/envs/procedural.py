@@ -4,7 +4,7 @@ from typing import Any
 
 from khepera_forage.envs import backends
 from khepera_forage.envs.arena_settings import procedural_settings
-from khepera_forage.envs.backends import EntryPoint, VectorEntryPoint
+from khepera_forage.envs.backends import EntryPoint, VectorEntryPoint, restored
 from khepera_forage.sim.arenas.difficulty import Difficulty
 
 
@@ -46,7 +46,7 @@ class ProceduralEntryPoint:
                 raise ValueError(
                     f"{name} is {kwargs[name]!r}; allowed here: none, because difficulty determines it"
                 )
-        settings = procedural_settings(difficulty, split, num_levels, start_level)
+        settings = procedural_settings(restored(difficulty), split, num_levels, start_level)
         return self._make(**{**settings, **kwargs})
 
 

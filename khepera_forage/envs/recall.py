@@ -128,7 +128,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         render_mode: str | None = None,
         world: World | None = None,
@@ -155,6 +155,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
         self._seeded, self._over = False, True
+        self._generator: np.random.Generator | None = None
+        """The `np_random` that the episodes follow from."""
         self._executed: Behaviour | None = None
         self.confidence: tuple[float, ...] | None = None
         """Confidence level of each behaviour, shown beside the picture; a policy's owner may set it."""
@@ -202,7 +204,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
         Args:
             seed: Makes this episode and those that follow repeatable, bit for bit. The same seed has the same start,
-                food places, food types and noise on every backend.
+                food places, food types and noise on every backend. Without a seed, episodes go on, or follow from an
+                `np_random` that was set meanwhile.
             options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object; what is left
                 out is random.
 
@@ -210,7 +213,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
         super().reset(seed=seed)
-        if seed is not None or not self._seeded:
+        if self.np_random is not self._generator:
+            self._generator = self.np_random
             self._recalls.seed(int(self.np_random.integers(2**62)) if seed is None else seed)
         shown = self._recalls.begin(self.np_random, options)
         self._seeded, self._over, self._executed = True, False, None

@@ -47,7 +47,7 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         num_learners: int = 1,
         max_cycles: int = 600,
         arena: Arenas = "corridor",
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         patience: int | None = None,
         render_mode: str | None = None,
@@ -67,12 +67,17 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         self._paired = PairedArenas(
             learners + 1, arena, noise, food_types, world, self.decisions, backend, robot
         )
-        self._key: int | None = None
-        self._episode = -1
+        self.np_random: np.random.Generator | None = None
+        self._generator: np.random.Generator | None = None
+        """The `np_random` that the attempts follow from."""
+        self._key, self._episode = 0, -1
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
         self.observation_spaces = {a: self._observation_space() for a in self.possible_agents}
         self.action_spaces = {a: self._action_space() for a in self.possible_agents}
+        boxes: list[Any] = list(self.observation_spaces.values())
+        low, high = (np.concatenate([getattr(box, end) for box in boxes]) for end in ("low", "high"))
+        self.state_space = spaces.Box(low, high, dtype=boxes[0].dtype)
         self._attempt: TrainingEpisode | None = None
 
     def _observation_space(self) -> spaces.Space[Any]:
@@ -156,7 +161,7 @@ class TrainingEnv(PairedRobotsEnv):
     ## Observation space
     `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
     robot_food_distance (pixels of 5 mm, as in `Corridor-v1`), heard (a behaviour; 10 is silence), separated 0/1 (for
-    the teacher: any of its learners).
+    the teacher: any of its learners). `state()` has the observations of all agents in a row.
 
     ## Rewards
     +1 for food delivered, -1 for poison brought home, -1/max_cycles a round, each agent its own.
@@ -173,8 +178,9 @@ class TrainingEnv(PairedRobotsEnv):
 
     ## Info
     Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
-    them), `score`, `correct`, `steps`, `delivered`, `poison_home`, `complete`, `separated_rounds`, `separations`;
-    when a real robot or camera was lost also `robot_lost`, the reason.
+    them), the three as `pose`, as in the recall environments, `score`, `correct`, `steps`, `delivered`,
+    `poison_home`, `complete`, `separated_rounds`, `separations`; when a real robot or camera was lost also
+    `robot_lost`, the reason.
 
     ## Arguments
     `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
@@ -193,15 +199,18 @@ class TrainingEnv(PairedRobotsEnv):
         """Start an attempt at a training episode.
 
         Args:
-            seed: Makes the attempt repeatable, bit for bit.
+            seed: Makes the attempt repeatable, bit for bit. Without a seed, attempts go on, or follow from an
+                `np_random` that was set meanwhile.
             options: `start` (x mm, y mm, heading degrees) and `foods`, one (x mm, y mm) an object, in the teacher's
                 arena; what is left out stays on the marks of figure 5.1.
 
         Raises:
             ValueError: Options that are unknown or place something off the free floor.
         """
-        if seed is not None or self._key is None:
+        if seed is not None or self.np_random is None:
             self.np_random, _ = seeding.np_random(seed)
+        if self.np_random is not self._generator:
+            self._generator = self.np_random
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
             self._episode = -1
         self._episode += 1
@@ -220,6 +229,10 @@ class TrainingEnv(PairedRobotsEnv):
     def observe(self, agent: str) -> Any:
         """What an agent perceives: its state vector, what it hears, whether it is separated; a fresh array."""
         return self._begun.observe(self.possible_agents.index(agent))
+
+    def state(self) -> NDArray[Any]:
+        """The observations of all agents in a row, for learners with a critic of all agents; a fresh array."""
+        return np.concatenate([self.observe(agent) for agent in self.possible_agents])
 
     def step(self, action: Any) -> None:
         """The selected agent's step; the last agent's ends the round.

@@ -161,6 +161,7 @@ class TrainingEpisode:
             "x": raw.x,
             "y": raw.y,
             "orientation": raw.orientation,
+            "pose": (raw.x, raw.y, raw.orientation),
             "score": score(episode.correct, episode.steps, penalty(tracker.delivered, tracker.deliverable)),
             "correct": episode.correct,
             "steps": episode.steps,

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
-from khepera_forage.task.states import FoodType
+from khepera_forage.policies.model_observations import raw_data_space
 
 
 class WheelsEnv(RecallEnv[NDArray[np.float64]]):
@@ -63,24 +62,6 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
 
     def _observation(self, shown: Shown) -> Observation:
         return raw_data_of(shown)
-
-
-def raw_data_space() -> spaces.Dict:
-    """The space of raw data (4.2.2)."""
-    place = 2000.0  # pixels: further than any camera sees
-    return spaces.Dict(
-        proximity=spaces.Box(0, 1023, (6,), np.int64),
-        arm=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
-        jaw=spaces.Box(JAW_CLOSED, JAW_OPEN, (1,), np.int64),
-        object_presence=spaces.Discrete(2),
-        pose=spaces.Box(np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64),
-        tracked=spaces.Discrete(2),
-        food_seen=spaces.Discrete(2),
-        food=spaces.Box(-place, place, (2,), np.float64),
-        food_type=spaces.Discrete(len(FoodType)),
-        home=spaces.Box(-place, place, (3,), np.float64),
-        wall=spaces.Box(np.array((0.0, -180.0)), np.array((place, 180.0)), (2,), np.float64),
-    )
 
 
 def raw_data_of(shown: Shown) -> Observation:

@@ -21,6 +21,20 @@ MEANINGS = {
 """Of the attributes of `StateVector`."""
 
 
+TAUGHT = """Experience of a learner robot that was taught to forage by imitation: at every step what it perceived, and
+what it heard of the teacher, or did."""
+ALONE = "Episodes of the teacher, which forages alone."
+RAW = """An observation is the raw data (thesis, 4.2.2), and an action the motors as applied: left wheel, right wheel,
+arm and jaw, each -1..1, both as in `CorridorWheels-v1`. Every round is in the data. `infos["heard"]` is the behaviour
+heard, or executed, in it (thesis, table 4.1; 10 is silence). Those that occur:"""
+REWARDS = """Rewards are those of the environment: -1/limit a round, +1 for food that the robot delivers, -1 for poison
+that it brings home. With state vectors, rounds in which nothing was heard count for the step before."""
+STEERS = (
+    "The learner steers to stay beside the teacher: the data are not those of a robot that forages alone."
+)
+UNKNOWN_REWARDS = "Rewards are 0, because experience files contain none."
+
+
 class Origin(NamedTuple):
     """Where experience comes from.
 
@@ -30,6 +44,9 @@ class Origin(NamedTuple):
         licence: Of the data, such as an SPDX identifier.
         author: Of the dataset.
         seed: Of the training; None if the experience was read from files.
+        wheels: Whether the dataset has raw data and motors.
+        steps: Of each episode; by default as many as experience vectors.
+        alone: Whether the teacher foraged alone.
     """
 
     command: str
@@ -37,6 +54,9 @@ class Origin(NamedTuple):
     licence: str
     author: str
     seed: int | None
+    wheels: bool = False
+    steps: Sequence[int] = ()
+    alone: bool = False
 
 
 def data_card(dataset: str, parts: Sequence[Experience], origin: Origin) -> str:
@@ -47,21 +67,39 @@ def data_card(dataset: str, parts: Sequence[Experience], origin: Origin) -> str:
         parts: Its episodes.
         origin: Where they come from.
     """
-    lengths = [len(part) for part in parts]
+    lengths = list(origin.steps) or [len(part) for part in parts]
+    vectors = sum(len(part) for part in parts)
     heard = Counter(behaviour for part in parts for behaviour in part.behaviours)
     total = sum(lengths)
     decisions = " and ".join(sorted({header_decisions_text(part.decisions) for part in parts}))
     seeds = ", ".join(str(part.seed) for part in parts)
     behaviours = "\n".join(
-        f"| {int(behaviour)} | {behaviour.name} | {heard[behaviour]:,} | {100 * heard[behaviour] / total:.1f} |"
+        f"| {int(behaviour)} | {behaviour.name} | {heard[behaviour]:,} | {100 * heard[behaviour] / vectors:.1f} |"
         for behaviour in Behaviour
         if behaviour in heard
     )
     attributes = "\n".join(f"| `{name}` | {MEANINGS[name]} |" for name in StateVector._fields)
+    vectors_text = f"""An observation is the state vector (thesis, 4.3):
+
+| attribute | meaning |
+|---|---|
+{attributes}
+
+An action is a behaviour (thesis, table 4.1). Those that occur:"""
+    observed = RAW if origin.wheels else vectors_text
+    rewards = UNKNOWN_REWARDS if origin.seed is None else REWARDS
+    loading = (
+        f'episodes = minari.load_dataset("{dataset}").iterate_episodes()  # observations, actions, rewards'
+        if origin.wheels
+        else "episodes = from_minari(dataset)  # or dataset.iterate_episodes()"
+    )
+    if not origin.wheels:
+        rewards += "\nThe last observation of each episode is repeated, and its last step terminates."
+    if not origin.alone:
+        rewards += f"\n{STEERS}"
     return f"""# {dataset}
 
-Experience of a learner robot that was taught to forage by imitation: at every step its own state vector, and the
-behaviour of the teacher that it heard. The task is that of Gatsoulis, *Learning Through Imitation for Mobile Robots*
+{ALONE if origin.alone else TAUGHT} The task is that of Gatsoulis, *Learning Through Imitation for Mobile Robots*
 (MSc thesis, University of Edinburgh, 2001), as `khepera_forage` {__version__} re-creates it.
 
 ## Contents
@@ -74,20 +112,13 @@ behaviour of the teacher that it heard. The task is that of Gatsoulis, *Learning
 | author | {origin.author} |
 | licence | {origin.licence} |
 
-An observation is the state vector (thesis, 4.3):
-
-| attribute | meaning |
-|---|---|
-{attributes}
-
-An action is a behaviour (thesis, table 4.1). Those that occur:
+{observed}
 
 | action | behaviour | steps | % |
 |---|---|---:|---:|
 {behaviours}
 
-Rewards are 0, because a learner that imitates gets none. The last observation of each episode is repeated, and its last
-step terminates. The learner steers to stay beside the teacher, so the data are not those of a robot that forages alone.
+{rewards}
 
 ## Procedure
 
@@ -106,7 +137,7 @@ import minari
 from khepera_forage.experience.minari import from_minari
 
 dataset = minari.load_dataset("{dataset}")  # with MINARI_DATASETS_PATH set to the folder above
-episodes = from_minari(dataset)  # or dataset.iterate_episodes()
+{loading}
 env = dataset.recover_environment()  # where a learner can forage alone
 ```
 """

@@ -15,34 +15,36 @@ from khepera_forage.task.decisions import Decisions
 
 
 def dataset_environment(
-    names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None
+    names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None, wheels: bool = False
 ) -> gym.Env[Any, Any]:
-    """The environment of behaviours in the arena of some experience.
+    """The environment of behaviours, or of motors, in the arena of some experience.
 
     Args:
         names: Of the arenas in the experience.
         arena: The arena of all of it. It may be left out if the names say what it is: one of `ARENAS`, or procedural
             levels of one difficulty and split.
         decisions: Of the environment; those of its version by default.
+        wheels: Whether actions are motors.
 
     Raises:
         ExperienceError: The names are of several arenas, of an unknown one, or of another one than `arena`.
     """
     found = sorted(set(names))
+    kind = "Wheels-v1" if wheels else "-v1"
     if arena is not None and found != [arena.name if isinstance(arena, Arena) else arena]:
         own = arena.name if isinstance(arena, Arena) else arena
         raise ExperienceError(f"experience of {found}; allowed: of {own!r}, the argument arena")
     if isinstance(arena, Arena):
-        return gym.make("khepera_forage/Corridor-v1", decisions=decisions, **settings_of(arena))
+        return gym.make(f"khepera_forage/Corridor{kind}", decisions=decisions, **settings_of(arena))
     if len(found) == 1 and found[0] in ARENAS:
-        return gym.make(f"khepera_forage/{environment_name(found[0])}-v1", decisions=decisions)
+        return gym.make(f"khepera_forage/{environment_name(found[0])}{kind}", decisions=decisions)
     levels = _levels(found)
     if levels is None:
         raise ExperienceError(
             f"experience of {found}; allowed: one arena, of {', '.join(ARENAS)}, or one of your own with the argument "
             "arena; or procedural levels of one difficulty and split"
         )
-    return gym.make("khepera_forage/Procedural-v1", decisions=decisions, **levels)
+    return gym.make(f"khepera_forage/Procedural{kind}", decisions=decisions, **levels)
 
 
 def arena_name(arena: Any) -> Any:

@@ -6,22 +6,23 @@ MINARI_DATASETS_PATH is the folder in which Minari stores datasets.
 """
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import khepera_forage
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.dataset_environment import arena_name, dataset_environment
 from khepera_forage.experience.text_format import header_decisions, header_decisions_text
 from khepera_forage.extras import require
+from khepera_forage.rollouts.raw_episodes import RawEpisode
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import StateVector
+from khepera_forage.task.states import Behaviour, StateVector
 
 FLAT = ("object_presence", "food_type")
 """Attributes that are a number in observations; the others are arrays with one element."""
@@ -33,13 +34,17 @@ def to_minari(
     *,
     arena: Arena | str | None = None,
     allow_other_decisions: bool = False,
+    rewards: Sequence[ArrayLike] | None = None,
+    episodes: Sequence[RawEpisode] | None = None,
     **about: Any,
 ) -> Any:
     """Write experience as a new Minari dataset, with one episode for each `Experience`.
 
-    Values that experience does not contain are filled in: all rewards are 0; the last observation is repeated, because
-    Minari has one more observation than actions; the last step terminates, because incomplete episodes are discarded
-    (5.2). The decisions of the training are metadata of every episode, which `from_minari` reads. Minari's
+    Values that experience does not contain are filled in: rewards are 0 unless they are given; the last observation is
+    repeated, because Minari has one more observation than actions; the last step terminates, because incomplete
+    episodes are discarded (5.2). With `episodes` the dataset has raw data and motors in their place, as in
+    `CorridorWheels-v1`, of every round. The decisions of the training are metadata of every episode, which
+    `from_minari` reads. Minari's
     `recover_environment()` returns an environment under the same decisions, or under the default ones if those of the
     episodes differ.
 
@@ -49,6 +54,8 @@ def to_minari(
         dataset_id: Minari's name of the dataset, such as `khepera/corridor-v0`.
         arena: The arena of the experience. Experience of an arena of your own has only its name, and needs it.
         allow_other_decisions: Accept experience of different decisions in one dataset.
+        rewards: Of each experience, one a vector, such as `RawEpisode.rewards_of_vectors`.
+        episodes: What was recorded with each experience, from `rollouts.raw_episodes`.
         **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
     Returns:
@@ -71,8 +78,17 @@ def to_minari(
             part.require_decisions(parts[0].decisions)
     decisions, *others = {part.decisions for part in parts}
     names = {part.arena for part in parts}
-    env = dataset_environment(names, arena, None if others else decisions)
-    buffers = [_buffer(minari, number, part, env.observation_space) for number, part in enumerate(parts)]
+    env = dataset_environment(names, arena, None if others else decisions, wheels=episodes is not None)
+    buffers = []
+    for number, part in enumerate(parts):
+        buffer = _about(part) | (
+            _vectors_of(number, part, env.observation_space)
+            if episodes is None
+            else _raw_data_of(episodes[number])
+        )
+        if episodes is None and rewards is not None:
+            buffer["rewards"] = np.asarray(rewards[number], np.float64).tolist()
+        buffers.append(minari.data_collector.EpisodeBuffer(id=number, **buffer))
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
         # Minari warns about a missing author and code link, which a private dataset does not need.
@@ -142,7 +158,32 @@ def _decisions_of(spec: Any) -> Decisions:
     return decisions
 
 
-def _buffer(minari: Any, number: int, part: Experience, space: Any) -> Any:
+def _about(part: Experience) -> dict[str, Any]:
+    # Not Minari's `seed`, which has 64 bits and resets a single environment.
+    options = {
+        "arena": part.arena,
+        "episodes": part.episodes,
+        "seed": str(part.seed),
+        "decisions": header_decisions_text(part.decisions),
+    }
+    return {"options": options}
+
+
+def _raw_data_of(episode: RawEpisode) -> dict[str, Any]:
+    return {
+        "observations": episode.observations,
+        "actions": episode.actions,
+        "rewards": episode.rewards.tolist(),
+        **_ends(len(episode.actions)),
+        "infos": {"heard": np.append(episode.heard, Behaviour.WAIT)},
+    }
+
+
+def _ends(steps: int) -> dict[str, list[bool]]:
+    return {"terminations": [False] * (steps - 1) + [True], "truncations": [False] * steps}
+
+
+def _vectors_of(number: int, part: Experience, space: Any) -> dict[str, Any]:
     vectors, behaviours = part.arrays()
     shown: dict[str, NDArray[np.int64]] = {}
     for key, column in zip(StateVector._fields, np.vstack((vectors, vectors[-1])).T, strict=True):
@@ -152,22 +193,12 @@ def _buffer(minari: Any, number: int, part: Experience, space: Any) -> Any:
                 f"experience {number}: {key} is {column.min()}..{column.max()}; allowed: {low}..{high}"
             )
         shown[key] = column.copy() if key in FLAT else column[:, None].copy()
-    last = np.arange(len(part)) == len(part) - 1
-    return minari.data_collector.EpisodeBuffer(
-        id=number,
-        # Not Minari's `seed`, which has 64 bits and resets a single environment.
-        options={
-            "arena": part.arena,
-            "episodes": part.episodes,
-            "seed": str(part.seed),
-            "decisions": header_decisions_text(part.decisions),
-        },
-        observations=shown,
-        actions=behaviours,
-        rewards=[0.0] * len(part),
-        terminations=last.tolist(),
-        truncations=[False] * len(part),
-    )
+    return {
+        "observations": shown,
+        "actions": behaviours,
+        "rewards": [0.0] * len(part),
+        **_ends(len(part)),
+    }
 
 
 def _vectors(observations: Any, count: int, number: int) -> NDArray[np.int64]:

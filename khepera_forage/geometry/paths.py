@@ -1,12 +1,12 @@
 """Shortest paths around walls: where to drive next to get to a place. Plain functions, also compiled.
 
 An arena is prepared once (`sim.ways`): the waypoints lie around the corners of walls and obstacles that point into the
-floor, with room for a robot that turns with food in its gripper, and the lengths of the shortest paths between them are
-known. The functions here look up, in every round, which waypoint comes next. An arena without such corners, like those
-of the thesis, has no waypoints, and every way is straight.
+floor, with room for a robot that turns with food in its gripper. Two tables hold the lengths of the shortest paths
+between them, and which of them may be seen from each cell of a coarse grid. The functions here look up, in every round,
+which waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is
+straight.
 
-Robots count in pixels. Walls are `geometry.walls.Wall` records. Lengths from all waypoints to one place are an array
-with one number a waypoint.
+Robots count in pixels. Walls are `geometry.walls.Wall` records.
 """
 
 import math
@@ -20,6 +20,10 @@ _NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, or to the home, at which it may pass that."""
 _REACHED = 1e-6
 """Pixels to a waypoint at which the next one is looked for."""
+_AT_LEAST = 1.0 - 1e-9
+"""Share of the straight way below which no path is, whatever is rounded."""
+CELLS = 8
+"""Columns and rows of the grid of an arena."""
 KEPT = 8.0
 """Pixels (36 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
 waypoint, it looks in every round, so that it turns to the next one in time."""
@@ -33,12 +37,14 @@ class ChosenWaypoint:
         x: Where the robot was when it chose the waypoint, pixels; infinite without one.
         y: Likewise.
         number: Of the waypoint.
+        rest: Length of the path from the waypoint to the place, pixels.
         blocked: Whether a wall, or a corner passed too closely, blocked the straight way when it was last looked at.
     """
 
     x: float = math.inf
     y: float = math.inf
     number: int = 0
+    rest: float = 0.0
     blocked: bool = False
 
 
@@ -74,51 +80,44 @@ class Ways(NamedTuple):
         home_y: Likewise.
         berth: Pixels from that centre at which a robot on its way to food must pass the home, out of which it would be
             turned.
+        left: Of the grid.
+        bottom: Likewise.
+        columns: Of the grid, a pixel.
+        rows: Likewise.
         corners: `Corner` records.
         waypoints: `Spot` records.
         lengths: Of the shortest path past the home from waypoint a to waypoint b, at a * number of waypoints + b;
-            infinite without.
-        start_lengths: Of the shortest path past the home from each waypoint to the start; infinite without.
+            infinite without, and to a waypoint in the home, to which only the way home leads.
         home_lengths: Of the shortest path from each waypoint to the home; infinite without.
+        seen: Whether waypoint k may be seen from some place in a cell, at cell * number of waypoints + k. The last cell
+            is what lies outside the grid.
     """
 
     clearance: float
     home_x: float
     home_y: float
     berth: float
+    left: float
+    bottom: float
+    columns: float
+    rows: float
     corners: Any
     waypoints: Any
     lengths: Any
-    start_lengths: Any
     home_lengths: Any
+    seen: Any
 
 
-NO_WAYS = Ways(0.0, 0.0, 0.0, 0.0, (), (), (), (), ())
+NO_WAYS = Ways(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (), (), (), (), b"")
 """Of an arena in which every way is straight."""
 
 
-def has_path(
-    x: float, y: float, to_x: float, to_y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways
-) -> bool:
-    """Whether there is a path from one place to another.
-
-    Args:
-        x: Of the one place.
-        y: Of the one place.
-        to_x: Of the other place.
-        to_y: Of the other place.
-        to_lengths: Of the shortest path from each waypoint to the other place.
-        past_home: As for `is_clear`.
-        walls: In pixels.
-        ways: What is prepared of the arena.
-    """
-    if is_clear(x, y, to_x, to_y, past_home, walls, ways):
-        return True
-    for k in range(len(ways.waypoints)):
-        point = ways.waypoints[k]
-        if to_lengths[k] < math.inf and is_clear(x, y, point.x, point.y, past_home, walls, ways):
-            return True
-    return False
+def has_path(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
+    """Whether there is a path from one place to another; arguments as for `next_waypoint`."""
+    return (
+        is_clear(x, y, to_x, to_y, past_home, walls, ways)
+        or _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)[0] >= 0
+    )
 
 
 def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
@@ -245,15 +244,16 @@ def is_straight(
 
 
 def next_waypoint(
-    x: float, y: float, to_lengths: Any, past_home: bool, chosen: Any, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways
 ) -> tuple[float, float, float]:
     """Where to drive next on the shortest path to a place to which the way is not straight.
 
     Args:
         x: Of the robot.
         y: Of the robot.
-        to_lengths: Of the shortest path from each waypoint to the place.
-        past_home: As for `is_clear`.
+        to_x: Of the place.
+        to_y: Of the place.
+        past_home: As for `is_clear`. Without, the place is the home.
         chosen: The `ChosenWaypoint` record of this way, after `is_straight`; changed in place.
         walls: In pixels.
         ways: What is prepared of the arena.
@@ -261,67 +261,98 @@ def next_waypoint(
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
-    if not _is_kept(x, y, to_lengths, past_home, chosen, walls, ways):
-        number = _choose_waypoint(x, y, to_lengths, past_home, walls, ways)
+    if not _is_kept(x, y, past_home, chosen, walls, ways):
+        number, rest = _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)
         if number < 0:
             return x, y, math.inf
-        chosen.number = number
+        chosen.number, chosen.rest = number, rest
         # Where only the home is in the way, a robot looks for a shorter way in every round.
         if chosen.blocked:
             chosen.x, chosen.y = x, y
     point = ways.waypoints[chosen.number]
-    return point.x, point.y, length(point.x - x, point.y - y) + to_lengths[chosen.number]
+    return point.x, point.y, length(point.x - x, point.y - y) + chosen.rest
 
 
-def _is_kept(
-    x: float, y: float, to_lengths: Any, past_home: bool, chosen: Any, walls: Any, ways: Ways
-) -> bool:
+def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways) -> bool:
     """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
     if length(x - chosen.x, y - chosen.y) >= KEPT:
         return False
     point = ways.waypoints[chosen.number]
-    if length(point.x - x, point.y - y) <= KEPT or to_lengths[chosen.number] == math.inf:
+    if length(point.x - x, point.y - y) <= KEPT:
         return False
     return is_clear(x, y, point.x, point.y, past_home, walls, ways)
 
 
-def _choose_waypoint(x: float, y: float, to_lengths: Any, past_home: bool, walls: Any, ways: Ways) -> int:
-    """Number of the next waypoint on the shortest path; -1 without a path. Arguments as for `next_waypoint`."""
-    best, found = math.inf, -1
-    for k in range(len(ways.waypoints)):
-        point = ways.waypoints[k]
-        first = length(point.x - x, point.y - y)
-        total = first + to_lengths[k]
-        # Whether a way is clear takes longest to find out.
-        if total < best and first > _REACHED and is_clear(x, y, point.x, point.y, past_home, walls, ways):
-            best, found = total, k
-    return found
+def _choose_waypoint(
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways
+) -> tuple[int, float]:
+    """The next waypoint on the shortest path, -1 without a path, and the length of the path from there.
+
+    Arguments as for `next_waypoint`.
+    """
+    best, found, rest = math.inf, -1, math.inf
+    count = len(ways.waypoints)
+    row = _cell_of(x, y, ways) * count
+    for k in range(count):
+        if ways.seen[row + k]:
+            point = ways.waypoints[k]
+            first = length(point.x - x, point.y - y)
+            if first > _REACHED and first + _AT_LEAST * length(to_x - point.x, to_y - point.y) < best:
+                beyond = _length_from(k, to_x, to_y, best - first, past_home, walls, ways)
+                if first + beyond < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
+                    best, found, rest = first + beyond, k, beyond
+    return found, rest
 
 
-def find_lengths(x: float, y: float, lengths: Any, past_home: bool, walls: Any, ways: Ways) -> None:
-    """Find the lengths of the shortest paths from all waypoints to a place.
+def _length_from(
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+) -> float:
+    """Length of the shortest path from a waypoint to a place; arguments as for `shortest_length`."""
+    if not past_home:
+        return float(ways.home_lengths[number])
+    return shortest_length(number, to_x, to_y, most, True, walls, ways)
+
+
+def shortest_length(
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+) -> float:
+    """Length of the shortest path from a waypoint to a place by the table of lengths.
 
     Args:
-        x: Of the place.
-        y: Of the place.
-        lengths: One number a waypoint; changed in place. Infinite without a path: with `past_home` also from waypoints
-            in the home, to which only the way home leads.
+        number: Of the waypoint.
+        to_x: Of the place.
+        to_y: Of the place.
+        most: Length at which paths are too long to matter.
         past_home: As for `is_clear`.
         walls: In pixels.
         ways: What is prepared of the arena.
+
+    Returns:
+        The length; infinite without a path, or where it is not less than `most`.
     """
     count = len(ways.waypoints)
-    for a in range(count):
-        lengths[a] = math.inf
-    for b in range(count):
-        point = ways.waypoints[b]
-        allowed = not (past_home and _is_in_home(point, ways))
-        if allowed and is_clear(point.x, point.y, x, y, past_home, walls, ways):
-            last = length(x - point.x, y - point.y)
-            for a in range(count):
-                lengths[a] = min(lengths[a], ways.lengths[a * count + b] + last)
+    row, column = number * count, _cell_of(to_x, to_y, ways) * count
+    tried, last = 0.0, -1
+    while True:
+        # The shortest of those not tried: whether a way is clear takes longest to find out.
+        best, found = math.inf, -1
+        for k in range(count):
+            if ways.seen[column + k]:
+                point = ways.waypoints[k]
+                total = ways.lengths[row + k] + length(to_x - point.x, to_y - point.y)
+                if total < best and (total > tried or (total == tried and k > last)):
+                    best, found = total, k
+        if best >= most:
+            return math.inf
+        point = ways.waypoints[found]
+        if is_clear(point.x, point.y, to_x, to_y, past_home, walls, ways):
+            return best
+        tried, last = best, found
 
 
-def _is_in_home(point: Any, ways: Ways) -> bool:
-    """Whether a waypoint lies in the home or its berth."""
-    return length(point.x - ways.home_x, point.y - ways.home_y) < ways.berth
+def _cell_of(x: float, y: float, ways: Ways) -> int:
+    """Number of the cell of a place in the grid."""
+    column, row = math.floor((x - ways.left) * ways.columns), math.floor((y - ways.bottom) * ways.rows)
+    if 0 <= column < CELLS and 0 <= row < CELLS:
+        return int(row * CELLS + column)
+    return CELLS * CELLS

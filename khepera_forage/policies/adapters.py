@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.model_observations import form_for
+from khepera_forage.policies.model_observations import training_of
 from khepera_forage.policies.model_policy import ModelPolicy
 from khepera_forage.policies.nearest_neighbour.distance import STATE_WIDTH
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
@@ -133,36 +133,41 @@ def as_policy(learner: Any) -> Policy:
         learner: One of these, the first that fits: something with `act(observation, rng)`, which is a policy
             already; with `act(observation)`; a fitted classifier with `predict_proba`, whose behaviours are drawn
             with their probabilities (the policy copies the classifier, so that later learning does not change it); a
-            trained model with `predict(observation, deterministic=...)`, which is shown observations in the form of
-            its own `observation_space`. For other choices make `ClassifierPolicy` or `ModelPolicy` yourself.
+            trained model with `predict(observation, deterministic=...)`, which is shown what it was trained on, and
+            whose actions hold as long as in training. For other choices make `ClassifierPolicy` or `ModelPolicy`
+            yourself.
 
     Raises:
         TypeError: The learner is none of these, or a class where an instance is needed.
-        ValueError: A classifier has no `classes_` or was not fitted on five columns; or a model was trained on
-            observations of another kind.
+        ValueError: A classifier has no `classes_` or was not fitted on five columns; or it is not known how a model
+            was trained.
     """
     if not isinstance(learner, type):
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
-            _check_classifier(learner)
+            check_classifier(learner)
             return ClassifierPolicy(copy.deepcopy(learner), remember=True)
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
-            return ModelPolicy(learner, form_for(learner))
+            return ModelPolicy(learner, *training_of(learner))
     raise TypeError(
         f"learner is {learner!r}; allowed: an instance with act(observation), act(observation, rng), "
         "predict_proba(rows) or predict(observation, deterministic=...)"
     )
 
 
-def _check_classifier(learner: Any) -> None:
-    """Check that a classifier says what its columns of probabilities are, and knows state vectors.
+def check_classifier(learner: Any) -> None:
+    """Check that a fitted classifier has probabilities, says what their columns are, and knows state vectors.
 
     Raises:
         ValueError: It does not.
     """
     kind = type(learner).__name__
+    if not callable(getattr(learner, "predict_proba", None)):
+        raise ValueError(
+            f"{kind} has no predict_proba; allowed: a classifier that gives each behaviour a probability"
+        )
     if not hasattr(learner, "classes_"):
         raise ValueError(
             f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "

@@ -13,14 +13,23 @@ It names a `FromVectors`, `FromQueries` or `FromSteps`, or a function or class t
 import inspect
 import os
 import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
 
 GROUP = "khepera_forage.learners"
 """The group of the entry points."""
+_PACKAGE = str(Path(__file__).parents[1])
+
+
+class LearnerError(ValueError):
+    """An error in the code of a learner; the message ends with its traceback."""
 
 
 class Installed(NamedTuple):
@@ -91,9 +100,34 @@ def learner_at(place: str) -> tuple[str, Learner]:
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
     try:
-        return name, _described(name, getattr(import_module(module), name))
+        with own_errors(f"learner {place}"):
+            return name, _described(name, getattr(import_module(module), name))
     except (ImportError, AttributeError, TypeError) as error:
         raise ValueError(f"learner is {place!r}: {error}; {allowed}") from None
+
+
+@contextmanager
+def own_errors(name: str) -> Iterator[None]:
+    """A block that calls a learner: errors in code outside this package show where they are there, and nothing else.
+
+    Args:
+        name: Of the learner, for the message.
+
+    Raises:
+        LearnerError: The block raised an error outside this package.
+    """
+    try:
+        yield
+    except Exception as error:
+        report = traceback.TracebackException.from_exception(error)
+        depth = len(report.stack)
+        while depth and not report.stack[depth - 1].filename.startswith(_PACKAGE):
+            depth -= 1
+        frames = [frame for frame in report.stack[depth:] if "importlib" not in frame.filename]
+        if not frames and not isinstance(error, SyntaxError):
+            raise
+        report.stack = traceback.StackSummary.from_list(frames)
+        raise LearnerError(f"{name} failed\n{''.join(report.format()).rstrip()}") from error
 
 
 def _described(name: str, learner: Any) -> Learner:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies.adapters import ClassifierPolicy, check_classifier
 from khepera_forage.policies.attribute_weights import WeightedImitator
 from khepera_forage.policies.boosting import boosting
 from khepera_forage.policies.cloning import cloning
@@ -63,16 +63,27 @@ class FromVectors:
         Args:
             diagonal: Of the arena that will be foraged in, in pixels.
             seed: Seed of its random choices, if it makes any.
+
+        Raises:
+            ValueError: It cannot be fitted.
         """
         more = {"diagonal": diagonal} if self.diagonal else {}
         if self.seeded:
             more["random_state"] = seed
-        return self.make(**self.settings, **more)
+        made = self.make(**self.settings, **more)
+        if not callable(getattr(made, "fit", None)):
+            raise ValueError(f"{self.title} makes {made!r}; allowed: a classifier with fit and predict_proba")
+        return made
 
     def policy(self, classifier: Any) -> Policy:
-        """A fitted classifier as a policy."""
+        """A fitted classifier as a policy.
+
+        Raises:
+            ValueError: It has no `predict_proba` or no `classes_`.
+        """
         if isinstance(classifier, NearestNeighbourImitator):
             return classifier
+        check_classifier(classifier)
         return ClassifierPolicy(classifier, sample=self.sample, remember=True)
 
     def learn(
@@ -93,7 +104,9 @@ class FromVectors:
             groups: The training episode of each vector, of shape (n,), for learners that use it.
         """
         more = {"groups": groups} if self.grouped else {}
-        return self.policy(self.classifier(diagonal, seed).fit(vectors, behaviours, **more))
+        classifier = self.classifier(diagonal, seed)
+        classifier.fit(vectors, behaviours, **more)
+        return self.policy(classifier)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
+from khepera_forage.policies.policy import state_vector_of
+from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.task.states import Behaviour
 
 ALGORITHMS = ("PPO", "DQN", "SAC")
@@ -32,7 +34,8 @@ class ModelPolicy:
 
     An action may hold for several rounds, as it did in training. It holds for one generator: another generator means
     another episode, and a new action. A recurrent model, whose `predict` returns a state, likewise forgets its state
-    with another generator. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
+    with another generator. A model whose `predict` takes `action_masks`, such as sb3-contrib's MaskablePPO, gets those
+    of `BehavioursEnv.action_masks`. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
 
     Attributes:
         model: Trained on what `features` makes of the environment's observations.
@@ -45,7 +48,7 @@ class ModelPolicy:
     """
 
     model: Model
-    features: Callable[[Any], NDArray[np.float32]] | None = None
+    features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
     deterministic: bool = True
@@ -55,10 +58,13 @@ class ModelPolicy:
     """The generator of the last prediction, and the state that a recurrent model returned with it."""
     _recurs: bool = field(init=False, repr=False)
     """Whether the model takes a state."""
+    _masks: bool = field(init=False, repr=False)
+    """Whether the model takes action masks."""
 
     def __post_init__(self) -> None:
         parameters = inspect.signature(self.model.predict).parameters
         self._recurs = {"state", "episode_start"} <= set(parameters)
+        self._masks = "action_masks" in parameters
 
     def act(self, observation: Any, rng: Generator | None = None) -> Any:
         """The model's action.
@@ -88,22 +94,21 @@ class ModelPolicy:
             assert rng is not None
             action = _drawn(self.model, shown, rng)
         else:
-            action = self._predicted(shown, rng)
+            action = self._predicted(shown, rng, observation)
         numbers = np.ravel(action)
         return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32)
 
-    def _predicted(self, shown: Any, rng: Generator | None) -> Any:
+    def _predicted(self, shown: Any, rng: Generator | None, observation: Any) -> Any:
+        options: dict[str, Any] = {"deterministic": self.deterministic}
+        if self._masks:
+            vector = state_vector_of(observation)
+            options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
         if not self._recurs:
-            return self.model.predict(shown, deterministic=self.deterministic)[0]
+            return self.model.predict(shown, **options)[0]
         generator, state = self._memory
         begins = generator is not rng or state is None
-        recurrent: Any = self.model
-        action, state = recurrent.predict(
-            shown,
-            state=None if begins else state,
-            episode_start=np.array([begins]),
-            deterministic=self.deterministic,
-        )
+        options |= {"state": None if begins else state, "episode_start": np.array([begins])}
+        action, state = self.model.predict(shown, **options)
         if state is not None and rng is None:
             raise TypeError(
                 "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"

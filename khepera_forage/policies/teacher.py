@@ -1,14 +1,24 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from khepera_forage.policies.policy import SEPARATED, Observation, is_training, state_vector_of
+from khepera_forage.policies.policy import SEPARATED, Observation, Policy, is_training, state_vector_of
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, DecisionValues
-from khepera_forage.task.states import Behaviour, behaviour_for, classify
+from khepera_forage.task.states import (
+    NUM_BEHAVIOURS,
+    Behaviour,
+    FoodType,
+    StateVector,
+    behaviour_for,
+    classify,
+)
 
 
 @dataclass(frozen=True, init=False)
@@ -17,41 +27,45 @@ class Teacher:
 
     In training it waits, in silence, for a learner that got separated (4.5).
 
+    What it decides depends on its environment. `Teacher.of(env)` is the teacher of an environment; `recall`, `train`
+    and `dagger` take what is not given from theirs.
+
     Args:
         home_radius: Of the home of the arena foraged in, in pixels of 5 mm; above 0. That of the decisions by default.
-        decisions: Thresholds of the tree, and whatever else the thesis leaves open.
+        decisions: Thresholds of the tree, and whatever else the thesis leaves open; by default `Decisions()`.
 
     Attributes:
-        home_radius: See above.
-        decisions: See above.
+        home_radius: As given.
+        decisions: As given.
 
     Raises:
         ValueError: A radius that is not above 0.
     """
 
-    home_radius: int
-    decisions: Decisions
-    _values: DecisionValues = field(repr=False, compare=False)
+    home_radius: int | None
+    decisions: Decisions | None
+    _known: tuple[int, DecisionValues] | None = field(repr=False, compare=False)
 
-    def __init__(self, home_radius: int | None = None, decisions: Decisions = DEFAULT_DECISIONS) -> None:
-        if home_radius is None:
-            home_radius = whole_pixels(decisions.home_radius)
-        if not home_radius > 0:
-            raise ValueError(f"home_radius is {home_radius!r} pixels; allowed: above 0")
+    def __init__(self, home_radius: int | None = None, decisions: Decisions | None = None) -> None:
+        known = None
+        if home_radius is not None or decisions is not None:
+            used = decisions or DEFAULT_DECISIONS
+            known = whole_pixels(used.home_radius) if home_radius is None else home_radius, used.values()
+            if not known[0] > 0:
+                raise ValueError(f"home_radius is {home_radius!r} pixels; allowed: above 0")
         # A frozen dataclass allows no plain assignment.
         object.__setattr__(self, "home_radius", home_radius)
         object.__setattr__(self, "decisions", decisions)
-        object.__setattr__(self, "_values", decisions.values())
+        object.__setattr__(self, "_known", known)
 
     @classmethod
     def of(cls, env: Any) -> "Teacher":
-        """The teacher for an environment: for its home, under its decisions.
+        """The teacher of an environment: for its home, under its decisions.
 
         Args:
-            env: One of ours, wrapped or not.
+            env: One of ours, wrapped or not. If it has several arenas, for that of the present episode.
         """
-        env = env.unwrapped
-        return cls(env.home_radius, env.decisions)
+        return cls(env.unwrapped.home_radius, env.unwrapped.decisions)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour for the state that the observed state vector stands for; WAIT for a separated learner.
@@ -62,8 +76,42 @@ class Teacher:
             rng: Not used.
 
         Raises:
-            ValueError: The observation holds no state vector.
+            ValueError: The observation holds no state vector, or neither home radius nor decisions were given.
         """
+        if self._known is None:
+            raise ValueError(
+                "Teacher() knows no environment; allowed: Teacher.of(env), Teacher(home_radius, decisions)"
+            )
         if type(observation) is not dict and is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
-        return behaviour_for(classify(state_vector_of(observation), self.home_radius, self._values))
+        return behaviour_for(classify(state_vector_of(observation), *self._known))
+
+
+def completed(policy: Policy, env: Any) -> Policy:
+    """A policy that knows what it needs of an environment: `Teacher()` becomes `Teacher.of(env)`, others stay.
+
+    Args:
+        policy: Of a robot.
+        env: One of ours, wrapped or not, after the reset, which chooses the arena.
+    """
+    if not isinstance(policy, Teacher):
+        return policy
+    env = env.unwrapped
+    return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)
+
+
+def _applicable() -> NDArray[np.bool_]:
+    """Which behaviours the tree of figure 4.2 can choose, by object presence and food type."""
+    decisions = DEFAULT_DECISIONS.values()
+    found = np.zeros((2, len(FoodType), NUM_BEHAVIOURS), np.bool_)
+    foods = (0, round(decisions.close_to_food) - 1, 999)
+    for presence, home, food_type, arm, food in product(
+        (0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods
+    ):
+        vector = StateVector(presence, home, food_type, arm, food)
+        found[presence, food_type, classify(vector, 1.0, decisions)] = True
+    return found
+
+
+APPLICABLE = _applicable()
+"""By object presence, food type and behaviour: whether the tree can choose it, whatever distances and arm are."""

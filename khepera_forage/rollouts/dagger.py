@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
-from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies.adapters import ClassifierPolicy, check_classifier
+from khepera_forage.policies.teacher import completed
 from khepera_forage.task.states import StateVector
 
 Arrays = tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -82,7 +83,7 @@ def dagger(
     """
     if queries < 1 or queries_a_round < 1:
         raise ValueError(f"{queries} queries, {queries_a_round} a round; allowed: at least 1")
-    expert = expert if expert is not None else Teacher.of(env)
+    expert = Teacher() if expert is None else expert
     vectors: list[StateVector] = []
     behaviours: list[int] = []
     if start is not None:
@@ -91,13 +92,14 @@ def dagger(
     actor = _fitted(make, vectors, behaviours, sample) if vectors else expert
     rng = np.random.default_rng((seed, 1))
     observation, info = env.reset(seed=seed)
+    teacher = completed(expert, env)
     rounds = []
     while queries > 0:
         count = min(queries, queries_a_round)
         agreed = delivered = episodes = 0
         for _ in range(count):
-            label = int(expert.act(observation, rng))
-            action = int(actor.act(observation, rng))
+            label = int(teacher.act(observation, rng))
+            action = int((teacher if actor is expert else actor).act(observation, rng))
             vectors.append(state_vector_of(observation))
             behaviours.append(label)
             agreed += action == label
@@ -106,6 +108,7 @@ def dagger(
                 delivered += info["delivered"]
                 episodes += 1
                 observation, info = env.reset()
+                teacher = completed(expert, env)
         rounds.append(DaggerRound(count, agreed, delivered, episodes))
         actor = _fitted(make, vectors, behaviours, sample)
         queries -= count
@@ -115,4 +118,7 @@ def dagger(
 def _fitted(
     make: Callable[[], Any], vectors: list[StateVector], behaviours: list[int], sample: bool
 ) -> Policy:
-    return ClassifierPolicy(make().fit(np.array(vectors), np.array(behaviours)), sample, remember=True)
+    classifier = make()
+    classifier.fit(np.array(vectors), np.array(behaviours))
+    check_classifier(classifier)
+    return ClassifierPolicy(classifier, sample, remember=True)

@@ -1,18 +1,21 @@
 """The recall phase (4.6, 5.4): one episode, which gives one row."""
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
+from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Policy
 from khepera_forage.policies.nearest_neighbour.neighbours import HasNeighbours
+from khepera_forage.policies.teacher import completed
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import decisions_text
@@ -30,7 +33,7 @@ class RecallInterruptedError(ConnectionError):
 
 
 def recall_env(
-    arena: str | Arena, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
+    arena: str | Arena, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
 ) -> BehavioursEnv:
     """The recall environment of an arena.
 
@@ -68,12 +71,26 @@ def unwrapped_env(
 def behaviours_env(env: gym.Env[Any, Any]) -> Any:
     """An environment of behaviours without its wrappers, on either backend.
 
+    Warns:
+        UserWarning: Wrappers that `gym.make` does not always add are left out.
+
     Raises:
         TypeError: The environment is of another kind.
     """
-    own = env.unwrapped
+    own, given, left_out = env.unwrapped, env, []
     if not hasattr(type(own), "forager") or not isinstance(own.action_space, spaces.Discrete):
         raise TypeError(f"env is {env}; allowed: Corridor-v1, Rectangle-v1, or another BehavioursEnv")
+    while isinstance(given, gym.Wrapper):
+        if not isinstance(given, PassiveEnvChecker | OrderEnforcing):
+            left_out.append(type(given).__name__)
+        given = given.env
+    if left_out:
+        warnings.warn(
+            f"{', '.join(left_out)} left out: recalls take place in the environment without its wrappers; use its "
+            "argument limit instead of TimeLimit, and ModelPolicy(model, features, hold) instead of HoldAction and "
+            "wrappers of observations; recall(env.unwrapped, ...) does not warn",
+            stacklevel=3,
+        )
     return own
 
 
@@ -95,8 +112,9 @@ def recall(
 
     Args:
         env: From `recall_env`, or another environment of behaviours as `gym.make` returns it. Wrappers are left out:
-            the policy sees the environment's own observations.
-        policy: Chooses the behaviours; the ties of a nearest-neighbour imitator are counted.
+            the policy sees the environment's own observations. A warning names wrappers of yours.
+        policy: Chooses the behaviours; the ties of a nearest-neighbour imitator are counted. `Teacher()` becomes the
+            teacher of `env`.
         seed: Of the episode: places, noise, and random choices of the policy.
         learner: Name of the policy, for the row.
         noise: Name of the noise condition, for the row.
@@ -114,8 +132,9 @@ def recall(
     """
     own = behaviours_env(env)
     rng = np.random.default_rng((seed, 1))
-    imitator = policy if isinstance(policy, HasNeighbours) else None
     observation, info = own.reset(seed=seed)
+    policy = completed(policy, own)
+    imitator = policy if isinstance(policy, HasNeighbours) else None
     decisions, counts = own.decisions.values(), DecisionCounts()
     ties = conflicts = 0
     done = False

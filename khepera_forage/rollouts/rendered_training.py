@@ -45,7 +45,7 @@ class RenderedTraining:
         self,
         seed: int,
         look: CameraAppearance | None = None,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         paced: bool = False,
         anchor: tuple[float, float] | None = None,
         decisions: Decisions = DEFAULT_DECISIONS,

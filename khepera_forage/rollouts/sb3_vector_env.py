@@ -1,6 +1,6 @@
 """Gymnasium's vector environments as vector environments of stable-baselines3 (extra `baselines`)."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
 from typing import Any
 
@@ -15,7 +15,8 @@ from khepera_forage.extras import require
 from khepera_forage.wrappers import HoldVectorAction, check_same_step
 
 require("VecEnvAdapter", "baselines")
-from stable_baselines3.common.vec_env import VecEnv  # noqa: E402 (after the check)
+from stable_baselines3.common.monitor import Monitor  # noqa: E402 (after the check)
+from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
 Features = Callable[[Any], NDArray[np.float32]]
 Shown = NDArray[np.float32] | dict[str, NDArray[Any]]
@@ -42,6 +43,10 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
             them. By default observations stay as they are: dicts, for a `MultiInputPolicy`.
         hold: Rounds that an action holds, as in `HoldVectorAction`.
 
+    Attributes:
+        env: The vector environment, whose actions hold.
+        features: As given.
+
     Raises:
         ValueError: Another `AutoresetMode`, or `hold` out of range.
     """
@@ -50,8 +55,8 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features | None = None, hold: int = 1
     ) -> None:
         check_same_step(env)
-        self._env = env if whole_number("hold", hold, 1) == 1 else HoldVectorAction(env, hold)
-        self._features = features
+        self.env = env if whole_number("hold", hold, 1) == 1 else HoldVectorAction(env, hold)
+        self.features = features
         self._next_seed: int | None = None
         self._actions: NDArray[Any] | None = None
         self._returns, self._lengths = np.zeros(env.num_envs), np.zeros(env.num_envs, np.int64)
@@ -61,6 +66,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
             shape = features(create_empty_array(space)).shape
             space = spaces.Box(-np.inf, np.inf, shape[1:], np.float32)
         super().__init__(env.num_envs, space, env.single_action_space)
+        self.metadata |= {"render_fps": self.env.metadata.get("render_fps", 30)}
 
     def seed(self, seed: int | None = None) -> list[int | None]:
         """Seed the next reset: environment i with `seed` + i."""
@@ -70,12 +76,12 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
     def reset(self) -> Shown:
         """Begin an episode in every environment, with the options of `set_options`."""
         shared = self._options[0] if all(options == self._options[0] for options in self._options) else {}
-        shown, _ = self._env.reset(seed=self._next_seed, options=dict(shared))
+        shown, _ = self.env.reset(seed=self._next_seed, options=dict(shared))
         seeds: Any = None if self._next_seed is None else self.seed(self._next_seed)
         for i, options in enumerate(self._options):
             if options != shared:
                 mask = np.arange(self.num_envs) == i
-                shown, _ = self._env.reset(seed=seeds, options={**options, "reset_mask": mask})
+                shown, _ = self.env.reset(seed=seeds, options={**options, "reset_mask": mask})
         self._next_seed = None
         self._reset_options()
         self._returns[:], self._lengths[:] = 0.0, 0
@@ -90,7 +96,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self,
     ) -> tuple[Shown, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Carry out the actions; returns observations, rewards, ends and infos."""
-        shown, rewards, terminated, truncated, info = self._env.step(self._actions)
+        shown, rewards, terminated, truncated, info = self.env.step(self._actions)
         ended = terminated | truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         self._returns += rewards
@@ -104,15 +110,24 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
 
     def close(self) -> None:
         """Close every environment."""
-        self._env.close()
+        self.env.close()
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of the vector environment, once for each environment of `indices`.
+        """An attribute of the vector environment, or else of each of its environments.
 
         Raises:
             AttributeError: There is no such attribute.
         """
-        return [getattr(self._env, attr_name) for _ in self._get_indices(indices)]
+        chosen, base = self._get_indices(indices), self.env.unwrapped
+        if hasattr(self.env, attr_name) or not hasattr(base, "get_attr"):
+            return [getattr(self.env, attr_name) for _ in chosen]
+        values = base.get_attr(attr_name)
+        return [values[i] for i in chosen]
+
+    def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
+        """A picture of each environment, for `render` and `VecVideoRecorder`."""
+        pictures: Any = self.env.render()
+        return pictures or [None] * self.num_envs
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
         """Not possible: compiled environments are no objects, and others may be in another process.
@@ -123,19 +138,20 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         raise AttributeError(f"{attr_name!r} cannot be set in the environments of a vector environment")
 
     def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
-        """Not possible, for the same reason.
+        """The result of a method in each environment, such as `action_masks`.
 
         Raises:
-            AttributeError: Always.
+            AttributeError: There is no such method.
         """
-        raise AttributeError(f"{method_name!r} cannot be called in the environments of a vector environment")
+        results = self.env.unwrapped.call(method_name, *args, **kwargs)  # type: ignore[attr-defined]
+        return [results[i] for i in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Indices = None) -> list[bool]:
-        """No environment is wrapped in anything of stable-baselines3."""
-        return [False for _ in self._get_indices(indices)]
+        """Whether infos have what a wrapper reports: those of `Monitor`, the `episode` with its rounds."""
+        return [wrapper_class is Monitor for _ in self._get_indices(indices)]
 
     def _shown(self, observations: Any) -> Any:
-        return observations if self._features is None else self._features(observations)
+        return observations if self.features is None else self.features(observations)
 
     def _final_info(self, info: dict[str, Any], i: int, terminated: bool, truncated: bool) -> dict[str, Any]:
         """What is known of an episode that has just ended in environment i, but for `episode`."""
@@ -145,7 +161,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         }
         return {
             **known,
-            "terminal_observation": final_obs if self._features is None else self._features(final_obs)[0],
+            "terminal_observation": final_obs if self.features is None else self.features(final_obs)[0],
             "TimeLimit.truncated": truncated and not terminated,
             "is_success": terminated,
         }

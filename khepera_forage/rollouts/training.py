@@ -18,6 +18,7 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.policy import HEARD
+from khepera_forage.policies.teacher import completed
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
@@ -179,7 +180,7 @@ def attempt(
         env.reset(seed=seed, options=None if options is None else dict(options))
     except LOST as error:
         return Attempt(False, 0, 0, 0, ROBOT_LOST, str(error))
-    teacher = Teacher.of(env) if teacher is None else teacher  # after the reset, which chooses the arena
+    teacher = completed(teacher or Teacher(), env)  # after the reset, which chooses the arena
     last_agent = env.possible_agents[-1]
     resumed = 0
     while not (env.terminations[TEACHER] or env.truncations[TEACHER]):

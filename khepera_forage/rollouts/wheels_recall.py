@@ -46,7 +46,7 @@ class WheelsRecall(NamedTuple):
 
 
 def recall_wheels_env(
-    arena: str, noise: Noise | str | None = None, limit: int | None = None, **kwargs: Any
+    arena: str, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
 ) -> WheelsEnv:
     """The recall environment of a named arena whose actions are motor commands.
 

@@ -15,15 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from khepera_forage.geometry.paths import (
+    CELLS,
     NO_WAYS,
     ChosenWaypoint,
     Corner,
     Spot,
     Ways,
-    find_lengths,
     has_path,
     is_clear,
     next_waypoint,
+    shortest_length,
 )
 from khepera_forage.geometry.walls import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
@@ -39,6 +40,8 @@ _PASSING = CLEARANCE - 7.5
 """mm at which a straight way must pass a corner: less, because the camera sees the robot beside its path."""
 _BERTH = 20.0
 """mm by which waypoints past the home lie outside it."""
+_SURE = 1e-3
+"""Product of two distances from a line, in pixels, or of two areas, above which rounding does not change the sides."""
 _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
@@ -53,23 +56,63 @@ def ways_of(arena: Arena) -> Ways:
     home = _octagon(arena.home, arena.home_radius + _BERTH)
     past_home = floor.difference(home)
     waypoints = _waypoints_of(floor, past_home, home)
-    walls, start = pixel_walls(arena), arena.start
+    walls, (left, bottom, right, top) = pixel_walls(arena), arena.bounds
+    home_x, home_y = arena.home.x / MM_PER_PIXEL, arena.home.y / MM_PER_PIXEL
+    places, berth = waypoints[1] / MM_PER_PIXEL, (arena.home_radius + _BERTH) / MM_PER_PIXEL - 0.5
     ways = Ways(
         _PASSING / MM_PER_PIXEL,
-        arena.home.x / MM_PER_PIXEL,
-        arena.home.y / MM_PER_PIXEL,
-        (arena.home_radius + _BERTH) / MM_PER_PIXEL - 0.5,
+        home_x,
+        home_y,
+        berth,
+        left / MM_PER_PIXEL,
+        bottom / MM_PER_PIXEL,
+        CELLS * MM_PER_PIXEL / (right - left),
+        CELLS * MM_PER_PIXEL / (top - bottom),
         tuple(Corner(x / MM_PER_PIXEL, y / MM_PER_PIXEL, before, after) for x, y, before, after in corners),
-        tuple(Spot(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in waypoints[1].tolist()),
-        _in_pixels(shortest_lengths(waypoints, past_home)),
+        tuple(Spot(x, y) for x, y in places.tolist()),
+        _in_pixels(shortest_lengths(waypoints, floor)),
         (),
         (),
     )
-    anywhere = ways._replace(lengths=_in_pixels(shortest_lengths(waypoints, floor)))
-    return ways._replace(
-        start_lengths=tuple(_lengths_to(Point(start.x, start.y), True, walls, ways)),
-        home_lengths=tuple(_lengths_to(arena.home, False, walls, anywhere)),
+    ways = ways._replace(seen=_seen(ways, walls).tobytes())
+    home_lengths = tuple(
+        shortest_length(k, home_x, home_y, math.inf, False, walls, ways) for k in range(len(places))
     )
+    lengths = shortest_lengths(waypoints, past_home)
+    lengths[:, np.hypot(*(places - (home_x, home_y)).T) < berth] = np.inf
+    return ways._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)
+
+
+def _seen(ways: Ways, walls: Sequence[Any]) -> Any:
+    """Which waypoints may be seen from the cells of the grid: those that no wall hides from all of a cell.
+
+    What a wall hides from a waypoint is convex: it hides a cell if it hides the corners of that cell.
+
+    Args:
+        ways: The waypoints and the grid.
+        walls: In pixels.
+
+    Returns:
+        Shape (cells + 1, waypoints): the last row is of what lies outside the grid.
+    """
+    steps = np.arange(CELLS + 1)
+    x, y = np.meshgrid(ways.left + steps / ways.columns, ways.bottom + steps / ways.rows)
+    x, y = x.reshape(-1, 1), y.reshape(-1, 1)
+    to_x, to_y = np.reshape(ways.waypoints, (-1, 2)).T
+    between = x * to_y - y * to_x
+    seen = np.ones((CELLS * CELLS + 1, len(to_x)), np.bool_)
+    for wall in walls:
+        here = wall.normal_x * x + wall.normal_y * y - wall.offset
+        there = wall.normal_x * to_x + wall.normal_y * to_y - wall.offset
+        x2, y2 = wall.x1 + wall.ex, wall.y1 + wall.ey
+        # On which sides of the line from a corner to a waypoint the ends of the wall are.
+        first = between + (to_x * wall.y1 - to_y * wall.x1) - (x * wall.y1 - y * wall.x1)
+        second = between + (to_x * y2 - to_y * x2) - (x * y2 - y * x2)
+        hidden = (here * there < -_SURE) & (first * second < -_SURE)
+        hidden = hidden.reshape(CELLS + 1, CELLS + 1, -1)
+        rows = hidden[:-1] & hidden[1:]
+        seen[:-1] &= ~(rows[:, :-1] & rows[:, 1:]).reshape(CELLS * CELLS, -1)
+    return seen
 
 
 def pixel_walls(arena: Arena) -> tuple[Any, ...]:
@@ -99,7 +142,7 @@ def way_out(arena: Arena) -> tuple[float, float]:
         return (x1 + x2) / 2, (y1 + y2) / 2
     here = Spot(home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL)
     there = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL)
-    x, y, _ = _next_place(here, there, ways.start_lengths, True, pixel_walls(arena), ways)
+    x, y, _ = _next_place(here, there, True, pixel_walls(arena), ways)
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
@@ -124,11 +167,10 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
     """
     ways, walls = ways_of(arena), pixel_walls(arena)
     past_home = goal != arena.home
-    lengths = _lengths_to(goal, True, walls, ways) if past_home else ways.home_lengths
     end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
     here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
     while here != end:
-        x, y, length = _next_place(here, end, lengths, past_home, walls, ways)
+        x, y, length = _next_place(here, end, past_home, walls, ways)
         if length == math.inf or len(path) > len(ways.waypoints) + 1:
             raise ValueError(
                 f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
@@ -140,12 +182,12 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
 
 
 def _next_place(
-    here: Spot, there: Spot, lengths: Any, past_home: bool, walls: Any, ways: Ways
+    here: Spot, there: Spot, past_home: bool, walls: Any, ways: Ways
 ) -> tuple[float, float, float]:
     """Where to drive next, in pixels, and the length of the path; infinite without one."""
     if is_clear(*here, *there, past_home, walls, ways):
         return *there, math.dist(here, there)
-    return next_waypoint(*here, lengths, past_home, ChosenWaypoint(), walls, ways)
+    return next_waypoint(*here, *there, past_home, ChosenWaypoint(), walls, ways)
 
 
 def check_ways(arena: Arena) -> None:
@@ -157,20 +199,19 @@ def check_ways(arena: Arena) -> None:
     Raises:
         ValueError: It cannot; the message says what cannot be reached, and where the arena is too narrow.
     """
-    ways = ways_of(arena)
     foods = {f"food {k + 1}": food for k, food in enumerate(arena.foods)}
     start = Point(arena.start.x, arena.start.y)
     for name, place in {"the start": start, **foods}.items():
-        if not _has_way(arena, place, arena.home, ways.home_lengths, past_home=False):
+        if not _has_way(arena, place, arena.home, past_home=False):
             raise _no_way(arena, name, place, "the home", arena.home, _narrow_places(arena))
     for name, place in foods.items():
-        if not _has_way(arena, place, start, ways.start_lengths, past_home=True):
+        if not _has_way(arena, place, start, past_home=True):
             raise _no_way(arena, name, place, "the start", start, " that does not cross the home")
 
 
-def _has_way(arena: Arena, place: Point, goal: Point, lengths: Any, past_home: bool) -> bool:
+def _has_way(arena: Arena, place: Point, goal: Point, past_home: bool) -> bool:
     ends = (place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
-    return has_path(*ends, lengths, past_home, pixel_walls(arena), ways_of(arena))
+    return has_path(*ends, past_home, pixel_walls(arena), ways_of(arena))
 
 
 def _no_way(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, why: str) -> ValueError:
@@ -240,12 +281,6 @@ def _waypoints_of(floor: Any, past_home: Any, home: Any) -> Any:
 
 def _in_pixels(lengths: Any) -> tuple[float, ...]:
     return tuple((lengths / MM_PER_PIXEL).ravel().tolist())
-
-
-def _lengths_to(goal: Point, past_home: bool, walls: Any, ways: Ways) -> list[float]:
-    lengths = [math.inf] * len(ways.waypoints)
-    find_lengths(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL, lengths, past_home, walls, ways)
-    return lengths
 
 
 if TYPE_CHECKING:

@@ -520,7 +520,7 @@ def decision_table() -> list[DecisionRow]:
 
 
 def markdown_table() -> str:
-    """The default decisions as a table in Markdown, for the page docs/decisions.md."""
+    """The default decisions as a table in Markdown, for the page docs/decisions/fields.md."""
     lines = ["| decision | default | allowed | thesis | meaning |", "|---|---|---|---|---|"]
     lines += [f"| `{row.name}` | {' | '.join(row[1:])} |" for row in decision_table()]
     return "\n".join(lines) + "\n"

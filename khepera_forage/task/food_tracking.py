@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.geometry.angles import heading_of, length
+from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap, is_within
 from khepera_forage.task.decisions import (
@@ -24,7 +25,7 @@ from khepera_forage.task.decisions import (
     DecisionValues,
 )
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import WayMemory, drivable, no_memory, way_to_food
+from khepera_forage.task.way_finding import drivable, way_to_food
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 
@@ -108,8 +109,6 @@ _GRIPPER = (BARRIER + 5.0) / MM_PER_PIXEL
 """Pixels from a robot's centre to food in its gripper."""
 _SEEN = 1e8
 """Squared pixels by which food that the camera sees counts as further from the gripper."""
-NOWHERE = -1e6
-"""Coordinate in pixels of no place in any arena."""
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
@@ -126,8 +125,6 @@ class FoodObject:
         carried: Whether it has been in the gripper since it was last seen: it may turn up as another track.
         may_be_poisonous: Whether there can be poison in this episode.
         side: Where a robot that takes other food home passes it, see `past_poison`; 0 while it is not in the way.
-        lengths_x: Place in pixels to which the lengths of paths from the waypoints are known; far away before.
-        lengths_y: Likewise.
     """
 
     x: float
@@ -138,8 +135,6 @@ class FoodObject:
     carried: bool = False
     may_be_poisonous: bool = False
     side: int = 0
-    lengths_x: float = NOWHERE
-    lengths_y: float = NOWHERE
 
 
 @dataclass(slots=True)
@@ -162,7 +157,7 @@ class FoodTracker:
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
         foods: The food objects.
-        memory: What it remembers of its ways.
+        chosen: `ChosenWaypoint` records: on the way home, then on the way to each food object.
         links: Twice as many slots as food objects.
     """
 
@@ -180,14 +175,14 @@ class FoodTracker:
     food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
-    memory: WayMemory = field(default_factory=lambda: no_memory(0, 0))
+    chosen: list[ChosenWaypoint] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
 
 
 def update_food(
     tracker: Any,
     foods: Any,
-    memory: WayMemory,
+    chosen: Any,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -204,7 +199,7 @@ def update_food(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records; changed in place.
-        memory: What the robot remembers of its ways; changed in place.
+        chosen: Its `ChosenWaypoint` records; changed in place.
         links: Its `Link` records; changed in place.
         tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
         arena: The arena of this robot.
@@ -225,7 +220,7 @@ def update_food(
     _follow_tracks(tracker, foods, links, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
         count_lost_rounds(links, tracks)
-    find_nearest(tracker, foods, memory, links, tracks, arena, x, y, arm, decisions)
+    find_nearest(tracker, foods, chosen, links, tracks, arena, x, y, arm, decisions)
     _count(tracker, foods)
     if decisions.no_food_distance == LAST_DISTANCE:
         if tracker.food_seen:
@@ -312,7 +307,7 @@ _NO_PATH = 1e6
 def find_nearest(
     tracker: Any,
     foods: Any,
-    memory: WayMemory,
+    chosen: Any,
     links: Any,
     tracks: Any,
     arena: ArenaMap,
@@ -329,7 +324,7 @@ def find_nearest(
     Args:
         tracker: The `FoodTracker` record; changed in place.
         foods: Its `FoodObject` records.
-        memory: What the robot remembers of its ways; changed in place.
+        chosen: Its `ChosenWaypoint` records; changed in place.
         links: Its `Link` records.
         tracks: Regions or tracks of the camera.
         arena: The arena of this robot.
@@ -363,9 +358,7 @@ def find_nearest(
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.ways.corners) > 0:
-                    to_x, to_y, length = way_to_food(
-                        x, y, track.x, track.y, foods[number], number, memory, arena
-                    )
+                    to_x, to_y, length = way_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue

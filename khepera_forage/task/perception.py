@@ -106,7 +106,7 @@ def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap)
         tracker.type_in_gripper,
         wall_x,
         wall_y,
-        way_home(x, y, tracker, tracker.foods, tracker.memory, arena),
+        way_home(x, y, tracker, tracker.foods, tracker.chosen, arena),
         (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
     )

@@ -80,6 +80,7 @@ def write_report(
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
     shown = [
         tables.cell_table(results, v0_1_results),
+        tables.joint_table(results, recalls),
         tables.claim_table(measured),
         tables.rule_table(measured),
         noise,

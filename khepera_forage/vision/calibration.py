@@ -5,28 +5,26 @@ middle of the pixel in row r and column c is (c + 0.5, r + 0.5). Region coordina
 of 5 mm on the floor, x to the right and y up.
 """
 
+import math
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.vision.homography import (
-    Matrix,
-    Point,
-    check_view,
-    checked_numbers,
-    checked_points,
-    homography,
-    transformed,
-)
-from khepera_forage.vision.lens import Lens
+from khepera_forage.vision.lens import DEFAULT_SIZE, Lens, Point, Size
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
-_KEYS = ("picture", "floor", "camera", "lens")
+Matrix = tuple[float, ...]
+"""The nine numbers of a homography, row by row."""
+
+_KEYS = ("picture", "floor", "camera", "lens", "size", "tags")
+_FLAT = 0.01
+"""Three points are taken for collinear when the triangle's height is less than this share of its longest side."""
 
 
 class Jacobian(NamedTuple):
@@ -64,6 +62,9 @@ class Calibration:
         floor: The same four points on the floor (x, y) in mm.
         camera: Position x, y and height of the camera above the floor, in mm; None corrects no parallax.
         lens: Distortion of the lens; None corrects none.
+        size: Width and height in pixels of the picture that was calibrated.
+        tags: Where the picture shows the middle (u, v) of each floor tag, by its id: they reveal a camera that was
+            moved.
 
     Raises:
         ValueError: Not four points, a value that is not finite, points that coincide, three points on a line, floor
@@ -74,29 +75,61 @@ class Calibration:
     floor: tuple[Point, ...]
     camera: tuple[float, float, float] | None = None
     lens: Lens | None = None
+    size: Size = DEFAULT_SIZE
+    tags: Mapping[int, Point] = field(default_factory=dict, hash=False)
     _to_floor: Matrix = field(init=False, repr=False, compare=False)
     _to_picture: Matrix = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        picture = checked_points("picture", self.picture, "(u, v)")
-        floor = checked_points("floor", self.floor, "(x, y)")
-        camera = None if self.camera is None else checked_numbers("camera", self.camera, 3, "(x, y, height)")
+        picture = _checked_points("picture", self.picture, "(u, v)")
+        floor = _checked_points("floor", self.floor, "(x, y)")
+        camera = None if self.camera is None else _checked_numbers("camera", self.camera, 3, "(x, y, height)")
         if camera is not None and camera[2] <= 0:
             raise ValueError(f"calibration camera is {camera}; allowed: a height above 0 mm")
-        check_view(picture, floor)
+        _check_view(picture, floor)
+        size = self.size
+        if len(size) != 2 or not all(type(n) is int and n >= 16 for n in size):
+            raise ValueError(
+                f"calibration size is {size!r}; allowed: width and height in pixels, at least 16"
+            )
+        if self.lens is not None and self.lens.size != tuple(size):
+            object.__setattr__(self, "lens", replace(self.lens, size=(size[0], size[1])))
         straight = picture if self.lens is None else [self.lens.straightened(*point) for point in picture]
-        to_floor = homography(straight, [(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in floor])
-        for name, value in (("picture", picture), ("floor", floor), ("camera", camera)):
+        to_floor = _homography(straight, [(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in floor])
+        for name, value in (
+            ("picture", picture),
+            ("floor", floor),
+            ("camera", camera),
+            ("size", tuple(size)),
+        ):
             object.__setattr__(self, name, value)
         object.__setattr__(self, "_to_floor", tuple(to_floor.ravel().tolist()))
         object.__setattr__(self, "_to_picture", tuple(np.linalg.inv(to_floor).ravel().tolist()))
 
     @classmethod
-    def identity(cls, camera: tuple[float, float, float] | None = None) -> "Calibration":
-        """An undistorted 640 x 480 picture with 5 mm a pixel, its lower left corner at (0, 0) mm."""
-        corners = ((0.0, 0.0), (PICTURE_WIDTH, 0.0), (PICTURE_WIDTH, PICTURE_HEIGHT), (0.0, PICTURE_HEIGHT))
-        floor = tuple((u * MM_PER_PIXEL, (PICTURE_HEIGHT - v) * MM_PER_PIXEL) for u, v in corners)
-        return cls(corners, floor, camera)
+    def identity(
+        cls, camera: tuple[float, float, float] | None = None, size: Size = DEFAULT_SIZE
+    ) -> "Calibration":
+        """An undistorted picture that is 3200 mm wide on the floor, its lower left corner at (0, 0) mm.
+
+        A picture of 640 x 480 has 5 mm a pixel then.
+        """
+        width, height = size
+        mm = DEFAULT_SIZE[0] * MM_PER_PIXEL / width
+        corners = ((0.0, 0.0), (float(width), 0.0), (float(width), float(height)), (0.0, float(height)))
+        return cls(corners, tuple((u * mm, (height - v) * mm) for u, v in corners), camera, size=size)
+
+    def for_size(self, width: int, height: int) -> "Calibration":
+        """The calibration of the same picture, enlarged or reduced."""
+        across, down = width / self.size[0], height / self.size[1]
+        picture = tuple((u * across, v * down) for u, v in self.picture)
+        tags = {tag: (u * across, v * down) for tag, (u, v) in self.tags.items()}
+        return replace(self, picture=picture, size=(width, height), tags=tags)
+
+    def mm_per_pixel(self, u: float | None = None, v: float | None = None) -> float:
+        """Mm of the floor that a pixel shows, by default in the middle of the picture."""
+        middle = self.size[0] / 2 if u is None else u, self.size[1] / 2 if v is None else v
+        return MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area)
 
     def to_region(self, u: float, v: float, height: float = 0.0) -> Point:
         """Position on the floor, in region coordinates, of an object seen at a point of the picture.
@@ -111,7 +144,7 @@ class Calibration:
         """
         if self.lens is not None:
             u, v = self.lens.straightened(u, v)
-        x, y = transformed(self._to_floor, u, v)
+        x, y = _transformed(self._to_floor, u, v)
         if self.camera is None:
             return x, y
         centre_x, centre_y, shrink = self._parallax(height)
@@ -122,7 +155,7 @@ class Calibration:
         if self.camera is not None:
             centre_x, centre_y, shrink = self._parallax(height)
             x, y = centre_x + (x - centre_x) / shrink, centre_y + (y - centre_y) / shrink
-        u, v = transformed(self._to_picture, x, y)
+        u, v = _transformed(self._to_picture, x, y)
         return (u, v) if self.lens is None else self.lens.distorted(u, v)
 
     def jacobian(self, u: float, v: float, height: float = 0.0) -> Jacobian:
@@ -132,14 +165,15 @@ class Calibration:
         if self.lens is not None:
             uu, uv, vu, vv = self.lens.jacobian(u, v)
             u, v = self.lens.straightened(u, v)
-        x, y = transformed(self._to_floor, u, v)
+        x, y = _transformed(self._to_floor, u, v)
         scale = (1.0 if self.camera is None else self._parallax(height)[2]) / (g * u + h * v + i)
         a, b, d, e = (a - x * g) * scale, (b - x * h) * scale, (d - y * g) * scale, (e - y * h) * scale
         return Jacobian(a * uu + b * vu, a * uv + b * vv, d * uu + e * vu, d * uv + e * vv)
 
-    def as_table(self) -> dict[str, list[list[float]] | list[float]]:
-        """The points, and the lens if it distorts, as a table for a TOML file."""
-        table: dict[str, list[list[float]] | list[float]] = {
+    def as_table(self) -> dict[str, object]:
+        """The points, and what else is known, as a table for a TOML file."""
+        table: dict[str, object] = {
+            "size": list(self.size),
             "picture": [list(point) for point in self.picture],
             "floor": [list(point) for point in self.floor],
         }
@@ -147,6 +181,8 @@ class Calibration:
             table["camera"] = list(self.camera)
         if self.lens is not None:
             table["lens"] = [self.lens.k1, self.lens.k2]
+        if self.tags:
+            table["tags"] = [[tag, u, v] for tag, (u, v) in sorted(self.tags.items())]
         return table
 
     @classmethod
@@ -165,14 +201,33 @@ class Calibration:
                     f"calibration has no {key!r}; allowed: four points each for picture and floor"
                 )
         numbers = table.get("lens")
-        lens = None if numbers is None else Lens(*checked_numbers("lens", numbers, 2, "(k1, k2)"))
-        return cls(table["picture"], table["floor"], table.get("camera"), lens)  # type: ignore[arg-type] # checked there
+        lens = None
+        if numbers is not None:
+            k1, k2 = _checked_numbers("lens", numbers, 2, "(k1, k2)")
+            lens = Lens(k1, k2)
+        size = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
+        entries = table.get("tags", ())
+        if not isinstance(entries, Sequence):
+            raise ValueError(f"calibration tags is {entries!r}; allowed: a list of [id, u, v]")
+        tags = [_checked_numbers("tag", entry, 3, "(id, u, v)") for entry in entries]
+        return cls(
+            table["picture"],  # type: ignore[arg-type] # checked there
+            table["floor"],  # type: ignore[arg-type]
+            table.get("camera"),  # type: ignore[arg-type]
+            lens,
+            (int(size[0]), int(size[1])),
+            {int(tag): (u, v) for tag, u, v in tags},
+        )
 
     def save(self, path: str | Path) -> None:
         """Write the points, and the lens if it distorts, to a TOML file."""
         lines = ["# picture: four points in pixels from the upper left corner; floor: the same points in mm."]
         if self.lens is not None:
-            lines.append("# lens: k1 and k2 of OpenCV's radial distortion for a focal length of 400 pixels.")
+            lines.append(
+                f"# lens: k1 and k2 of OpenCV's radial distortion for a focal length of {self.lens.unit:.0f} pixels."
+            )
+        if self.tags:
+            lines.append("# tags: id of each floor tag, and the pixel of its middle.")
         lines += [f"{key} = {value}" for key, value in self.as_table().items()]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -198,3 +253,80 @@ class Calibration:
                 f"height is {height!r} mm; allowed: below the camera, which is {camera_height} mm high"
             )
         return x / MM_PER_PIXEL, y / MM_PER_PIXEL, 1.0 - height / camera_height
+
+
+def _homography(picture: ArrayLike, floor: ArrayLike) -> NDArray[np.float64]:
+    """The 3 x 3 matrix that maps four points to four others."""
+    rows, targets = [], []
+    for (u, v), (x, y) in zip(np.asarray(picture).tolist(), np.asarray(floor).tolist(), strict=True):
+        rows += [[u, v, 1, 0, 0, 0, -x * u, -x * v], [0, 0, 0, u, v, 1, -y * u, -y * v]]
+        targets += [x, y]
+    return np.append(np.linalg.solve(rows, targets), 1.0).reshape(3, 3)
+
+
+def _transformed(matrix: Matrix, p: float, q: float) -> Point:
+    """The point to which a homography maps (p, q)."""
+    a, b, c, d, e, f, g, h, i = matrix
+    w = g * p + h * q + i
+    return (a * p + b * q + c) / w, (d * p + e * q + f) / w
+
+
+def _check_view(picture: Sequence[Sequence[float]], floor: Sequence[Sequence[float]]) -> None:
+    """Check that four points of the picture can be a view from above of four points on the floor.
+
+    Raises:
+        ValueError: They are mirrored or crossed.
+    """
+    # The picture's v grows downwards: in a picture that is not mirrored, a left turn on the floor is a right turn.
+    reversed_turns = [
+        _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
+        for three in combinations(range(4), 3)
+    ]
+    if not all(reversed_turns):
+        how = "crossed" if any(reversed_turns) else "mirrored"
+        raise ValueError(
+            f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
+            "allowed: both in the same order"
+        )
+
+
+def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[float, ...]:
+    """A sequence of finite numbers as floats.
+
+    Raises:
+        ValueError: Anything else.
+    """
+    if (
+        not isinstance(value, Sequence | np.ndarray)
+        or len(value) != count
+        or not all(isinstance(n, int | float) and math.isfinite(n) for n in value)
+    ):
+        raise ValueError(f"calibration {name} is {value!r}; allowed: {count} finite numbers {form}")
+    return tuple(float(n) for n in value)
+
+
+def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, ...], ...]:
+    """Four different points of which no three lie on a line.
+
+    Raises:
+        ValueError: Anything else.
+    """
+    if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
+        raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
+    points = tuple(_checked_numbers(f"{name} point", point, 2, form) for point in value)
+    for one, other in combinations(points, 2):
+        if one == other:
+            raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
+    for three in combinations(points, 3):
+        longest = max(math.dist(p, q) for p, q in combinations(three, 2))
+        if abs(_cross(*three)) < _FLAT * longest * longest:
+            raise ValueError(
+                f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
+                "allowed: no three points on one line"
+            )
+    return points
+
+
+def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:
+    """Twice the signed area of a triangle, positive when its corners turn from x towards y."""
+    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])

@@ -6,17 +6,17 @@ and applied to this one.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.homography import Point
-from khepera_forage.vision.lens import MIDDLE, UNIT, Lens, shows_every_point_once
+from khepera_forage.vision.lens import DEFAULT_SIZE, Lens, Point, Size, shows_every_point_once
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.tags import Corners, middle
 
 LENS_POINTS = (8, 14)
 """Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
@@ -25,10 +25,10 @@ _GAIN = 0.9
 _REPEATS, _STEP = 6, 1e-4
 """Of the Gauss-Newton method, and for its numerical derivatives."""
 _NEWTON_REPEATS = 8
-_DETERMINED = 0.01
-"""Least ratio of singular values of the equations of a homography that is determined by its points."""
 _LARGEST = 0.5
 """Greatest coefficient that is tried."""
+_DETERMINED = 0.01
+"""Least ratio of singular values of the equations of a homography that is determined by its points."""
 
 
 class CalibrationFit(NamedTuple):
@@ -51,9 +51,12 @@ class CalibrationFit(NamedTuple):
 
 
 def fit_calibration(
-    picture: Sequence[Point], floor: Sequence[Point], camera: tuple[float, float, float] | None = None
+    picture: Sequence[Point],
+    floor: Sequence[Point],
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
 ) -> CalibrationFit:
-    """Fit a calibration: exactly to four points, by least squares on the floor to more.
+    """Fit a calibration: exactly to four points, by least squares to more.
 
     The lens is fitted to at least `LENS_POINTS` points, and used if it is possible and lowers the held-out error.
 
@@ -61,6 +64,7 @@ def fit_calibration(
         picture: Four or more points (u, v) in pixels.
         floor: The same points in mm.
         camera: Position x, y and height of the camera in mm; None corrects no parallax.
+        size: Width and height of the picture.
 
     Raises:
         ValueError: The points fit no camera.
@@ -70,22 +74,70 @@ def fit_calibration(
 
     points, places = np.array(picture, np.float64), np.array(floor, np.float64)
     hull = cv2.convexHull(points.astype(np.float32))
-    coverage = cv2.contourArea(hull) / (PICTURE_WIDTH * PICTURE_HEIGHT)
+    coverage = cv2.contourArea(hull) / (size[0] * size[1])
     if len(points) == 4:
-        calibration = Calibration(tuple(picture), tuple(floor), camera)
+        calibration = Calibration(tuple(picture), tuple(floor), camera, size=size)
         return CalibrationFit(calibration, _distances(calibration, picture, floor), (), (), coverage)
-    plain = best = _held_out(points, places, 0)
-    k, matrix = _fitted(points, places, 0)
+    plain = best = _held_out(points, places, 0, size)
+    k, matrix = _fitted(points, places, 0, size)
     for count, least in enumerate(LENS_POINTS, start=1):
         if len(points) >= least:
-            errors = _held_out(points, places, count)
+            errors = _held_out(points, places, count, size)
             if root_mean_square(errors) < _GAIN * root_mean_square(best):
-                k_of_lens, matrix_of_lens = _fitted(points, places, count)
+                k_of_lens, matrix_of_lens = _fitted(points, places, count, size)
                 # Errors of clicks can make a distortion fit best that no lens has.
                 if shows_every_point_once(*k_of_lens.tolist()):
                     best, k, matrix = errors, k_of_lens, matrix_of_lens
-    calibration = _calibration(k, matrix, camera)
+    width, height = size
+    corners = ((0.0, 0.0), (float(width), 0.0), (float(width), float(height)), (0.0, float(height)))
+    on_floor = _mapped(np.array(corners), k, matrix, size).tolist()
+    lens = Lens(float(k[0]), float(k[1]), size) if k.any() else None
+    calibration = Calibration(corners, tuple(map(tuple, on_floor)), camera, lens, size)
     return CalibrationFit(calibration, _distances(calibration, picture, floor), best, plain, coverage)
+
+
+def fit_to_tags(
+    tags: Mapping[int, Corners],
+    places: Mapping[int, Point],
+    side: float,
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
+) -> CalibrationFit:
+    """Fit a calibration to tags that lie on the floor, turned as you like; it remembers the tags' pixels.
+
+    Args:
+        tags: Corners in the picture, by id.
+        places: Middle on the floor in mm, by id; tags without a place are ignored.
+        side: Of a tag in mm.
+        camera: As for `fit_calibration`.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: Fewer than four of the tags are seen, or they fit no camera.
+    """
+    seen = sorted(set(tags) & set(places))
+    if len(seen) < 4:
+        missing = ", ".join(map(str, sorted(set(places) - set(tags))))
+        raise ValueError(
+            f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four"
+        )
+    middles = [middle(tags[tag]) for tag in seen]
+    first = fit_calibration(middles, [places[tag] for tag in seen], camera, size).calibration
+    points, corners = list[Point](), list[Point]()
+    for tag in seen:
+        # With the turn of a tag known, its corners are points, too.
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in tags[tag].tolist())
+        turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
+        cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
+        x, y = places[tag]
+        points += [(u, v) for u, v in tags[tag].tolist()]
+        corners += [
+            (x + right * cos - ahead * sin, y + right * sin + ahead * cos)
+            for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
+        ]
+    fit = fit_calibration(points, corners, camera, size)
+    calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)))
+    return fit._replace(calibration=calibration)
 
 
 def root_mean_square(errors: Sequence[float]) -> float:
@@ -106,7 +158,7 @@ def _distances(
 
 
 def _held_out(
-    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int
+    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int, size: Size
 ) -> tuple[float, ...]:
     """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
     errors = []
@@ -114,15 +166,15 @@ def _held_out(
         others = np.delete(points, i, axis=0)
         error = math.nan
         if _determine_homography(others):
-            k, matrix = _fitted(others, np.delete(places, i, axis=0), coefficients)
-            error = float(np.hypot(*(_mapped(points[i : i + 1], k, matrix) - places[i])[0]))
+            k, matrix = _fitted(others, np.delete(places, i, axis=0), coefficients, size)
+            error = float(np.hypot(*(_mapped(points[i : i + 1], k, matrix, size) - places[i])[0]))
         errors.append(error)
     return tuple(errors)
 
 
 def _determine_homography(points: NDArray[np.float64]) -> bool:
     """Whether points determine a homography: four of them must be in general position, no three on a line."""
-    scaled = (points - MIDDLE) / UNIT
+    scaled = (points - points.mean(axis=0)) / max(float(np.abs(points - points.mean(axis=0)).max()), 1e-9)
     ones, none = np.ones(len(points)), np.zeros((len(points), 3))
     rays = np.column_stack((scaled, ones))
     # The equations of a homography that maps the points to themselves, as an example of any.
@@ -135,7 +187,7 @@ def _determine_homography(points: NDArray[np.float64]) -> bool:
 
 
 def _fitted(
-    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int
+    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int, size: Size
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The lens's k1 and k2, and the homography to the floor after it is corrected.
 
@@ -143,14 +195,14 @@ def _fitted(
     """
 
     def misfit(k: NDArray[np.float64]) -> NDArray[np.float64]:
-        straight = _straightened(points, k)
+        straight = _straightened(points, k, size)
         difference: NDArray[np.float64] = _projected(straight, _homography(points, straight, places)) - places
         return difference.ravel()
 
     k = np.zeros(2)
     if coefficients:
         k = _least_squares(misfit, coefficients)
-    return k, _matrix(points, places, k)
+    return k, _homography(points, _straightened(points, k, size), places)
 
 
 def _least_squares(
@@ -165,13 +217,6 @@ def _least_squares(
         change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
         k[:coefficients] = (k[:coefficients] + change).clip(-_LARGEST, _LARGEST)
     return k
-
-
-def _matrix(
-    points: NDArray[np.float64], places: NDArray[np.float64], k: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The homography that maps the points, seen through a lens, to their places by least squares."""
-    return _homography(points, _straightened(points, k), places)
 
 
 def _homography(
@@ -189,9 +234,9 @@ def _homography(
 
 
 def _mapped(
-    points: NDArray[np.float64], k: NDArray[np.float64], matrix: NDArray[np.float64]
+    points: NDArray[np.float64], k: NDArray[np.float64], matrix: NDArray[np.float64], size: Size
 ) -> NDArray[np.float64]:
-    return _projected(_straightened(points, k), matrix)
+    return _projected(_straightened(points, k, size), matrix)
 
 
 def _projected(straight: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -200,28 +245,17 @@ def _projected(straight: NDArray[np.float64], matrix: NDArray[np.float64]) -> ND
     return cv2.perspectiveTransform(straight[:, None], matrix)[:, 0]  # type: ignore[return-value]
 
 
-def _straightened(points: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+def _straightened(points: NDArray[np.float64], k: NDArray[np.float64], size: Size) -> NDArray[np.float64]:
     """The points without the lens's distortion: `Lens.straightened` for many points, and for any k."""
     if not k.any():
         return points
-    offsets = (points - MIDDLE) / UNIT
+    middle_of_picture, unit = np.array(size) / 2, math.hypot(*size) / 2
+    offsets = (points - middle_of_picture) / unit
     shown = np.hypot(offsets[:, 0], offsets[:, 1])
     r = shown
     for _ in range(_NEWTON_REPEATS):
         slope = 1 + 3 * k[0] * r**2 + 5 * k[1] * r**4
         r = r - (r * (1 + k[0] * r**2 + k[1] * r**4) - shown) / np.maximum(slope, 0.05)
     ratios = np.divide(r, shown, out=np.ones_like(r), where=shown > 0)
-    straight: NDArray[np.float64] = MIDDLE + offsets * ratios[:, None] * UNIT
+    straight: NDArray[np.float64] = middle_of_picture + offsets * ratios[:, None] * unit
     return straight
-
-
-def _calibration(
-    k: NDArray[np.float64], matrix: NDArray[np.float64], camera: tuple[float, float, float] | None
-) -> Calibration:
-    """A calibration holds four points: the corners of the picture, placed on the floor by the fit."""
-    corners = np.array(
-        ((0.0, 0.0), (PICTURE_WIDTH, 0.0), (PICTURE_WIDTH, PICTURE_HEIGHT), (0.0, PICTURE_HEIGHT))
-    )
-    lens = Lens(*k.tolist()) if k.any() else None
-    floor = _mapped(corners, k, matrix).tolist()
-    return Calibration(tuple(map(tuple, corners.tolist())), tuple(map(tuple, floor)), camera, lens)

@@ -114,7 +114,7 @@ def measure_quality(frame: Frame) -> ImageQuality:
         rows = slice(max(0, top - 4), top + height + 4)
         columns = slice(max(0, left - 4), left + width + 4)
         floor = segmentation.floor_at(left + width // 2, top + height // 2)
-        shapes.append(_shape(frame[rows, columns], labels[rows, columns] == i, max(floor, 1)))
+        shapes.append(white_and_blur(frame[rows, columns], labels[rows, columns] == i, max(floor, 1)))
     highest = max((contrast for contrast, _ in shapes), default=0.0)
     white = [shape for shape in shapes if shape[0] >= _SIMILAR * highest]
     return ImageQuality(
@@ -126,8 +126,8 @@ def measure_quality(frame: Frame) -> ImageQuality:
     )
 
 
-def _shape(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tuple[float, float]:
-    """Contrast of one bright shape, and the blur of its border."""
+def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tuple[float, float]:
+    """Brightness of a bright shape as a multiple of the floor's, and the blur of its border in pixels."""
     import cv2
 
     white = float(np.percentile(grey[inside], _WHITE_QUANTILE))

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 Point = tuple[float, float]
+Size = tuple[int, int]
+"""Width and height of a picture in pixels."""
 
-UNIT = math.hypot(PICTURE_WIDTH, PICTURE_HEIGHT) / 2
-"""Pixels from the middle of the picture to a corner, 400: the unit of distances in the model."""
-MIDDLE = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
+DEFAULT_SIZE: Size = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+"""Of the thesis's camera (3.4)."""
 _REPEATS = 20
 _CONVERGED = 1e-12
 _LEAST_SLOPE = 0.05
@@ -21,13 +22,14 @@ distortion."""
 class Lens:
     """A lens that shows a point at the distance r from the middle of the picture at r (1 + k1 r^2 + k2 r^4).
 
-    The unit of r is `UNIT`: a k1 of -0.03 moves the corners by 3 % towards the middle. This is OpenCV's model with a
-    focal length of 400 pixels; multiply OpenCV's k1 for a focal length of f pixels by (400/f)^2, and its k2 by
-    (400/f)^4.
+    The unit of r is the distance d of a corner from the middle: a k1 of -0.03 moves the corners by 3 % towards the
+    middle. This is OpenCV's model with a focal length of d pixels, which is 400 in a picture of 640 x 480; multiply
+    OpenCV's k1 for a focal length of f pixels by (d/f)^2, and its k2 by (d/f)^4.
 
     Args:
         k1: Negative for a barrel, positive for a pincushion.
         k2: The same, further from the middle.
+        size: Width and height of the picture.
 
     Raises:
         ValueError: A value that is not finite, or so far from 0 that several points would appear at the same place.
@@ -35,6 +37,17 @@ class Lens:
 
     k1: float
     k2: float = 0.0
+    size: Size = DEFAULT_SIZE
+
+    @property
+    def middle(self) -> Point:
+        """Middle of the picture in pixels."""
+        return self.size[0] / 2, self.size[1] / 2
+
+    @property
+    def unit(self) -> float:
+        """Pixels from the middle of the picture to a corner."""
+        return math.hypot(*self.size) / 2
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
@@ -47,29 +60,34 @@ class Lens:
 
     def straightened(self, u: float, v: float) -> Point:
         """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
-        du, dv = u - MIDDLE[0], v - MIDDLE[1]
-        shown = math.hypot(du, dv) / UNIT
+        du, dv = self._offset(u, v)
+        shown = math.hypot(du, dv)
         r = self._true(shown)
         ratio = r / shown if shown > 0 else 1.0
-        return MIDDLE[0] + du * ratio, MIDDLE[1] + dv * ratio
+        return self._point(du * ratio, dv * ratio)
 
     def distorted(self, u: float, v: float) -> Point:
         """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
-        du, dv = u - MIDDLE[0], v - MIDDLE[1]
-        r_squared = (du * du + dv * dv) / UNIT**2
+        du, dv = self._offset(u, v)
+        r_squared = du * du + dv * dv
         ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
-        return MIDDLE[0] + du * ratio, MIDDLE[1] + dv * ratio
+        return self._point(du * ratio, dv * ratio)
 
     def jacobian(self, u: float, v: float) -> tuple[float, float, float, float]:
         """Jacobian of `straightened` at (u, v): change of u with u, of u with v, of v with u, of v with v."""
-        u, v = self.straightened(u, v)
-        du, dv = (u - MIDDLE[0]) / UNIT, (v - MIDDLE[1]) / UNIT
+        du, dv = self._offset(*self.straightened(u, v))
         r_squared = du * du + dv * dv
         ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
         growth = 2 * self.k1 + 4 * self.k2 * r_squared
         uu, uv, vv = ratio + growth * du * du, growth * du * dv, ratio + growth * dv * dv
         determinant = uu * vv - uv * uv
         return vv / determinant, -uv / determinant, -uv / determinant, uu / determinant
+
+    def _offset(self, u: float, v: float) -> Point:
+        return (u - self.size[0] / 2) / self.unit, (v - self.size[1] / 2) / self.unit
+
+    def _point(self, du: float, dv: float) -> Point:
+        return self.size[0] / 2 + du * self.unit, self.size[1] / 2 + dv * self.unit
 
     def _true(self, shown: float) -> float:
         """The distance that appears as another one, by Newton's method."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import check_frame
+from khepera_forage.vision.detection.segmentation import as_grey
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -51,7 +51,7 @@ def draw_scene(
     require("drawing a scene", "camera")
     import cv2
 
-    check_frame(frame)
+    frame = as_grey(frame)
     if enlargement < 1:
         raise ValueError(f"enlargement is {enlargement!r}; allowed: at least 1")
     larger = frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1)

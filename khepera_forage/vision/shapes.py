@@ -26,6 +26,30 @@ Decision (figure 3.9 did not survive as a picture): the holes lie ahead of the m
 back, which the thesis's own markers evidently did not (4.2.2). At least 4 pixels of white separate a hole from the next
 black shape, so that blur and a low threshold do not join them. docs/tracker.md compares several positions.
 """
+GRID_SIDE = 16.0
+"""Side in mm of a hole of the markers for many robots."""
+GRID_PLACES = tuple((x, y) for x in (35.0, 0.0, -35.0) for y in (18.0, -18.0))
+"""Places in mm of the 16 mm holes of the markers for many robots: columns from the front, each from left to right."""
+
+
+def _grid_holes() -> dict[int, tuple[tuple[float, float], ...]]:
+    """The arrangements with an even number of holes that a half turn changes, one of each two that it exchanges.
+
+    One hole that is hidden, or one dark spot too many, makes the number odd: it never makes another marker.
+    """
+    codes: list[int] = []
+    for code in range(64):
+        turned = int(f"{code:06b}"[::-1], 2)
+        if code.bit_count() % 2 == 0 and turned != code and turned not in codes:
+            codes.append(code)
+    return {
+        number: tuple(place for i, place in enumerate(GRID_PLACES) if code >> i & 1)
+        for number, code in enumerate(codes, start=1)
+    }
+
+
+GRID_HOLES = _grid_holes()
+"""Centres in mm of the holes of twelve markers, by their number."""
 MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 

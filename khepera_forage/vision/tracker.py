@@ -1,4 +1,4 @@
-"""The tracker: grey frames become detections, and detections a scene (3.5)."""
+"""The tracker: frames become detections, and detections a scene (3.5)."""
 
 import math
 
@@ -7,27 +7,38 @@ from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.detector import Detector
 from khepera_forage.vision.detection.floor_visibility import FloorVisibility
-from khepera_forage.vision.detection.segmentation import Frame, Segmentation, Segmenter
+from khepera_forage.vision.detection.segmentation import Frame, Segmentation, Segmenter, as_grey
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from khepera_forage.vision.tracks import Tracks
+from khepera_forage.vision.tracks import Confirmation, Tracks
 
 __all__ = ["Tracker", "TrackerSettings"]
 
+_NATIVE = (0.8, 1.25)
+"""Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
+_LEAST_SCALE = 0.55
+"""Pixels of a frame per region pixel below which markers with holes cannot be read."""
+
 
 class Tracker:
-    """Detects markers and food in frames of 640 x 480 grey levels, and tracks them.
+    """Detects markers and food in frames, and tracks them.
+
+    Frames have any size, that of the calibration, and are grey or in colour. Frames that show much more or less than
+    5 mm of the floor in a pixel are resized to that.
 
     Detection:
         Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size with at least one hole is a marker. Its centre and axis come from the visible parts of its four sides
-        (`rectangle_fit`), and its front is on the side of the holes. Cables are removed before the holes are counted
-        (`cable_bands`, `hole_pattern`). If a user's own marker has its holes in the middle, the heading is the one
-        nearer to that of the same marker in the frame before; in the first frame it lies between -90 and 90 degrees. A
-        disc of food's size is food (`food_detector`). All other shapes are ignored: walls, cables, and markers or food
-        of which too little is visible. An uncertain region is lost; it is never reported with a number of holes that
-        may be wrong. `image_quality` tells when blur, exposure or noise make the whole picture uncertain.
+        size is a marker. Its centre and axis come from the visible parts of its four sides (`rectangle_fit`), and its
+        number and front from the arrangement of its holes, after cables are removed (`hole_pattern`). A disc of food's
+        size with a sharp border is food (`food_detector`). Tags are found by `tags`. All other shapes are ignored:
+        walls, cables, and markers or food of which too little is visible.
+
+    Uncertainty:
+        An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the
+        cause. A new region, or one that has jumped or is reversed, counts when two (food) or three (markers)
+        consecutive frames agree on it, except in the first frame. `image_quality` tells when blur, exposure, noise
+        or pale print make the whole picture uncertain.
 
     Lost food:
         Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
@@ -42,82 +53,132 @@ class Tracker:
 
     Args:
         settings: Sizes, thresholds, patience, and whether to track by features; None for the defaults.
-        calibration: From the picture to the floor; None for `Calibration.identity()`.
+        calibration: From the picture to the floor; None for `Calibration.identity()`, for frames of any size.
 
     Raises:
         ImportError: OpenCV is not installed.
-        ValueError: Markers or food are as high as the calibration's camera.
+        ValueError: Markers or food are as high as the calibration's camera, or its pixels are too large for them.
     """
 
     def __init__(
         self, settings: TrackerSettings | None = None, calibration: Calibration | None = None
     ) -> None:
         require("the tracker", "camera")
-        self.settings = settings = settings or TrackerSettings()
-        self.calibration = calibration or Calibration.identity()
-        scale = _pixels_per_mm(self.calibration, settings)
-        self._segmenter = Segmenter(settings.contrast)
-        self._detector = Detector(settings, self.calibration, scale)
-        self._floor = FloorVisibility(settings, self.calibration)
-        self._tracks = Tracks(by_place=settings.featureless)
+        self.settings = settings or TrackerSettings()
+        self._adapts = calibration is None
+        self._segmenter = Segmenter(self.settings.contrast)
+        self._confirmation = Confirmation(by_place=self.settings.featureless)
+        self._tracks = Tracks(by_place=self.settings.featureless)
         self._scene = Scene(())
+        self._warnings: dict[str, str] = {}
+        self._prepare(calibration or Calibration.identity())
 
     @property
     def scene(self) -> Scene:
         """The scene of the last frame; empty before the first."""
         return self._scene
 
+    @property
+    def warnings(self) -> dict[str, str]:
+        """What the last frame does not show for certain, and is therefore not reported, by the name of the cause."""
+        return self._warnings
+
     def detect(self, frame: Frame) -> list[Detection]:
         """The detections of one frame, in no particular order; no track changes.
 
         Args:
-            frame: 480 x 640 grey levels, row 0 at the top.
+            frame: Grey levels, or blue, green and red, row 0 at the top.
 
         Raises:
-            ValueError: A frame of another shape or type.
+            ValueError: A frame of another type, or of another size than the calibration's.
         """
-        return self._detect(self._segmenter.segment(frame))
+        grey = self._checked(frame)
+        return self._detect(grey, self._segmented(grey))
 
     def update(self, frame: Frame) -> Scene:
-        """The scene after one more frame.
-
-        Args:
-            frame: 480 x 640 grey levels, row 0 at the top.
-
-        Raises:
-            ValueError: A frame of another shape or type.
-        """
-        segmentation = self._segmenter.segment(frame)
-        detections = self._detect(segmentation)
-        self._floor.update(segmentation, detections, self._scene)
-        self._scene = self._tracks.update(detections, self._floor.visible)
+        """The scene after one more frame; arguments and errors as for `detect`."""
+        grey = self._checked(frame)
+        segmentation = self._segmented(grey)
+        shown = self._detect(grey, segmentation)
+        self._floor.update(segmentation, shown, self._scene)
+        detections = self._confirmation.confirmed(shown, self._scene)
+        doomed = self._confirmation.doomed(detections, self._scene)
+        self._scene = self._tracks.update(detections, self._floor.visible, doomed)
+        self._confirmation.count(self._scene)
+        for region in self._scene.regions:
+            if region.holes and not region.found:
+                place = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
+                self._warnings["lost"] = f"marker {region.holes} is not visible; it was last seen at {place}"
         return self._scene
 
     def reset(self) -> None:
         """Forget every track; labels start at 0 again."""
+        self._confirmation.reset()
         self._tracks.reset()
         self._floor.reset()
         self._scene = Scene(())
 
-    def _detect(self, segmentation: Segmentation) -> list[Detection]:
-        return [
-            detection if front_known else self._oriented(detection)
-            for detection, front_known in self._detector.detect(segmentation)
-        ]
+    def _prepare(self, calibration: Calibration) -> None:
+        """Use a calibration: its picture is resized to 5 mm a pixel, if it is much coarser or finer."""
+        settings = self.settings
+        self.calibration = calibration
+        width, height = calibration.size
+        for z in (settings.marker_height, settings.food_height):
+            calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
+        scale = MM_PER_PIXEL / calibration.mm_per_pixel()
+        self._tags = TagDetector(settings, calibration) if settings.tag_ids else None
+        self._floor_tags = FloorTags(calibration) if calibration.tags else None
+        if settings.markers != "tags" and scale < _LEAST_SCALE:
+            raise ValueError(
+                f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
+                f"allowed: up to {MM_PER_PIXEL / _LEAST_SCALE:.1f} mm: use a higher resolution, or a lower camera"
+            )
+        self._size = (width, height)
+        if not _NATIVE[0] <= scale <= _NATIVE[1]:
+            self._size = (max(16, round(width / scale)), max(16, round(height / scale)))
+            calibration = calibration.for_size(*self._size)
+        pixels_per_mm = 1 / calibration.mm_per_pixel()
+        self._detector = Detector(settings, calibration, pixels_per_mm)
+        self._floor = FloorVisibility(settings, calibration)
 
-    def _oriented(self, detection: Detection) -> Detection:
-        """A marker whose holes do not tell its front, reversed if that fits the nearest such marker's last heading."""
-        before = [r for r in self._scene.regions if r.holes == detection.holes]
-        before.sort(key=lambda r: math.hypot(r.x - detection.x, r.y - detection.y))
-        last = before[0].orientation if before else 0
-        if 90 < (detection.orientation - last) % 360 <= 270:
-            return detection._replace(orientation=(detection.orientation + 180) % 360)
-        return detection
+    def _checked(self, frame: Frame) -> Frame:
+        """The frame as grey levels, of the calibration's size."""
+        grey = as_grey(frame)
+        size = (grey.shape[1], grey.shape[0])
+        if size != self.calibration.size:
+            if not self._adapts or min(size) < 16:
+                wide, high = self.calibration.size
+                raise ValueError(
+                    f"frame is {size[0]} x {size[1]}; allowed: {wide} x {high}, as calibrated: set the camera to this "
+                    "size, or calibrate again"
+                )
+            self._prepare(Calibration.identity(size=size))
+        return grey
 
+    def _segmented(self, grey: Frame) -> Segmentation:
+        import cv2
 
-def _pixels_per_mm(calibration: Calibration, settings: TrackerSettings) -> float:
-    """Pixels of the picture per mm of the floor, in the middle of the picture."""
-    middle = (PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
-    for height in (settings.marker_height, settings.food_height):
-        calibration.to_region(*middle, height)  # raises an error for heights above the camera
-    return 1 / (MM_PER_PIXEL * math.sqrt(calibration.jacobian(*middle).area))
+        if self._size != self.calibration.size:
+            reduced = self._size[0] < self.calibration.size[0]
+            grey = cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA if reduced else cv2.INTER_CUBIC)  # type: ignore[assignment]
+        return self._segmenter.segment(grey)
+
+    def _detect(self, grey: Frame, segmentation: Segmentation) -> list[Detection]:
+        self._warnings = {}
+        tags: list[Detection] = []
+        if self._tags is not None:
+            tags, self._warnings = self._tags.detect(grey)
+        if self._floor_tags is not None:
+            self._warnings |= self._floor_tags.check(grey)
+        found = self._detector.detect(segmentation, markers=self.settings.markers != "tags")
+        self._warnings |= {trouble.kind: trouble.text for trouble in found.troubles}
+        detections = found.detections
+        if self._tags is not None:
+            # White parts of tags look like food.
+            before = [r for r in self._scene.regions if r.holes and self.settings.markers == "tags"]
+            near = self._tags.reach
+            places = [(t.x, t.y) for t in tags] + [(r.x, r.y) for r in before]
+            detections = [
+                d for d in detections if d.holes or all(math.dist((d.x, d.y), p) > near for p in places)
+            ]
+        return tags + detections

@@ -6,6 +6,9 @@ from dataclasses import dataclass, fields
 from khepera_forage.robots.khepera import FOOD_HEIGHT, FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.shapes import HOLE_SIDE
 
+MARKER_NUMBERS = {"holes": range(1, 3), "grid": range(1, 13), "tags": range(1, 50)}
+"""The numbers of the markers of each kind."""
+
 
 @dataclass(frozen=True, slots=True)
 class TrackerSettings:
@@ -19,8 +22,7 @@ class TrackerSettings:
     """Least brightness of a region's pixels, as a multiple of the floor's brightness around them. White paper on a
     floor of medium intensity (3.1) is about twice as bright."""
     hole_contrast: float = 0.7
-    """Pixels of a marker darker than this share of its white belong to a hole. The threshold is above halfway to black,
-    because blur brightens squares of four pixels."""
+    """Without effect: the arrangements of holes are compared as a whole. Accepted because older files have it."""
     tolerance: float = 0.3
     """Greatest relative error of a marker's length and width, and of food's diameter."""
     marker_length: float = MARKER_LENGTH
@@ -38,15 +40,43 @@ class TrackerSettings:
     patience: int = 3
     """Number of consecutive frames in which the floor must be visible where food was last seen, before the food is
     dropped."""
+    markers: str = "holes"
+    """What robots carry: "holes" (markers 1 and 2, with one and two holes), "grid" (markers 1 to 12, with 16 mm holes),
+    or "tags" (ArUco tags, `tags.DICTIONARY`)."""
+    numbers: tuple[int, ...] = (1, 2)
+    """The markers, or ids of tags, in use; a region's `holes` is this number. Any other is ignored."""
+    food_tags: tuple[int, ...] = ()
+    """Ids of the tags on food. Food without a tag is found as a white disc."""
+    tag_size: float = 80.0
+    """Side in mm of a robot's tag, with its black border."""
+    food_tag_size: float = 24.0
+    """Side in mm of a food object's tag."""
     featureless: bool = False
     """Whether tracks are continued by place alone instead of by number of holes and place (3.5)."""
+
+    @property
+    def tag_ids(self) -> tuple[int, ...]:
+        """Ids of all tags on robots and food."""
+        return (self.numbers if self.markers == "tags" else ()) + self.food_tags
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name != "featureless" and not 0 <= value < math.inf:
+            if (
+                isinstance(field.default, float | int)
+                and type(field.default) is not bool
+                and not 0 <= value < math.inf
+            ):
                 raise ValueError(f"tracker {field.name} is {value!r}; allowed: a finite number >= 0")
-        for name in ("marker_length", "marker_width", "hole_side", "food_radius"):
+        self._check_numbers()
+        for name in (
+            "marker_length",
+            "marker_width",
+            "hole_side",
+            "food_radius",
+            "tag_size",
+            "food_tag_size",
+        ):
             if getattr(self, name) == 0:
                 raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: above 0 mm")
         for name in ("hole_contrast", "tolerance"):
@@ -66,3 +96,25 @@ class TrackerSettings:
             )
         if self.patience < 1 or self.patience != int(self.patience):
             raise ValueError(f"tracker patience is {self.patience!r}; allowed: whole frames, at least 1")
+
+    def _check_numbers(self) -> None:
+        """Check the kind of markers and the numbers in use."""
+        if self.markers not in MARKER_NUMBERS:
+            raise ValueError(f"tracker markers is {self.markers!r}; allowed: {', '.join(MARKER_NUMBERS)}")
+        for name, allowed in (
+            ("numbers", MARKER_NUMBERS[self.markers]),
+            ("food_tags", MARKER_NUMBERS["tags"]),
+        ):
+            given = tuple(getattr(self, name))
+            object.__setattr__(self, name, given)
+            least, most = allowed[0], allowed[-1]
+            if len(set(given)) < len(given) or not all(type(n) is int and n in allowed for n in given):
+                raise ValueError(
+                    f"tracker {name} is {list(given)}; allowed with markers {self.markers!r}: "
+                    f"different whole numbers, {least} to {most}"
+                )
+        if not self.numbers:
+            raise ValueError("tracker numbers is []; allowed: at least one number")
+        both = set(self.numbers) & set(self.food_tags)
+        if self.markers == "tags" and both:
+            raise ValueError(f"tracker food_tags has {min(both)}, as numbers; allowed: each tag once")

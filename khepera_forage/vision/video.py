@@ -1,7 +1,9 @@
 """Frame sources: the newest frame, and its age, from a camera device, a video file or a network stream (3.4)."""
 
+import logging
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -9,13 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.detection.segmentation import FRAME_SHAPE
+from khepera_forage.vision.detection.segmentation import as_grey
+from khepera_forage.vision.lens import DEFAULT_SIZE, Size
 
 if TYPE_CHECKING:
     import cv2
 
+_LOG = logging.getLogger(__name__)
 _CLOSE_TIMEOUT = 5.0
 """Seconds that `close` waits for a read that hangs in a driver."""
+_LEAST_PERIOD = 0.001
+"""Seconds between two frames of a file at least."""
+_RETRY, _REOPEN = 0.02, 0.5
+"""Seconds from a failed read to the next, and from one attempt to open a stream again to the next."""
 
 
 class CameraLost(ConnectionError):  # noqa: N818 (named for the event, as `RobotLost` is)
@@ -35,11 +43,40 @@ class CameraLost(ConnectionError):  # noqa: N818 (named for the event, as `Robot
         self.age = age
 
 
+@dataclass(frozen=True, slots=True)
+class VideoSettings:
+    """Settings of a camera device; what is None is left as it is.
+
+    Attributes:
+        size: Width and height of the frames in pixels; by default 640 x 480, or what the camera has.
+        rate: Frames a second.
+        exposure: In the driver's unit, on V4L2 0.1 ms; it switches the automatic exposure off.
+        focus: In the driver's unit; it switches the automatic focus off.
+
+    Raises:
+        ValueError: A size or rate that no camera has.
+    """
+
+    size: Size | None = None
+    rate: float | None = None
+    exposure: float | None = None
+    focus: float | None = None
+
+    def __post_init__(self) -> None:
+        size = self.size
+        if size is not None and not (
+            len(size) == 2 and all(type(n) is int and 16 <= n <= 16384 for n in size)
+        ):
+            raise ValueError(f"camera size is {size!r}; allowed: width and height, 16 to 16384 pixels each")
+        if self.rate is not None and not 0 < self.rate <= 1000:
+            raise ValueError(f"camera rate is {self.rate!r}; allowed: above 0, up to 1000 frames a second")
+
+
 class FrameSource(Protocol):
     """A source of frames."""
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
-        """The newest frame, 480 x 640 grey levels with row 0 at the top, and its age in s."""
+        """The newest frame, rows x columns of grey levels with row 0 at the top, and its age in s."""
         ...
 
     def close(self) -> None:
@@ -51,25 +88,36 @@ class VideoSource:
     """A `FrameSource` for anything that OpenCV can open, read by a separate thread.
 
     The thread reads frames as they arrive and keeps only the newest, so that a slow user never receives old frames from
-    a driver's buffer. A video file is played at its own speed, like a camera, and is lost when it ends. Colour becomes
-    grey. Frames of another size with the aspect ratio 4 : 3 are scaled to 640 x 480. Other aspect ratios are refused,
-    because such frames would be distorted or cut.
+    a driver's buffer. A video file is played at its own speed, which may vary, like a camera, and is lost when it
+    ends. Failed reads are repeated, and streams opened again, until the timeout. Colour becomes grey.
+
+    Frames of another size with the aspect ratio of `settings.size` are scaled to it, and other aspect ratios are
+    refused. Without a size, frames of 4 : 3 are scaled to 640 x 480, and others are left as they are.
 
     A context manager: leaving it closes the source.
 
     Args:
-        source: Number of a device, path of a file, or URL.
+        source: Number of a device, path of a file, or URL (http, rtsp).
         timeout: Seconds without a new frame after which the camera is lost; the first frame may take ten times as
             long.
+        settings: Of the camera device.
+        paced: Whether a file plays at its own speed; if not, every call of `newest` returns its next frame.
 
     Raises:
         ImportError: OpenCV is not installed.
         FileNotFoundError: The file does not exist.
         CameraLost: The source cannot be opened, or has no first frame.
-        ValueError: A timeout that is not above 0, or frames that are not 4 : 3.
+        ValueError: A timeout that is not above 0, or frames of another aspect ratio than the size.
     """
 
-    def __init__(self, source: int | str | Path, *, timeout: float = 2.0) -> None:
+    def __init__(
+        self,
+        source: int | str | Path,
+        *,
+        timeout: float = 2.0,
+        settings: VideoSettings | None = None,
+        paced: bool = True,
+    ) -> None:
         require("a video source", "camera")
         if not 0 < timeout < float("inf"):
             raise ValueError(f"timeout is {timeout!r} s; allowed: above 0")
@@ -80,18 +128,23 @@ class VideoSource:
                 raise FileNotFoundError(f"camera {source}: there is no such file or device")
         self._name = str(source)
         self._timeout = timeout
+        self._source, self._settings = source, settings or VideoSettings()
+        self._size: Size | None = self._settings.size
         self._changed = threading.Condition()
         self._frame: NDArray[np.uint8] | None = None
         self._taken = 0.0
         self._end: Exception | None = None
         self._closing = threading.Event()
-        capture = _opened(source, self._name)
+        self._taken_by_user: NDArray[np.uint8] | None = None
+        capture = self._opened()
+        self._is_file = not isinstance(source, int) and Path(source).is_file()
+        self._every = not paced and self._is_file
         self._reader = threading.Thread(
             target=self._read, args=(capture,), name=f"camera {self._name}", daemon=True
         )
         self._reader.start()
         try:
-            self._await_first_frame()
+            self._await_frame(10 * timeout)
         except BaseException:
             self.close()
             raise
@@ -99,12 +152,23 @@ class VideoSource:
     def newest(self) -> tuple[NDArray[np.uint8], float]:
         """The newest frame and its age in s, without waiting. The frame is shared between calls and read-only.
 
+        A file that is not paced waits for its next frame instead.
+
         Raises:
             CameraLost: The video has ended, the device is gone, no frame has arrived for `timeout` seconds, or the
                 frames changed their shape.
             ValueError: The source was closed.
         """
         with self._changed:
+            if self._every:
+                self._changed.wait_for(
+                    lambda: self._frame is not self._taken_by_user or self._end is not None, self._timeout
+                )
+                if self._frame is not self._taken_by_user:
+                    self._taken_by_user = frame = self._frame
+                    self._changed.notify_all()
+                    assert frame is not None
+                    return frame, 0.0
             frame, age, end = self._frame, time.monotonic() - self._taken, self._end
         if self._closing.is_set():
             raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
@@ -128,44 +192,138 @@ class VideoSource:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _await_first_frame(self) -> None:
+    def _await_frame(self, seconds: float) -> None:
+        """Wait for the first frame."""
         with self._changed:
-            self._changed.wait_for(
-                lambda: self._frame is not None or self._end is not None, 10 * self._timeout
-            )
+            self._changed.wait_for(lambda: self._frame is not None or self._end is not None, seconds)
             if self._frame is not None:
                 return
             end = self._end
         if isinstance(end, ValueError):
             raise ValueError(f"camera {self._name} has {end}")
-        reason = f"opened, but no frame within {10 * self._timeout:g} s" if end is None else _reason(end)
+        reason = f"opened, but no frame within {seconds:g} s" if end is None else _reason(end)
         raise CameraLost(self._name, reason, None) from end
+
+    def _opened(self) -> "cv2.VideoCapture":
+        import cv2
+
+        source = self._source
+        capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
+        if not capture.isOpened():
+            raise CameraLost(self._name, "cannot be opened", None)
+        if isinstance(source, int):
+            _configure(capture, self._settings, self._name)
+        return capture
 
     def _read(self, capture: "cv2.VideoCapture") -> None:
         """The thread's loop: read frames until the source ends or is closed."""
-        import cv2
-
-        length = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        period = 1 / max(1.0, capture.get(cv2.CAP_PROP_FPS)) if length > 0 else 0.0
-        due = time.monotonic()
+        period = _period(capture)
+        began = due = time.monotonic()
+        last = opened = began
         try:
             while not self._closing.is_set():
                 good, picture = capture.read()
+                now = time.monotonic()
                 if not good:
-                    reason = "the video has ended" if length > 0 else "it has no more frames"
-                    raise CameraLost(self._name, reason, None)
-                frame = _grey(picture)  # type: ignore[arg-type] # uint8
+                    if self._is_file:
+                        none = self._frame is None
+                        raise CameraLost(
+                            self._name, "it has no frames" if none else "the video has ended", None
+                        )
+                    patience = self._timeout if self._frame is not None else 10 * self._timeout
+                    if now - last > patience:
+                        raise CameraLost(self._name, f"it has had no more frames for {patience:g} s", None)
+                    if not isinstance(self._source, int) and now - opened > _REOPEN:
+                        capture, opened = self._reopened(capture), now
+                    self._closing.wait(_RETRY)
+                    continue
+                last = now
+                frame = self._scaled(as_grey(picture))  # type: ignore[arg-type] # uint8
                 with self._changed:
                     self._frame, self._taken = frame, time.monotonic()
                     self._changed.notify_all()
-                due += period
-                self._closing.wait(max(0.0, due - time.monotonic()))
+                    if self._every:
+                        self._changed.wait_for(
+                            lambda: self._taken_by_user is self._frame or self._closing.is_set()
+                        )
+                        continue
+                if self._is_file:
+                    due = max(due + _LEAST_PERIOD, _due(capture, began, due + period))
+                    self._closing.wait(max(0.0, due - time.monotonic()))
         except Exception as error:  # `newest` raises any error in the user's thread
             with self._changed:
                 self._end = error
                 self._changed.notify_all()
         finally:
             capture.release()
+
+    def _reopened(self, capture: "cv2.VideoCapture") -> "cv2.VideoCapture":
+        """A stream opened again; itself if that fails."""
+        try:
+            again = self._opened()
+        except CameraLost:
+            return capture
+        capture.release()
+        return again
+
+    def _scaled(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """A frame of the size that all frames have, read-only."""
+        import cv2
+
+        height, width = grey.shape
+        if self._size is None:
+            wide, high = DEFAULT_SIZE
+            self._size = DEFAULT_SIZE if width * high == height * wide else (width, height)
+        wide, high = self._size
+        if width * high != height * wide:
+            raise ValueError(
+                f"frames of {width} x {height}; allowed: {wide} x {high}, or another size with this aspect ratio"
+            )
+        if height != high:
+            interpolation = cv2.INTER_AREA if height > high else cv2.INTER_LINEAR
+            grey = cv2.resize(grey, (wide, high), interpolation=interpolation)  # type: ignore[assignment]
+        grey = np.ascontiguousarray(grey)
+        grey.setflags(write=False)
+        return grey
+
+
+def _period(capture: "cv2.VideoCapture") -> float:
+    """Seconds between two frames of a file."""
+    import cv2
+
+    return 1 / max(1.0, capture.get(cv2.CAP_PROP_FPS))
+
+
+def _due(capture: "cv2.VideoCapture", began: float, otherwise: float) -> float:
+    """When the frame after the one just read is due: by its time in the file, as far as the file has times."""
+    import cv2
+
+    seconds = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
+    return began + seconds + _period(capture) if seconds > 0 else otherwise
+
+
+def _configure(capture: "cv2.VideoCapture", settings: VideoSettings, name: str) -> None:
+    """Set a device; what it refuses is logged."""
+    import cv2
+
+    width, height = settings.size or DEFAULT_SIZE
+    if width > DEFAULT_SIZE[0]:
+        # Compressed frames: uncompressed ones are too many for USB.
+        capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
+    capture.set(cv2.CAP_PROP_FRAME_WIDTH, width)
+    capture.set(cv2.CAP_PROP_FRAME_HEIGHT, height)
+    capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+    if settings.exposure is not None:
+        capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, 1)  # V4L2: manual
+    if settings.focus is not None:
+        capture.set(cv2.CAP_PROP_AUTOFOCUS, 0)
+    for what, number, value in (
+        ("rate", cv2.CAP_PROP_FPS, settings.rate),
+        ("exposure", cv2.CAP_PROP_EXPOSURE, settings.exposure),
+        ("focus", cv2.CAP_PROP_FOCUS, settings.focus),
+    ):
+        if value is not None and not capture.set(number, value):
+            _LOG.warning("camera %s does not accept %s %g; its own setting stays", name, what, value)
 
 
 def _reason(error: Exception) -> str:
@@ -177,39 +335,3 @@ def _reason(error: Exception) -> str:
         if isinstance(error, ValueError)
         else f"reading failed: {' '.join(str(error).split())}"
     )
-
-
-def _opened(source: int | str | Path, name: str) -> "cv2.VideoCapture":
-    import cv2
-
-    capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
-    if not capture.isOpened():
-        raise CameraLost(name, "cannot be opened", None)
-    if (
-        capture.get(cv2.CAP_PROP_FRAME_COUNT) <= 0
-    ):  # a device: request the thesis's format, which it may refuse
-        rows, columns = FRAME_SHAPE
-        capture.set(cv2.CAP_PROP_FRAME_WIDTH, columns)
-        capture.set(cv2.CAP_PROP_FRAME_HEIGHT, rows)
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
-    return capture
-
-
-def _grey(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A frame as 480 x 640 grey levels, read-only."""
-    import cv2
-
-    rows, columns = FRAME_SHAPE
-    height, width = picture.shape[:2]
-    if width * rows != height * columns:
-        raise ValueError(
-            f"frames of {width} x {height}; allowed: {columns} x {rows}, or another size with the aspect ratio 4 : 3"
-        )
-    if picture.ndim == 3:
-        picture = picture[:, :, 0] if picture.shape[2] == 1 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)  # type: ignore[assignment]
-    if height != rows:
-        interpolation = cv2.INTER_AREA if height > rows else cv2.INTER_LINEAR
-        picture = cv2.resize(picture, (columns, rows), interpolation=interpolation)  # type: ignore[assignment]
-    picture = np.ascontiguousarray(picture)
-    picture.setflags(write=False)
-    return picture

@@ -136,7 +136,10 @@ def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -
 
 
 def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:
-    monitored = VecMonitor(adapter(COMPILED_MODE))
+    with pytest.warns(
+        UserWarning, match="already wrapped with a `Monitor`"
+    ):  # the adapter reports episodes itself
+        monitored = VecMonitor(adapter(COMPILED_MODE))
     env: Any = VecNormalize(VecCheckNan(monitored, raise_exception=True))
     env.seed(0)
     rows, rng = env.reset(), np.random.default_rng(0)
@@ -190,9 +193,16 @@ def test_attributes_are_those_of_the_vector_environment(mode: str) -> None:
         env.get_attr("difficulty")
     with pytest.raises(AttributeError, match="'limit' cannot be set"):
         env.set_attr("limit", 3)
-    with pytest.raises(AttributeError, match="'jump' cannot be called"):
+    with pytest.raises(AttributeError, match="jump"):
         env.env_method("jump")
-    assert env.env_is_wrapped(Monitor, [0, 1]) == [False, False]
+    assert env.get_attr("limit", [0, 2]) == [LIMIT] * 2
+    assert {arena.name for arena in env.get_attr("arena")} == {"corridor"}
+    assert env.env_is_wrapped(Monitor, [0, 1]) == [True, True], "infos have the episode, as those of Monitor"
+    env.reset()
+    masks = [mask.tolist() for mask in env.env_method("action_masks")]
+    assert masks == [[behaviour in (0, 1, 2, 8) for behaviour in range(10)]] * 3
+    assert env.has_attr("action_masks")
+    assert env.env_is_wrapped(VecNormalize) == [False] * 3
     env.close()
 
 

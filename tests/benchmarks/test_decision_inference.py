@@ -1,69 +1,65 @@
 """Measures of the inference's pages, on data whose answer is known."""
 
-import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from khepera_forage.thesis.inference import page
-from khepera_forage.thesis.inference.page import Predictions, explained, first_order, outcome, outcomes
-from khepera_forage.thesis.inference.posterior import Parameter
+from khepera_forage.thesis.inference.page import Predictions, explained
+from khepera_forage.thesis.inference.posterior import Parameter, Posterior, PriorCheck
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES, thesis_statistics
 
-pytest.importorskip("SALib")
 SETS = 2000
 WIDTH = len(NAMES) + len(SLOPES)
 
 
 @pytest.fixture(scope="module")
-def parameters() -> list[Parameter]:
+def posterior() -> Posterior:
     rng = np.random.default_rng(0)
-    return [
+    parameters = (
         Parameter("strong", (), rng.uniform(size=SETS)),
-        Parameter("weak", (), rng.uniform(size=SETS)),
         Parameter("reading", ("a", "b"), rng.integers(2, size=SETS).astype(float)),
         Parameter("nothing", (), rng.uniform(size=SETS)),
-    ]
-
-
-def test_influence_is_the_share_of_the_variance(parameters: list[Parameter]) -> None:
-    """Variances: 9/12 and 1/12 of uniform numbers, 1/4 of a coin: together 13/12."""
-    strong, weak, reading, _ = (parameter.values for parameter in parameters)
-    state, filters = str(np.random.get_state()), list(warnings.filters)  # noqa: NPY002
-    found = first_order(parameters, 3 * strong + weak + reading, seed=0)
-    assert [one.value for one in found] == pytest.approx([9 / 13, 1 / 13, 3 / 13, 0.0], abs=0.06)
-    assert all(one.low <= one.value <= one.high for one in found)
-    assert str(np.random.get_state()) == state  # noqa: NPY002
-    assert warnings.filters == filters
-    assert first_order(parameters, strong, seed=0) == first_order(parameters, strong, seed=0)
-
-
-def test_knowing_a_decision_explains_what_depends_on_it(parameters: list[Parameter]) -> None:
-    rng = np.random.default_rng(1)
-    strong, _, reading, _ = (parameter.values for parameter in parameters)
-    means = np.stack([strong, 2 * reading, np.ones(SETS)], axis=1)
+    )
     weights = rng.uniform(size=SETS) * (rng.random(SETS) < 0.9)
-    found = {p.name: explained(p, weights, means, rng) for p in parameters}
-    assert found["strong"].share == pytest.approx(0.5 * 0.96, abs=0.02), (
+    return Posterior(parameters, weights / weights.sum(), (), 0, PriorCheck([], np.zeros(0), 1.0, 1))
+
+
+def test_knowing_a_decision_explains_what_depends_on_it(posterior: Posterior) -> None:
+    strong, reading, _ = (parameter.values for parameter in posterior.parameters)
+    statistics = np.ones((SETS, 1, WIDTH), np.float32)
+    statistics[:, 0, page.MEANS[0]] = strong
+    statistics[:, 0, page.MEANS[1]] = 2 * reading
+    found = explained(posterior, statistics, np.random.default_rng(1))
+    by_name = {one.name: one for one in found}
+    assert by_name["strong"].share == pytest.approx(0.5 * 0.96, abs=0.02), (
         "five classes explain 24/25 of a number"
     )
-    assert found["reading"].share == pytest.approx(0.5, abs=0.02)
-    assert found["nothing"].share < found["nothing"].chance + 0.005 < 0.02
+    assert by_name["reading"].share == pytest.approx(0.5, abs=0.02)
+    assert by_name["nothing"].share < by_name["nothing"].chance + 0.005 < 0.02
+    assert found[-1].name == "nothing"
 
 
-def test_weights_decide_what_is_explained(parameters: list[Parameter]) -> None:
-    strong, _, reading, _ = (parameter.values for parameter in parameters)
-    means = np.where(reading == 1, strong, 0.3)[:, None]
-    rng = np.random.default_rng(0)
-    assert explained(parameters[0], (reading == 1).astype(float), means, rng).share > 0.9
-    assert explained(parameters[0], (reading == 0).astype(float), means, rng).share == 0, "nothing varies"
+def test_weights_decide_what_is_explained(posterior: Posterior) -> None:
+    strong, reading, _ = (parameter.values for parameter in posterior.parameters)
+    statistics = np.where(reading == 1, strong, 0.3)[:, None, None] * np.ones((1, 1, WIDTH), np.float32)
+    for value, least, most in ((1, 0.9, 1.0), (0, 0.0, 0.0)):
+        weights = (reading == value) / (reading == value).sum()
+        found = explained(
+            replace(posterior, weights=weights), statistics.astype(np.float32), np.random.default_rng(0)
+        )
+        (own,) = (one.share for one in found if one.name == "strong")
+        assert least <= own <= most
 
 
-def test_outcomes_are_means_of_experiments() -> None:
-    statistics = np.arange(2 * 3 * WIDTH, dtype=np.float32).reshape(2, 3, WIDTH)
-    assert outcomes(statistics).shape == (2, 14)
-    score = [k for k, name in enumerate(NAMES) if name.startswith("corridor") and name.endswith(" score")]
-    assert outcome(statistics, "corridor", "score")[1] == pytest.approx(statistics[1][:, score].mean())
+def test_few_sets_explain_nothing(posterior: Posterior) -> None:
+    few = np.zeros(SETS)
+    few[:3] = 1 / 3
+    found = explained(
+        replace(posterior, weights=few), np.zeros((SETS, 1, WIDTH), np.float32), np.random.default_rng(0)
+    )
+    assert np.isnan([one.share for one in found]).all()
 
 
 def test_a_set_predicts_what_lies_among_its_own_experiments() -> None:
@@ -86,5 +82,4 @@ def test_predictions_weigh_experiments() -> None:
     experiments[:2, 1] = [1.0, 3.0]
     predictions = Predictions("p", experiments, np.array([0.0, 1.0, 3.0]))
     assert predictions.interval(0) == (30.0, 20.0, 30.0)
-    assert predictions.means([0, 1]).tolist() == [27.5, 3.0]
     assert np.isnan(predictions.interval(2)).all()

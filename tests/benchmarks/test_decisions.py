@@ -1,19 +1,22 @@
 """`khepera-forage infer`: sets from the prior, and the page of what is inferred from them."""
 
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from khepera_forage.cli.main import main
 from khepera_forage.study import Count, parse
 from khepera_forage.thesis.inference.claims import CLAIMS
 from khepera_forage.thesis.inference.prior import PRIOR
-from khepera_forage.thesis.inference.simulate import Drawn, draw
+from khepera_forage.thesis.inference.simulate import KEPT, Drawn, Sets, draw
+from khepera_forage.thesis.inference.summary import fitted_columns, tables_statistics, thesis_statistics
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read, refused
 
 pytest.importorskip("numba")
-pytest.importorskip("SALib")
 
 
 @pytest.fixture(scope="module")
@@ -45,17 +48,6 @@ def test_every_decision_is_calibrated_and_has_a_posterior(out: Path) -> None:
     assert sum(shares) == pytest.approx(100, abs=0.01)
 
 
-def test_influence_has_an_interval_and_a_line_of_chance(out: Path) -> None:
-    rows = {row["decision or noise"]: row for row in read(out / "table_influence.csv")}
-    assert set(rows) == {*PRIOR.names, "(a random number)"}
-    row = rows["next_to_food"]
-    assert (
-        float(row["corridor score: low"])
-        <= float(row["corridor score"])
-        <= float(row["corridor score: high"])
-    )
-
-
 def test_cells_stand_beside_the_thesis(out: Path) -> None:
     rows = {row["statistic"]: row for row in read(out / "table_cells.csv")}
     assert float(rows["corridor 1 food"]["thesis"]) == 0.4
@@ -65,8 +57,6 @@ def test_cells_stand_beside_the_thesis(out: Path) -> None:
         for name in ("version 0.1", "posterior"):
             rank = row[f"percentile ({name})"]
             assert rank == "" or 0 <= float(rank) <= 100
-    fit = {row["measure"]: row for row in read(out / "table_fit.csv")}
-    assert 0 <= float(fit["means of the thesis within the central 95 %, of 14"]["version 0.1"]) <= 14
 
 
 def test_nothing_of_the_test_set_is_fitted(out: Path) -> None:
@@ -80,13 +70,85 @@ def test_every_claim_has_a_share_of_laboratories(out: Path) -> None:
     assert [row["claim"] for row in read(out / "table_claims.csv")] == [claim.name for claim in CLAIMS]
 
 
-def test_three_questions_are_asked(out: Path) -> None:
-    text = (out / "decisions.md").read_text()
-    assert [line[:2] for line in text.splitlines() if line[:2] in ("1.", "2.", "3.", "4.")] == [
-        "1.",
-        "2.",
-        "3.",
-    ]
+def test_three_sets_explain_nothing_and_determine_nothing(out: Path) -> None:
+    assert "too few sets" in (out / "decisions.md").read_text()
+    assert {row["explained (%)"] for row in read(out / "table_questions.csv")} == {""}
+    assert {row["determined"] for row in read(out / "table_calibration.csv")} <= {"no", "not calibrated"}
+
+
+def test_sets_of_a_run_are_kept_for_other_tables(out: Path) -> None:
+    sets = Sets.load(out / KEPT)
+    assert sets.statistics.shape == (3, 2, len(fitted_columns()))
+    assert [one.name for one in sets.parameters] == list(PRIOR.names)
+    assert sets.draws >= 3
+
+
+@pytest.mark.parametrize("changed", ["prior", "values", ""])
+def test_other_files_of_sets_are_refused(changed: str, out: Path, tmp_path: Path) -> None:
+    path = tmp_path / "other.npz"
+    with np.load(out / KEPT) as file:
+        parts: dict[str, Any] = {
+            name: np.array("other") if name == changed == "prior" else file[name] for name in file
+        }
+    parts.pop("values") if changed == "values" else None
+    np.savez(path, **parts) if changed else path.write_bytes(b"PK")
+    with pytest.raises(ValueError, match=r"other\.npz .*; allowed: "):
+        Sets.load(path)
+
+
+def infer(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str]:
+    status = main(["infer", *options])
+    told = capsys.readouterr()
+    return status, told.err if status else told.out
+
+
+def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a round of 0.3 s, where sets of the prior have 0.22 s in the median."""
+    pseudo = tmp_path / "pseudo"
+    decisions = ("--decision", "v0.1", "--decision", "round_duration=0.3")
+    options = ("--replications", "1", *decisions, "--no-comparison")
+    assert main(["reproduce", *options, "--quick", "--out", str(pseudo)]) == 0
+    capsys.readouterr()
+    status, told = infer(capsys, "--tables", str(pseudo / "recalls.csv"), "--out", str(tmp_path))
+    assert status == 0
+    assert f"are in {tmp_path / 'recalls'}" in told
+    rows = read(tmp_path / "recalls" / "table_posterior_numbers.csv")
+    (row,) = (row for row in rows if row["decision or noise"] == "round_duration")
+    assert float(row["admissible"]) == pytest.approx(0.22, abs=0.01)
+    assert float(row["posterior"]) == pytest.approx(0.3, abs=0.04)
+
+
+def test_printed_tables_are_read_like_the_thesis_s_own(tmp_path: Path) -> None:
+    text = resources.files("khepera_forage.thesis").joinpath("appendix_a.csv").read_text()
+    path = tmp_path / "tables.csv"
+    path.write_text(text)
+    own = thesis_statistics()[fitted_columns()]
+    assert tables_statistics(path) == pytest.approx(own)
+    path.write_text("\n".join(line for line in text.split("\n") if "rectangle" not in line))
+    assert tables_statistics(path) == pytest.approx(own)
+    path.write_text("\n".join(line for line in text.split("\n") if not line.startswith("A.4,3,")))
+    with pytest.raises(
+        ValueError, match=r"has \[9\] recalls after 10 training .*; allowed: 10 each with g1234"
+    ):
+        tables_statistics(path)
+
+
+def test_wrong_tables_and_options_without_effect_are_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong = tmp_path / "wrong.csv"
+    wrong.write_text("a,b\n1,2\n")
+    for options, words in (
+        (["--tables", str(wrong)], "header is 'a,b'; allowed: 'replication,arena"),
+        (["--tables", str(tmp_path / "none.csv")], "none.csv"),
+        (["--tables", "thesis", "--sets", "5"], "--sets has no effect here; allowed: without --tables"),
+    ):
+        status, told = infer(capsys, *options, "--out", str(tmp_path))
+        assert status == 2
+        assert words in told
+        assert told.count("\n") == 1
 
 
 def drawn(folder: Path, sets: int, *options: str) -> Drawn:

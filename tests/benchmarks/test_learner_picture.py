@@ -9,7 +9,7 @@ from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison.learning import ARENAS, Compared, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
-from khepera_forage.comparison.results import Curve, curves
+from khepera_forage.comparison.results import Curve, beside, curves, read_results
 from khepera_forage.figures import COLOURS, MARKERS
 from khepera_forage.policies.learners import FromVectors, Needs
 from tests.figure_checks import (
@@ -60,6 +60,10 @@ def drawn(found: list[Curve], learners: dict[str, Compared]) -> Figure:
     return lay_out(figure(found, learners))
 
 
+def title_of(axes: Axes) -> str:
+    return axes.get_title().replace("\n", " ")
+
+
 def coloured(axes: Axes) -> list[Line2D]:
     """The curves of the panel's own learner; those of others are grey and without marks."""
     return [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
@@ -67,7 +71,7 @@ def coloured(axes: Axes) -> list[Line2D]:
 
 def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str, Compared]) -> None:
     panels = [axes for axes in drawn.axes if axes.axison]
-    titles = [axes.get_title() for axes in panels]
+    titles = [title_of(axes) for axes in panels]
     assert sorted(titles) == sorted(
         learner.title for learner in learners.values() if learner.needs is not None
     )
@@ -87,7 +91,7 @@ def test_curves_in_a_panel_are_those_of_its_learner(
     for axes in drawn.axes:
         if axes.axison:
             shown = [np.asarray(line.get_xydata())[:, 1].tolist() for line in coloured(axes)]
-            assert shown == by_title[axes.get_title()]
+            assert shown == by_title[title_of(axes)]
             check_points_are_shown(axes)
 
 
@@ -98,7 +102,7 @@ def test_each_kind_has_an_axis_of_steps_for_its_own_range(
     kinds = {learner.title: learner.needs for learner in learners.values()}
     for axes in drawn.axes:
         if axes.axison:
-            amounts = AMOUNTS[kinds[axes.get_title()]]
+            amounts = AMOUNTS[kinds[title_of(axes)]]
             low, high = axes.get_xlim()
             assert np.log(amounts[-1] / amounts[0]) > 0.8 * np.log(high / low)
 
@@ -115,6 +119,11 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
 def test_picture_of_one_learner_is_readable(learners: dict[str, Compared]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
     check_readable(lay_out(figure(curves(rows_of(few), 3), few)))
+
+
+def test_picture_beside_published_results_is_readable(learners: dict[str, Compared]) -> None:
+    few = {name: learners[name] for name in ("teacher", "imitator")}
+    check_readable(lay_out(figure(*beside(curves(rows_of(few), 3), few, read_results("published")))))
 
 
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:

@@ -2,6 +2,7 @@
 
 import math
 import shutil
+import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -321,10 +322,94 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
         "    return RandomForestClassifier(3, random_state=random_state)\n"
     )
     printed = quick("learners", tmp_path / "out", "--learner", "mine:small_forest", "--seeds", "1")
-    assert "| small forest |" in printed
-    assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {"small_forest"}
+    shown = {line.partition("  ")[0] for line in printed.splitlines() if " rectangle " in line}
+    assert shown == {"the teacher", "the thesis's imitator", "small forest"}
+    assert max(map(len, printed.splitlines()[:-1])) <= 80
+    assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {
+        "teacher",
+        "imitator",
+        "small_forest",
+    }
     page = (tmp_path / "out" / "learners.md").read_text(encoding="utf-8")
     assert " --learner mine:small_forest --seeds 1\n" in page
+    for text in (page, printed):
+        assert "it supports no claim about any learner" in text
+    assert "Best:" not in page
+
+
+OWN = """
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.svm import LinearSVC
+
+def number():
+    return 3
+
+def wants(more):
+    return LinearSVC()
+
+class NoClasses:
+    def fit(self, X, y):
+        return self
+    def predict_proba(self, X):
+        return [[1.0]]
+
+class Fails(RandomForestClassifier):
+    def fit(self, X, y):
+        raise RuntimeError("my own mistake")
+
+class FailsLater(RandomForestClassifier):
+    def fit(self, X, y):
+        if len(X) > 200:
+            raise IndexError("too much")
+        super().fit(X, y)
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "own_learners.py").write_text(OWN)
+    (tmp_path / "broken_module.py").write_text("x = 1 / 0\n")
+    (tmp_path / "no_python.py").write_text("def f(:\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("own_learners", "broken_module", "no_python"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("LinearSVC", "LinearSVC has no predict_proba; allowed: a classifier that gives each behaviour"),
+        ("NoClasses", "NoClasses has no classes_; allowed: a fitted classifier"),
+        ("number", "number makes 3; allowed: a classifier with fit and predict_proba"),
+        ("wants", "wants() missing 1 required positional argument: 'more'"),
+    ],
+)
+def test_a_learner_of_another_form_is_refused_in_one_line(name: str, message: str, own: Path) -> None:
+    told = refused("learners", "--learner", f"own_learners:{name}", "--out", str(own / "out"))
+    assert told.startswith(f"khepera-forage compare: --learner own_learners:{name}: ")
+    assert message in told
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("place", "line", "error"),
+    [
+        ("own_learners:Fails", 'raise RuntimeError("my own mistake")', "RuntimeError: my own mistake\n"),
+        ("own_learners:FailsLater", 'raise IndexError("too much")', "IndexError: too much\n"),
+        ("broken_module:x", "x = 1 / 0", "ZeroDivisionError: division by zero\n"),
+        ("no_python:f", "def f(:", "SyntaxError: invalid syntax\n"),
+    ],
+)
+def test_an_error_of_a_learner_shows_its_own_traceback(place: str, line: str, error: str, own: Path) -> None:
+    told = refused("learners", "--learner", place, "--seeds", "1", "--jobs", "1", "--out", str(own / "out"))
+    assert f"{place.partition(':')[2]} failed\n" in told
+    assert f'File "{own / place.partition(":")[0]}.py", line ' in told
+    assert line in told
+    assert told.endswith(error)
+    assert "khepera_forage/" not in told
+    assert "importlib" not in told
 
 
 def test_a_learner_that_cannot_be_found_is_named() -> None:

@@ -64,9 +64,9 @@ SCRIPTS = {
         needs=("numba",),
     ),
     "decisions": Script(
-        ("--sets", "--experiments", "--jobs", "--fresh"),
+        ("--sets", "--experiments", "--jobs", "--fresh", "--tables"),
         (),
-        needs=("numba", "SALib"),
+        needs=("numba",),
         subcommand="infer",
     ),
     "further_work": Script(
@@ -161,7 +161,8 @@ def test_tables_are_printed_and_written(script: str, quick_run: QuickRun) -> Non
     printed = (out.parent / "printed").read_text(encoding="utf-8")
     tables = [line for line in lines if line.startswith("| ")]
     assert tables
-    assert all(line in printed for line in tables)
+    if script != "learners":  # whose table is cut to the width of the terminal
+        assert all(line in printed for line in tables)
     assert list(page.parent.glob("table_*.csv"))
     assert lines[0].startswith("# ")
 

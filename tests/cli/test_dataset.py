@@ -36,18 +36,18 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
     assert main(["train", "--episodes", "2", "--seed", "4", "--out", "files"]) == 0
     from khepera_forage.experience.minari import from_minari
 
-    parts = from_minari("khepera_forage/corridor-v0")
+    parts = from_minari("khepera_forage/corridor-v1")
     assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
     steps = sum(map(len, parts))
-    assert f"khepera_forage/corridor-v0: 2 episodes, {steps} steps, in data\n" in printed
-    card = Path("data/khepera_forage/corridor-v0/README.md").read_text(encoding="utf-8")
+    assert f"khepera_forage/corridor-v1: 2 episodes, {steps} steps, in data\n" in printed
+    card = Path("data/khepera_forage/corridor-v1/README.md").read_text(encoding="utf-8")
     for line in (
         f"| steps | {steps}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
         "| author | me |",
         "| licence | CC0-1.0 |",
         "- Decisions, that is, readings of what the thesis leaves open: `v1`.",
         f"- Seed: 4. Seeds of the episodes: {parts[0].seed}, {parts[1].seed}.",
-        "`khepera-forage dataset --name khepera_forage/corridor-v0 --episodes 2 --seed 4`",
+        "`khepera-forage dataset --name khepera_forage/corridor-v1 --episodes 2 --seed 4`",
     ):
         assert line in card
     (block,) = re.findall(r"```python\n(.*?)```", card, flags=re.DOTALL)
@@ -73,12 +73,12 @@ def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
 
     assert main(["dataset", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "data"]) == 0
     assert main(["train", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "files"]) == 0
-    assert from_minari("khepera_forage/t_maze-v0") == [Experience.load("files/g1.csv")]
-    card = Path("data/khepera_forage/t_maze-v0/README.md").read_text(encoding="utf-8")
+    assert from_minari("khepera_forage/t_maze-v1") == [Experience.load("files/g1.csv")]
+    card = Path("data/khepera_forage/t_maze-v1/README.md").read_text(encoding="utf-8")
     for line in (
         "| arena | t_maze |",
         "in copies of the arena t_maze",
-        "dataset --name khepera_forage/t_maze-v0 --episodes 1 --seed 4 --arena t_maze`",
+        "dataset --name khepera_forage/t_maze-v1 --episodes 1 --seed 4 --arena t_maze`",
     ):
         assert line in card
 
@@ -88,7 +88,7 @@ def test_procedural_level_of_a_file_is_the_arena_of_a_dataset() -> None:
     level = ["--difficulty", "easy", "--level", "6"]
     assert main(["arena", "write", "procedural", "den.toml", *level]) == 0
     assert main(["dataset", "--episodes", "1", "--arena", "den.toml", "--out", "data"]) == 0
-    dataset = import_module("minari").load_dataset("khepera_forage/procedural_easy_6-v0")
+    dataset = import_module("minari").load_dataset("khepera_forage/procedural_easy_6-v1")
     assert dataset.recover_environment().unwrapped.arena == procedural_arena(6, "easy")
 
 
@@ -102,7 +102,7 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert main([*command, "--arena", "doors"]) == 2
     assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
     assert main([*command, "--arena", "blocks.toml"]) == 0
-    assert Path("data/khepera_forage/blocks-v0/README.md").exists()
+    assert Path("data/khepera_forage/blocks-v1/README.md").exists()
 
 
 def test_card_names_mixed_food_types_and_all_arenas() -> None:
@@ -115,14 +115,14 @@ def test_card_names_mixed_food_types_and_all_arenas() -> None:
     ):
         assert food_in_training(parser.parse_args(words), arena) == food
     parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_easy_{level}") for level in (7, 3)]
-    assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v0", parts, ORIGIN)
+    assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v1", parts, ORIGIN)
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--name", "mine"], "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
-        (["--name", "../mine-v0"], "--name: '../mine-v0'; allowed: NAME-vNUMBER"),
+        (["--name", "../mine-v1"], "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
         (["--episodes", "0"], "--episodes: '0'; allowed: a whole number of at least 1"),
         (["--experience", "g.csv", "--episodes", "2"], "--episodes has no effect here; allowed: without"),
         (
@@ -156,7 +156,7 @@ def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.Monkey
 
 def test_card_counts_behaviours_and_names_all_decisions() -> None:
     other = Experience(SOME.vectors, SOME.behaviours, decisions=Decisions(next_to_food=22))
-    card = data_card("a-v0", [SOME, other], ORIGIN)
+    card = data_card("a-v1", [SOME, other], ORIGIN)
     assert "| 0 | SEARCH_FOR_FOOD | 4 | 66.7 |" in card
     assert "| 2 | ORIENT_WITH_FOOD | 2 | 33.3 |" in card
     assert "`v1 and v1;next_to_food=22`" in card

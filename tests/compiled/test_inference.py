@@ -8,9 +8,8 @@ import pytest
 
 from khepera_forage import Decisions, Noise
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
-from khepera_forage.thesis.inference.admissible import check
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
-from khepera_forage.thesis.inference.simulate import replicate, simulate
+from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from tests.version_0_1 import V0_1
 
@@ -30,16 +29,10 @@ def test_teacher_without_orienting_searches_beside_food() -> None:
     assert wrong.sum() == wrong[2], "only ORIENT is replaced"
 
 
-def test_laboratory_of_the_defaults_is_admissible() -> None:
-    """With as many forages as in the search that found them: the fastest of fewer may be too slow by chance."""
-    assert check(Laboratory(Decisions(), Noise.laboratory()), 1, effort=4).reason == ""
-
-
-def test_laboratory_of_version_0_1_is_admissible() -> None:
-    found = check(laboratory(), 1)
-    assert found.reason == ""
-    assert min(found.delivered) >= 0.98
-    assert found.complete > 0.9
+@pytest.mark.parametrize("decisions", [Decisions(), V0_1])
+def test_defaults_are_admissible_with_every_seed(decisions: Decisions) -> None:
+    """The teacher brings home 98.8 % of the food in the rectangle under the defaults, near the threshold of 98 %."""
+    assert [reason_against(Laboratory(decisions, Noise.laboratory()), seed) for seed in range(5)] == [""] * 5
 
 
 @pytest.mark.parametrize(
@@ -50,12 +43,12 @@ def test_laboratory_of_version_0_1_is_admissible() -> None:
     ],
 )
 def test_laboratory_is_not_admissible_for_a_reason(decisions: dict[str, Any], reason: str) -> None:
-    assert check(laboratory(**decisions), 1).reason == reason
+    assert reason_against(laboratory(**decisions), 1) == reason
 
 
 def test_laboratory_in_which_learners_are_soon_given_up_is_not_admissible() -> None:
     clumsy = Laboratory(replace(V0_1, separation=5, patience=1), Noise(placement_error=20))
-    assert check(clumsy, 1).reason == "training is seldom complete"
+    assert reason_against(clumsy, 1) == "training is seldom complete"
 
 
 def test_replications_give_the_statistics_of_every_table() -> None:
@@ -70,6 +63,5 @@ def test_replications_give_the_statistics_of_every_table() -> None:
 
 def test_a_set_depends_on_seed_and_number_alone() -> None:
     one, again, other = (simulate(PRIOR, 0, number, 1) for number in (3, 3, 4))
-    assert one.laboratory == again.laboratory != other.laboratory
-    assert one.check.reason == again.check.reason
-    assert np.array_equal(one.statistics, again.statistics, equal_nan=True)
+    assert repr(one) == repr(again)
+    assert one.laboratory != other.laboratory

@@ -248,8 +248,8 @@ def test_a_million_levels_are_drawn_when_they_are_used() -> None:
     assert procedural_arena.cache_info().misses == 3, "the first level, and those of two seeds"
 
 
-def test_records_grow_with_the_arenas() -> None:
-    """The first arena has the fewest walls, corners and waypoints; food on its way keeps its paths."""
+def test_worlds_change_to_arenas_with_more_walls() -> None:
+    """The first arena has the fewest walls, corners and waypoints."""
     env = _many(2)
     seeds = [next(s for s in range(40) if arena_number(key_of(s), 0, 3) == number) for number in range(3)]
     env.reset(seed=[seeds[0], seeds[0]])
@@ -257,7 +257,6 @@ def test_records_grow_with_the_arenas() -> None:
     env.reset(seed=[seeds[2], None], options={"reset_mask": np.array([True, False])})
     batch = env.unwrapped.batch
     assert [arena.name for arena in batch.arenas] == ["blocks", "hall"]
-    assert batch.worlds.lengths.shape[2] == batch._arenas.waypoints > 0
 
 
 @pytest.mark.parametrize("name", ["Corridor", "CorridorWheels"])

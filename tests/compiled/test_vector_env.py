@@ -179,3 +179,64 @@ def test_pictures_of_worlds_are_those_of_single_environments() -> None:
     assert isinstance(frames, tuple), "what Gymnasium's RecordVideo needs"
     assert len(frames) == 3
     assert len({frame.tobytes() for frame in frames}) == 3
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_longest_episode_is_that_of_time_limit(mode: AutoresetMode) -> None:
+    compiled = _make(max_episode_steps=7, autoreset_mode=mode, limit=20)
+    plain = _make(
+        vectorization_mode="sync",
+        backend="compiled",
+        max_episode_steps=7,
+        limit=20,
+        vector_kwargs={"autoreset_mode": mode},
+    )
+    compiled.reset(seed=3)
+    plain.reset(seed=3)
+    for _ in range(20):
+        one, other = (env.step(np.zeros(5, np.int64)) for env in (compiled, plain))
+        for mine, theirs in zip(one[:4], other[:4], strict=True):
+            np.testing.assert_equal(mine, theirs)
+        np.testing.assert_array_equal(one[4]["steps"], other[4]["steps"])
+        if mode == AutoresetMode.DISABLED and one[3].any():
+            for env in (compiled, plain):
+                env.reset(options={"reset_mask": one[3]})
+    with pytest.raises(ValueError, match="max_episode_steps is 0; allowed: a whole number of at least 1"):
+        _make(max_episode_steps=0)
+
+
+def test_batch_tells_what_it_knows_of_each_world() -> None:
+    compiled = _make(arena=["corridor", "doors"], foods=2)
+    plain = _make(arena=["corridor", "doors"], foods=2, vectorization_mode="sync", backend="compiled")
+    for env in (compiled, plain):
+        env.reset(seed=3)
+    for name in (
+        "arena",
+        "home_radius",
+        "diagonal",
+        "foods",
+        "limit",
+        "decisions",
+        "largest_diagonal",
+        "backend",
+    ):
+        assert compiled.get_attr(name) == compiled.call(name) == plain.get_attr(name), name
+    with pytest.raises(AttributeError, match="compiled worlds have no 'forager'; allowed: arena, "):
+        compiled.get_attr("forager")
+
+
+def test_masks_hold_what_applies_and_always_what_the_teacher_does() -> None:
+    compiled = _make(num_envs=64, food_types={"PICKABLE": 1, "PUSHABLE": 1, "POISONOUS": 1})
+    plain = _make(num_envs=1, vectorization_mode="sync", backend="compiled")
+    (_, infos), _ = compiled.reset(seed=3), plain.reset(seed=3)
+    seen = set()
+    for _ in range(300):
+        masks = compiled.action_masks()
+        right = infos["correct_behaviour"]
+        assert masks[np.arange(64), right].all()
+        np.testing.assert_array_equal(np.stack(compiled.call("action_masks")), masks)
+        seen |= {(int(np.flatnonzero(mask).sum()), int(mask.sum())) for mask in masks}
+        infos = compiled.step(right)[4]
+    # Search, move slowly, orient, avoid home; or with an object release and explore, pick up and go home, push, avoid.
+    assert seen == {(11, 4), (12, 2), (20, 3), (14, 2), (15, 2)}
+    assert np.flatnonzero(plain.call("action_masks")[0]).tolist() == [0, 1, 2, 8]

@@ -38,7 +38,7 @@ def policy(request: pytest.FixtureRequest) -> Policy:
     if request.param == "imitator":
         vectors = [(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 61, 0, 255, 18), (1, 30, 1, 215, 138)]
         return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array([0, 2, 1, 7]))
-    return Teacher() if request.param == "teacher" else UniformPolicy()
+    return Teacher(18) if request.param == "teacher" else UniformPolicy()
 
 
 class TestPolicies(PolicyContract):

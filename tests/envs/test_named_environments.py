@@ -22,7 +22,7 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.ways import longest_path
-from tests.arenas import BLOCKS, HALL
+from tests.arenas import BLOCKS
 
 with warnings.catch_warnings():
     # PettingZoo's own test module imports one of its deprecated environments.
@@ -185,18 +185,6 @@ def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> Non
     assert settings_of(arena) == {"arena": arena, "foods": 2, "limit": step_limit(2, longest_path(arena))}
     wide = replace(family_arena("many_foods"), foods=family_arena("many_foods").foods[:1])
     assert settings_of(wide)["limit"] == step_limit(1, 1200)
-
-
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_spec_with_arenas_of_ones_own_survives_json(backend: str) -> None:
-    several: list[Any] = [BLOCKS, [BLOCKS, "corridor", HALL]]
-    for arena in several:
-        env = gym.make("khepera_forage/Corridor-v1", backend=backend, arena=arena)
-        assert env.spec is not None
-        again = gym.make(EnvSpec.from_json(env.spec.to_json()))
-        for seed in range(3):
-            assert again.reset(seed=seed)[0] == env.reset(seed=seed)[0]
-            assert again.unwrapped.arena == env.unwrapped.arena  # type: ignore[attr-defined]
 
 
 def test_stored_arena_that_is_not_allowed_is_an_error() -> None:

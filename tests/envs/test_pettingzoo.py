@@ -10,7 +10,7 @@ import pettingzoo
 import pytest
 from gymnasium.error import ResetNeeded
 
-from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1
+from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1, paired_corridors_wheels_v1
 from khepera_forage.policies import Listener, Policy, Teacher
 
 with warnings.catch_warnings():
@@ -61,7 +61,7 @@ def test_parallel_tests_pass() -> None:
 
 def test_readme_loop_completes_an_episode() -> None:
     env = paired_corridors_v1.env(num_learners=1, max_cycles=600)
-    policies: dict[str, Policy] = {"teacher_0": Teacher(), "learner_0": Listener()}
+    policies: dict[str, Policy] = {"teacher_0": Teacher.of(env), "learner_0": Listener()}
     env.reset(seed=1)
     infos: dict[str, Any] = {}
     for agent in env.agent_iter():
@@ -70,6 +70,17 @@ def test_readme_loop_completes_an_episode() -> None:
         env.step(None if terminated or truncated else int(policies[agent].act(observation)))
     assert infos["teacher_0"]["complete"] == infos["learner_0"]["complete"] == 1
     assert infos["teacher_0"]["score"] == 100.0
+
+
+@pytest.mark.parametrize("module", [paired_corridors_v1, paired_corridors_wheels_v1])
+@pytest.mark.parametrize("form", ["env", "parallel_env"])
+def test_state_is_what_all_agents_observe(module: Any, form: str) -> None:
+    env = getattr(module, form)(num_learners=2)
+    env.reset(seed=1)
+    own = env.unwrapped
+    np.testing.assert_array_equal(env.state(), np.concatenate([own.observe(a) for a in own.possible_agents]))
+    assert env.state_space == own.state_space
+    assert env.state_space.contains(env.state())
 
 
 def test_parallel_learner_hears_the_last_round() -> None:

@@ -2,8 +2,11 @@
 
 from typing import Any
 
+import gymnasium as gym
+import numpy as np
 import pytest
 
+import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.layouts import random_layout, training_layout
@@ -55,6 +58,34 @@ def test_layout_of_a_seed_is_that_of_its_key() -> None:
 def test_environments_without_a_seed_differ() -> None:
     layouts = {begun(BehavioursEnv(), None)[0] for _ in range(3)}
     assert len(layouts) == 3
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        BehavioursEnv,
+        lambda: BehavioursEnv(backend="compiled"),
+        TrainingEnv,
+        lambda: gym.make_vec("khepera_forage/Corridor-v1", num_envs=2),
+    ],
+)
+def test_generator_that_was_set_decides_the_episodes_that_follow(make: Any) -> None:
+    env = make()
+
+    def places() -> list[Any]:
+        if isinstance(env, gym.vector.VectorEnv):
+            return env.reset()[1]["pose"].tolist()  # type: ignore[no-any-return]
+        env.reset()
+        return [(robot.x, robot.y) for robot in env.world.poses()]
+
+    episodes = [places()]
+    for seed in (1, 2, 1):
+        env.np_random = np.random.default_rng(seed)
+        episodes.append([places(), places()])
+    _, one, other, again = episodes
+    assert one == again
+    assert one != other
+    assert one[0] != one[1]
 
 
 def test_given_start_leaves_the_food_of_the_seed() -> None:

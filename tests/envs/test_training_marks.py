@@ -79,7 +79,7 @@ def test_train_accepts_other_marks_and_another_teacher() -> None:
         def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
             assert rng is not None
             seen.append(observation)
-            return Teacher().act(observation)
+            return Teacher.of(env).act(observation)
 
     env = TrainingEnv()
     options = {"foods": [(300, 115)]}

@@ -149,7 +149,7 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     observation, _ = env.reset(seed=2)
     shown, done = [observation], []
     for _ in range(40):
-        done.append(int(Teacher().act(shown[-1])))
+        done.append(int(Teacher.of(env).act(shown[-1])))
         shown.append(env.step(done[-1])[0])
     buffer = minari.data_collector.EpisodeBuffer(
         observations={key: [one[key] for one in shown] for key in observation},

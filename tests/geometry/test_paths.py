@@ -28,9 +28,9 @@ def test_next_waypoint_is_the_best_of_all_clear_ones(arena: Arena) -> None:
             if is_clear(x, y, point.x, point.y, False, known.walls, known.ways)
         ]
         best, best_x, best_y = min(paths, default=(math.inf, x, y))
-        given = known.ways.home_lengths, False, ChosenWaypoint(), known.walls, known.ways
-        assert next_waypoint(x, y, *given) == (best_x, best_y, best)
-        assert has_path(x, y, *home, known.ways.home_lengths, False, known.walls, known.ways) == bool(paths)
+        chosen = ChosenWaypoint()
+        assert next_waypoint(x, y, *home, False, chosen, known.walls, known.ways) == (best_x, best_y, best)
+        assert has_path(x, y, *home, False, known.walls, known.ways) == bool(paths)
         around += bool(paths)
     assert around > 50
 
@@ -43,7 +43,7 @@ def test_waypoint_is_kept_until_the_robot_has_driven_36_mm(driven: float, kept: 
 
     def choose(x: float, y: float, chosen: ChosenWaypoint) -> tuple[float, float, float]:
         assert not is_straight(x, y, *home, False, chosen, walls, ways)
-        return next_waypoint(x, y, ways.home_lengths, False, chosen, walls, ways)
+        return next_waypoint(x, y, *home, False, chosen, walls, ways)
 
     for x, y in rng.uniform((known.left, known.bottom), (known.right, known.top), (3000, 2)).tolist():
         angle = rng.uniform(-math.pi, math.pi)

@@ -92,3 +92,21 @@ def test_recurrent_model_remembers_within_an_episode_and_forgets_after_it() -> N
     assert int(pickle.loads(pickle.dumps(policy)).act(OBSERVATION, second)) == 0
     with pytest.raises(TypeError, match="rng is None; allowed for a recurrent model"):
         policy.act(OBSERVATION)
+
+
+class Masked:
+    """A model like sb3-contrib's MaskablePPO: it prefers the last behaviour that its mask allows."""
+
+    def predict(
+        self, observation: Any, deterministic: bool = False, action_masks: Any = None
+    ) -> tuple[Any, None]:
+        return np.flatnonzero(action_masks)[-1:], None
+
+
+@pytest.mark.parametrize(
+    ("presence", "food_type", "behaviour"), [(0, 0, 8), (1, 0, 9), (1, 1, 9), (1, 2, 9), (1, 3, 9)]
+)
+def test_masked_model_gets_the_masks_of_the_environment(
+    presence: int, food_type: int, behaviour: int
+) -> None:
+    assert ModelPolicy(Masked()).act((presence, 90, food_type, 215, 60)) == behaviour

@@ -40,7 +40,7 @@ class Constant:
 
 
 POLICIES: dict[str, Policy] = {
-    "teacher": Teacher(),
+    "teacher": Teacher(18),
     "imitator": NearestNeighbourImitator().fit(X, Y),
     "classifier": ClassifierPolicy(GaussianNB().fit(X, Y)),
     "best of classifier": ClassifierPolicy(DecisionTreeClassifier(random_state=1).fit(X, Y), sample=False),

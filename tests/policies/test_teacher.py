@@ -48,10 +48,15 @@ def test_teacher_carries_food_home_step_by_step() -> None:
         assert teacher.act(vector) is behaviour
 
 
+def test_teacher_of_no_environment_decides_nothing() -> None:
+    with pytest.raises(ValueError, match=r"Teacher\(\) knows no environment; allowed: Teacher.of\(env\)"):
+        Teacher().act((0, 90, 0, 215, 60))
+
+
 def test_teacher_draws_no_number() -> None:
     rng = np.random.default_rng(1)
     before = rng.bit_generator.state
-    Teacher().act((0, 90, 0, 215, 60), rng)
+    Teacher(18).act((0, 90, 0, 215, 60), rng)
     assert rng.bit_generator.state == before
 
 

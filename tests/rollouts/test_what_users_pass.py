@@ -1,5 +1,6 @@
 """Rollouts take what users have: wrapped environments, plain seeds, noise by name."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -10,12 +11,19 @@ import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs import paired_corridors_v1
+from khepera_forage.envs.arguments import set_up_of
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
+from khepera_forage.policies.tree import tree
+from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import train
+from khepera_forage.sim.arenas.named import named_arena
+from khepera_forage.task.decisions import Decisions
 
 NAME = "khepera_forage/Corridor-v1"
+SET_UP = set_up_of(Decisions())
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
 
@@ -25,6 +33,24 @@ def test_recall_takes_what_make_returns(backend: str) -> None:
     row = recall(env, Teacher.of(env), seed=1)
     assert row.delivered == 1
     assert row == recall(env.unwrapped, Teacher.of(env), seed=1)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"decisions": Decisions(next_to_food=22)},
+        {"arena": replace(named_arena("corridor", SET_UP), home_radius=60.0)},
+    ],
+)
+def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
+    env: Any = gym.make(NAME, noise="none", **given).unwrapped
+    row = recall(env, Teacher(), seed=1)
+    assert (row.delivered, row.correct) == (1, row.steps)
+    labels = dagger(tree, env, queries=60, seed=0)
+    expected = [Teacher.of(env).act(vector) for vector in labels.vectors.tolist()]
+    assert labels.behaviours.tolist() == expected
+    paired = TrainingEnv(noise="none", **given)
+    assert train(paired, 1, teacher=Teacher())[0] == train(paired, 1)[0]
 
 
 def test_recall_names_another_environment() -> None:

@@ -61,7 +61,7 @@ class Story:
         update_food(
             self.tracker,
             self.tracker.foods,
-            self.tracker.memory,
+            self.tracker.chosen,
             self.tracker.links,
             (own, *foods),
             ARENA,

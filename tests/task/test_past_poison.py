@@ -5,13 +5,13 @@ import math
 import pytest
 
 from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.past_poison import is_poison_about, past_poison
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import no_memory, way_home
+from khepera_forage.task.way_finding import is_poison_about, past_poison, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CORNERS = (Point(0, 0), Point(1000, 0), Point(1000, 600), Point(0, 600))
@@ -96,7 +96,7 @@ def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
 @pytest.mark.parametrize(("held", "straight"), [(-1, True), (0, False)])
 def test_only_the_way_home_with_food_in_the_gripper_leads_past_poison(held: int, straight: bool) -> None:
     foods = _foods(AHEAD)
-    way = way_home(*ROBOT, FoodTracker(held=held), foods, no_memory(2, 0), HALL)
+    way = way_home(*ROBOT, FoodTracker(held=held), foods, [ChosenWaypoint()] * 3, HALL)
     assert (way == (*HOME, 0.0)) is straight
     assert way[2] == 0.0
 

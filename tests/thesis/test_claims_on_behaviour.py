@@ -4,6 +4,7 @@ from itertools import product
 
 import pytest
 
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims import Verdict
@@ -22,7 +23,11 @@ from tests.thesis.claim_rows import (
 from tests.thesis.synthetic import counts, failed, recall
 
 
-@pytest.mark.parametrize("arena", ["corridor", "rectangle"])
+def sides(arena: str, near: Level, far: Level) -> list[RecallRow]:
+    """Recalls with food nearer to home than in training, and further away."""
+    return recalls_with_success(25, near, arena=arena) + recalls_with_success(70, far, arena=arena)
+
+
 @pytest.mark.parametrize(
     ("near", "far", "verdict"),
     [
@@ -32,11 +37,20 @@ from tests.thesis.synthetic import counts, failed, recall
         (alternating(0.2, 1.0), always(0.5), UNDECIDED),
     ],
 )
-def test_claim_that_success_depends_on_the_area(
-    arena: str, near: Level, far: Level, verdict: Verdict
+def test_claim_that_success_depends_on_the_area(near: Level, far: Level, verdict: Verdict) -> None:
+    assert claim_from("areas corridor", sides("corridor", near, far)).verdict is verdict
+
+
+@pytest.mark.parametrize("corridor", [(0.9, 0.2), (0.2, 0.9)])
+@pytest.mark.parametrize(
+    ("there", "verdict"), [((0.8, 0.3), SUPPORTED), ((0.3, 0.8), NOT), ((0.5, 0.5), NOT)]
+)
+def test_success_depends_on_the_area_in_the_rectangle_in_the_direction_of_the_corridor(
+    corridor: tuple[float, float], there: tuple[float, float], verdict: Verdict
 ) -> None:
-    rows = recalls_with_success(25, near, arena=arena) + recalls_with_success(70, far, arena=arena)
-    assert claim_from(f"areas {arena}", rows).verdict is verdict
+    near, far = there if corridor[0] > corridor[1] else there[::-1]
+    rows = sides("corridor", *map(always, corridor)) + sides("rectangle", always(near), always(far))
+    assert claim_from("areas rectangle", rows).verdict is verdict
 
 
 @pytest.mark.parametrize("arena", ["corridor", "rectangle"])

@@ -14,15 +14,16 @@ from khepera_forage.thesis.inference.posterior import (
     SetForest,
     calibrate,
     effective_number,
-    fitted_columns,
     infer,
     parameters_of,
+    prior_check,
     quantiles,
     rank,
     sample,
+    shortest,
 )
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
-from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
+from khepera_forage.thesis.inference.summary import ALL, FITTED, fitted_columns, thesis_statistics
 from tests.version_0_1 import V0_1
 
 pytest.importorskip("numba")
@@ -74,6 +75,11 @@ def test_same_seed_gives_the_same_weights(simulator: tuple[list[Parameter], Any]
     assert np.array_equal(one, two)
 
 
+def even(weights: Any) -> Any:
+    """Guesses that look at no experiment."""
+    return np.full(weights.shape, 1 / weights.shape[1])
+
+
 @pytest.fixture(scope="module")
 def calibrated(simulator: tuple[list[Parameter], Any]) -> tuple[Any, Any, list[Parameter], list[Parameter]]:
     parameters, statistics = simulator
@@ -82,7 +88,10 @@ def calibrated(simulator: tuple[list[Parameter], Any]) -> tuple[Any, Any, list[P
     weights = forest_of(own, statistics[learned]).weights(statistics[held_out, 0])
     true = [parameter.of(held_out) for parameter in parameters]
     return (
-        [calibrate(o, weights, t, np.random.default_rng(0)) for o, t in zip(own, true, strict=True)],
+        [
+            calibrate(o, weights, t, np.random.default_rng(0), even(weights))
+            for o, t in zip(own, true, strict=True)
+        ],
         weights,
         own,
         true,
@@ -101,12 +110,12 @@ def test_wrong_posteriors_are_not(calibrated: tuple[Any, ...]) -> None:
     """Posteriors that belong to other experiments, shifted ones, and ones that are too sure of themselves."""
     _, weights, (number, *_), (true, *_) = calibrated
     rng = np.random.default_rng(0)
-    swapped = calibrate(number, rng.permutation(weights), true, rng)
+    swapped = calibrate(number, rng.permutation(weights), true, rng, even(weights))
     assert swapped.error.value > 1
-    shifted = calibrate(Parameter("number", (), number.values + 0.5), weights, true, rng)
+    shifted = calibrate(Parameter("number", (), number.values + 0.5), weights, true, rng, even(weights))
     assert stats.kstest(shifted.ranks, "uniform").pvalue < 1e-6
     sure = np.eye(weights.shape[1])[np.argmax(weights, axis=1)]
-    assert calibrate(number, sure, true, rng).most.high < 50
+    assert calibrate(number, sure, true, rng, even(weights)).most.high < 50
 
 
 def test_error_of_a_number_is_the_ranked_probability_score() -> None:
@@ -116,6 +125,7 @@ def test_error_of_a_number_is_the_ranked_probability_score() -> None:
         np.array([[0.0, 1.0]] * 6),
         Parameter("n", (), np.full(6, 5.0)),
         np.random.default_rng(0),
+        np.full((6, 2), 0.5),
     )
     assert found.error.value == pytest.approx(3 / (2 - 0.5))
 
@@ -145,30 +155,60 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
 
 
 def test_only_corridor_tables_are_fitted() -> None:
-    names = [(*NAMES, *SLOPES)[k] for k in fitted_columns()]
-    assert set(names) == set(FITTED) - {"corridor 10 spread"}, "a single set of files has no spread"
+    names = {ALL[k] for k in fitted_columns()}
+    assert names == set(FITTED) - {"corridor 10 spread"}, "a single set of files has no spread"
 
 
-def test_inference_does_not_look_at_the_rectangle() -> None:
+def test_sets_that_resemble_an_experiment_have_the_most_weight_and_all_are_validated() -> None:
     rng = np.random.default_rng(3)
-    laboratories = [PRIOR.draw(rng) for _ in range(40)]
-    parameters = parameters_of(PRIOR, laboratories)
-    statistics = rng.normal(size=(40, 2, len(NAMES) + len(SLOPES))).astype(np.float32)
-    found = infer(parameters, statistics, 5, trees=20)
-    other = np.where(np.isin((*NAMES, *SLOPES), FITTED), statistics, 0.0).astype(np.float32)
-    assert np.array_equal(infer(parameters, other, 5, trees=20).weights, found.weights)
+    parameters = parameters_of(PRIOR, [PRIOR.draw(rng) for _ in range(40)])
+    observed = thesis_statistics()[fitted_columns()]
+    statistics = rng.normal(size=(40, 2, len(observed))).astype(np.float32)
+    statistics[7] = observed
+    found = infer(parameters, statistics, observed, 5, trees=20)
+    assert found.weights.argmax() == 7
     assert found.weights.sum() == pytest.approx(1.0)
-    assert found.held_out == 4
-    assert (found.weights[::10] == 0).all()
+    assert found.held_out == 40
     assert [c.name for c in found.calibrations] == list(PRIOR.names)
-    nearer = statistics.copy()
-    nearer[7] = thesis_statistics()
-    assert infer(parameters, nearer, 5, trees=20).weights.argmax() == 7
+    assert "yes" not in {c.determined for c in found.calibrations}, "too few sets to validate"
 
 
 def test_too_few_sets_are_refused() -> None:
     with pytest.raises(ValueError, match="2 admissible sets; allowed: at least 3"):
-        infer([], np.zeros((2, 1, 46), np.float32), 0)
+        infer([], np.zeros((2, 1, 46), np.float32), np.zeros(46), 0)
+
+
+def test_experiment_unlike_all_simulated_ones_is_told() -> None:
+    rng = np.random.default_rng(0)
+    statistics = rng.normal(size=(300, 4, 5)).astype(np.float32)
+    statistics[:20, :, 1] = np.nan
+    usual = prior_check(statistics, np.array([0.5, -0.5, 0.0, 1.0, np.nan]), rng)
+    assert usual.warning == ""
+    assert usual.tail > 0.2
+    assert usual.ranks[:4] == pytest.approx([69, 31, 50, 84], abs=4)
+    far = prior_check(statistics, np.array([3.0, -3.0, 3.0, 0.0, 0.0]), rng)
+    assert far.outside == 3
+    assert far.tail < 0.02
+    assert "3 of 5 statistics" in far.warning
+
+
+def test_unlikely_combination_of_usual_values_is_told() -> None:
+    rng = np.random.default_rng(0)
+    first = rng.normal(size=(400, 2, 1))
+    statistics = np.concatenate([first, first + 0.1 * rng.normal(size=(400, 2, 1))], axis=2).astype(
+        np.float32
+    )
+    found = prior_check(statistics, np.array([1.5, -1.5]), rng)
+    assert found.outside == 0
+    assert found.tail < 0.02
+    assert found.warning
+
+
+def test_shortest_interval_reaches_the_end_of_a_range() -> None:
+    values = np.linspace(0, 1, 1001)
+    assert shortest(values, np.exp(-5 * values), 0.9) == pytest.approx((0.0, 0.45), abs=0.02)
+    assert shortest(values, np.exp(-50 * (values - 0.5) ** 2), 0.9) == pytest.approx((0.335, 0.665), abs=0.01)
+    assert shortest(np.array([2.0, 1.0]), np.array([1.0, 0.0]), 0.5) == (2.0, 2.0)
 
 
 def test_weighted_quantiles_ranks_and_samples() -> None:

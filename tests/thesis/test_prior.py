@@ -1,12 +1,14 @@
 """The prior of decisions: its ranges, its draws, and its errors."""
 
 from collections import Counter
+from typing import Any
 
 import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
 from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference.prior import PRIOR, Prior, Range, Shares
 
 SOME = Shares({"raised": 0.25, "as it is": 0.75}, "a test")
@@ -58,44 +60,15 @@ def test_same_generator_gives_the_same_laboratories() -> None:
     assert drawn(count=5) == drawn(count=5)
 
 
-@pytest.mark.parametrize(
-    ("decisions", "noise", "message"),
-    [
-        (
-            {"next_to_foot": Range(1, 2, "")},
-            {},
-            "prior of 'next_to_foot'; allowed: fields of Decisions or Noise",
-        ),
-        (
-            {"next_to_food": Range(20, 15, "")},
-            {},
-            "next_to_food is 20 to 15; allowed: from small to large, 10 to 30",
-        ),
-        (
-            {"next_to_food": Range(5, 15, "")},
-            {},
-            "next_to_food is 5 to 15; allowed: from small to large, 10 to 30",
-        ),
-        (
-            {},
-            {"wheel_slip": Range(-1, 0, "")},
-            "wheel_slip is -1 to 0; allowed: from small to large, 0 to inf",
-        ),
-        (
-            {"arm_after_orienting": Shares({"raised": 0.5}, "")},
-            {},
-            "arm_after_orienting is {'raised': 0.5}; allowed: probabilities of 'raised', 'as it is', 1 together",
-        ),
-        ({"arm_after_orienting": Shares({"lost": 1.0}, "")}, {}, "arm_after_orienting is {'lost': 1.0}"),
-        ({"recall_marker": Shares({3: 1.0}, "")}, {}, "recall_marker is {3: 1.0}"),
-    ],
-)
-def test_wrong_prior_is_an_error(
-    decisions: dict[str, object], noise: dict[str, object], message: str
-) -> None:
-    with pytest.raises(ValueError) as error:  # noqa: PT011 (the message is compared below)
-        Prior(decisions, noise)  # type: ignore[arg-type]
-    assert message in str(error.value)
+def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> None:
+    for name, part in PRIOR.decisions.items():
+        field = FIELDS[name]
+        if isinstance(part, Range):
+            assert field.least <= part.least < part.most <= field.most, name
+        else:
+            allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
+            assert set(part.of) <= allowed
+            assert sum(part.of.values()) == pytest.approx(1.0)
 
 
 def test_prior_that_no_set_satisfies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,8 @@
 """Results of cells, and the tables of the report, from synthetic rows."""
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from khepera_forage.thesis.design import (
 from khepera_forage.thesis.tables import (
     cell_table,
     errata_table,
+    joint_table,
     noise_table,
     state_table,
     teacher_table,
@@ -160,3 +163,39 @@ def test_tables_of_ties_and_states_are_shares_of_steps() -> None:
 
 def test_errata_table_has_all_errata() -> None:
     assert len(errata_table().rows) == 29
+
+
+def test_joint_table_takes_results_together(results: list[CellResult]) -> None:
+    """Each mean alone is usual: in ours, scores of the rectangle rise and fall with those of the corridor."""
+    rng = np.random.default_rng(0)
+    common = rng.normal(size=200)
+    many = [
+        replace(
+            r,
+            thesis_score=60.0 if r.cell.arena == "corridor" else 40.0,
+            scores=tuple((50 + 5 * common + 0.5 * rng.normal(size=200)).tolist()),
+            foods=tuple(rng.integers(r.cell.available, size=200).tolist()),
+        )
+        for r in results
+    ]
+    steps = [recall(replication=k, steps=steps, correct=90) for k, steps in enumerate((200, 100, 150))]
+    rows: dict[Any, Any] = {row[0]: row[1:] for row in joint_table(many, [*steps, failed()]).rows}
+    thesis, ours, percentile, tail = rows["mean score, rectangle (%)"]
+    assert (thesis, ours) == pytest.approx((40.0, 50.0), abs=1)
+    assert 0 < percentile < 6
+    assert tail > 0.01
+    assert rows["sum of all scores (%)"][0] == pytest.approx(4 * 60 + 3 * 40)
+    assert rows["median steps of successful recalls, corridor"] == (
+        185.5,
+        150.0,
+        pytest.approx(66.7, abs=0.1),
+        1.0,
+    )
+    assert rows["Mahalanobis distance of all means"][3] == pytest.approx(1 / 201)
+
+
+def test_joint_table_needs_the_whole_design_and_many_experiments(
+    results: list[CellResult], recalls: list[RecallRow]
+) -> None:
+    assert not joint_table(results, recalls).rows
+    assert not joint_table(results[:3], recalls).rows

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
+from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracker import Tracker
@@ -42,6 +43,7 @@ def test_markers_are_detected_at_any_pose(name: str) -> None:
     distances, angles = [], []
     for _ in range(150):
         markers = (random_marker(rng, 1, right=1400), random_marker(rng, 2, left=1700))
+        tracker.reset()
         scene = tracker.update(renderer.frame(markers))
         for x, y, heading, holes in markers:
             region = only_region(scene, holes)
@@ -169,11 +171,21 @@ def test_random_pictures_give_finite_regions() -> None:
 
 
 @pytest.mark.parametrize(
-    "frame", [np.zeros((240, 320), np.uint8), np.zeros((480, 640)), np.zeros((480, 640, 3), np.uint8)]
+    ("frame", "message"),
+    [
+        (np.zeros((480, 640)), r"frame is \(480, 640\) of float64; allowed: .* uint8"),
+        (np.zeros((480, 640, 2), np.uint8), r"frame is \(480, 640, 2\).*x 3 colours"),
+        (np.zeros((720, 1280), np.uint8), r"frame is 1280 x 720; allowed: 640 x 480, as calibrated"),
+    ],
 )
-def test_frames_of_another_shape_or_type_are_refused(frame: NDArray[np.uint8]) -> None:
-    with pytest.raises(ValueError, match=r"frame is \(.*allowed: \(480, 640\)"):
-        Tracker().update(frame)
+def test_frames_of_another_size_or_type_are_refused(frame: NDArray[np.uint8], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Tracker(calibration=Calibration.identity()).update(frame)
+
+
+def test_camera_that_shows_too_little_detail_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"shows 10\.0 mm of the floor; allowed: up to 9\.1 mm"):
+        Tracker().update(np.zeros((240, 320), np.uint8))
 
 
 # ---------------------------------------------------------------- food beside markers and cables

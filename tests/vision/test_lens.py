@@ -77,6 +77,8 @@ def test_markers_in_a_distorted_picture_are_at_their_true_places() -> None:
     rng, renderer, errors = np.random.default_rng(0), SceneRenderer(), []
     for _ in range(40):
         marker = random_marker(rng, 1, 400, 2800)
+        corrected.reset()
+        plain.reset()
         frame = cv2.remap(renderer.frame((marker,)), maps[..., 0], maps[..., 1], cv2.INTER_CUBIC)
         assert position_error(only_region(corrected.update(frame.astype(np.uint8)), 1), *marker[:2]) < 0.3
         errors.append(position_error(only_region(plain.update(frame.astype(np.uint8)), 1), *marker[:2]))

@@ -108,7 +108,8 @@ def test_food_under_a_cable_is_kept() -> None:
 def test_food_at_the_last_place_of_a_lost_marker_is_kept() -> None:
     renderer, tracker = SceneRenderer(), Tracker()
     tracker.update(renderer.frame((FAR,), (FOOD,)))
-    tracker.update(renderer.frame((OVER,), (FOOD,)))
+    for _ in range(12):
+        tracker.update(renderer.frame((OVER,), (FOOD,)))
     for _ in range(10):  # robot and food were both removed
         regions = tracker.update(renderer.frame(())).regions
         assert [(r.holes, r.found) for r in regions] == [(0, False), (1, False)]
@@ -122,7 +123,7 @@ def test_food_carried_away_is_a_new_region_where_it_is_put_down() -> None:
     tracker.update(renderer.frame((FAR,), (FOOD,)))
     for x in range(1000, 1400, 15):
         tracker.update(renderer.frame(((x + 10.0, 1000.0, 0.0, 1),), ((x + 40.0, 1000.0),)))
-    for _ in range(3):
+    for _ in range(12):
         scene = tracker.update(renderer.frame(((1300.0, 1000.0, 0.0, 1),), ((1440.0, 1000.0),)))
     food = only_region(scene, 0)
     assert food.found

@@ -58,7 +58,8 @@ def test_reset_forgets_the_tracks() -> None:
     camera = TrackedCamera(source, Tracker())
     camera.reset()
     source.foods = ((2500.0, 2000.0),)  # type: ignore[assignment] # another number of foods
-    camera.expose()
+    for _ in range(2):
+        camera.expose()
     assert max(r.label for r in camera.look().regions) == 4
     camera.reset()
     assert sorted(r.label for r in camera.look().regions) == [0, 1, 2]
@@ -149,8 +150,8 @@ def test_captions_name_the_kind_of_region() -> None:
 
 
 def test_overlay_refuses_other_frames() -> None:
-    with pytest.raises(ValueError, match=r"frame is \(2, 2\)"):
-        draw_scene(np.zeros((2, 2), np.uint8), Scene(()))
+    with pytest.raises(ValueError, match=r"frame is \(2, 2, 2, 2\)"):
+        draw_scene(np.zeros((2, 2, 2, 2), np.uint8), Scene(()))
     with pytest.raises(ValueError, match="enlargement is 0; allowed: at least 1"):
         draw_scene(np.zeros((480, 640), np.uint8), Scene(()), enlargement=0)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
+from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
 
 
 def picture(grey: int, width: int = 640, height: int = 480) -> NDArray[np.uint8]:
@@ -104,10 +105,35 @@ def test_other_size_with_the_same_aspect_ratio_is_scaled(tmp_path: Path, width: 
         assert abs(int(frame[240, 100]) - 100) <= 4
 
 
-def test_other_aspect_ratio_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"wide\.avi has frames of 640 x 360; allowed: 640 x 480"):
-        VideoSource(video(tmp_path / "wide.avi", [100] * 5, 10, 640, 360))
+def test_frames_of_webcams_are_delivered_as_they_are(tmp_path: Path) -> None:
+    path = video(tmp_path / "wide.avi", [100] * 5, 10, 848, 480)
+    with VideoSource(path) as source:
+        assert source.newest()[0].shape == (480, 848)
+    with VideoSource(path, settings=VideoSettings(size=(424, 240))) as source:
+        assert source.newest()[0].shape == (240, 424)
+    with pytest.raises(ValueError, match=r"wide\.avi has frames of 848 x 480; allowed: 640 x 480"):
+        VideoSource(path, settings=VideoSettings(size=(640, 480)))
     assert threads() == []
+
+
+def test_file_that_is_not_paced_gives_every_frame(tmp_path: Path) -> None:
+    greys = list(range(40, 240, 10))
+    with VideoSource(video(tmp_path / "video.avi", greys, 5), paced=False) as source:
+        seen = [int(source.newest()[0][240, 320]) for _ in greys]
+        with pytest.raises(CameraLost, match="video has ended"):
+            source.newest()
+    assert seen == pytest.approx(greys, abs=4)
+
+
+def test_file_without_frames_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CameraLost, match=r"empty\.avi: (it has no frames|cannot be opened)"):
+        VideoSource(video(tmp_path / "empty.avi", [], 5))
+
+
+@pytest.mark.parametrize("settings", [{"size": (0, 480)}, {"size": (640,)}, {"rate": 0.0}])
+def test_impossible_settings_are_refused(settings: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"camera (size|rate) is .*; allowed"):
+        VideoSettings(**settings)
 
 
 def test_invalid_sources_are_refused(tmp_path: Path) -> None:
@@ -209,7 +235,8 @@ class Device:
     """A camera device below OpenCV, whose frames can change their size, or fail with an error."""
 
     def __init__(self) -> None:
-        self.height, self.broken = 480, False
+        self.height, self.broken, self.failures = 480, False, 0
+        self.values: dict[int, float] = {}
 
     def __call__(self, source: int) -> "Device":
         return self
@@ -221,12 +248,16 @@ class Device:
         return -1.0
 
     def set(self, what: int, value: float) -> bool:
-        return False
+        self.values[what] = value
+        return what != cv2.CAP_PROP_FOCUS
 
     def read(self) -> tuple[bool, NDArray[np.uint8]]:
         time.sleep(0.01)
         if self.broken:
             raise cv2.error("assertion failed\n in retrieve")
+        if self.failures:
+            self.failures -= 1
+            return False, np.empty(0, np.uint8)
         return True, np.full((self.height, 640), 100, np.uint8)
 
     def release(self) -> None: ...
@@ -246,6 +277,29 @@ def test_camera_that_changes_its_frames_is_lost(device: Device) -> None:
         lost = lost_after(source, 5.0)
     assert "camera 0: it has frames of 640 x 360; allowed: 640 x 480" in str(lost)
     assert lost.age is not None
+
+
+def test_failed_reads_are_repeated_until_the_timeout(device: Device) -> None:
+    device.failures = 3
+    with VideoSource(0, timeout=0.5) as source:
+        device.failures = 3
+        time.sleep(0.3)
+        assert source.newest()[1] < 0.5
+        device.failures = 10**6
+        assert "no more frames for 0.5 s" in str(lost_after(source, 5.0)) or "no new frame" in str(
+            lost_after(source, 5.0)
+        )
+
+
+def test_settings_reach_the_device(device: Device, caplog: pytest.LogCaptureFixture) -> None:
+    device.height = 360
+    settings = VideoSettings(size=(1280, 720), rate=30.0, exposure=150.0, focus=20.0)
+    with VideoSource(0, settings=settings) as source:
+        assert source.newest()[0].shape == (720, 1280)
+    expected = {cv2.CAP_PROP_FRAME_WIDTH: 1280, cv2.CAP_PROP_FPS: 30, cv2.CAP_PROP_EXPOSURE: 150}
+    assert expected.items() <= device.values.items()
+    assert device.values[cv2.CAP_PROP_AUTO_EXPOSURE] == 1
+    assert "camera 0 does not accept focus 20" in caplog.text
 
 
 def test_error_of_the_driver_loses_the_camera(device: Device) -> None:

@@ -17,9 +17,8 @@ ALL = {"render", "plots", "robots", "camera", "fast"}
 ENVIRONMENTS = {
     "": set[str](),
     **{extra: {extra} for extra in ("render", "plots", "robots", "camera", "fast", "minari")},
-    "inference": {"inference", "plots"},  # SALib brings matplotlib
     "all": ALL,
-    "all,inference,minari": {*ALL, "inference", "minari"},
+    "all,minari": {*ALL, "minari"},
 }
 """What is installed beside the package, and which extras that are."""
 COMMANDS = {
@@ -35,7 +34,7 @@ COMMANDS = {
     "compare --quick --only tree --seeds 1 --out c": {"plots"},
     "reproduce --quick --out t": {"fast", "plots"},
     "recall --lab virtual --episodes 1 --out v.csv": {"robots", "camera"},
-    "infer --quick --out i": {"fast", "inference", "plots"},
+    "infer --quick --out i": {"fast", "plots"},
     "dataset --episodes 1 --out d": {"minari"},
 }
 """Each command, and the extras without which it says what to install."""

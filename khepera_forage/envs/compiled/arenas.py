@@ -1,6 +1,6 @@
 """Arenas and settings as compiled worlds read them.
 
-An arena is a block of bytes, prepared once: its numbers, walls, corners, waypoints and the lengths of paths. The
+An arena is a block of bytes, prepared once: its numbers, walls, corners, waypoints and their tables. The
 blocks of all arenas of a batch follow one another, and each world has the place of its own. What all worlds of a
 batch share is one record, which is read at run time: other decisions or another noise compile nothing.
 """
@@ -15,7 +15,7 @@ from khepera_forage.compilation import rule
 from khepera_forage.envs.arena_pool import ArenaPool
 from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
 from khepera_forage.envs.forager import arena_map_of, floor_of
-from khepera_forage.geometry.paths import Corner, Spot, Ways
+from khepera_forage.geometry.paths import CELLS, Corner, Spot, Ways
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import array_of, dtype_of
 from khepera_forage.robots.model import KHEPERA, model_of
@@ -44,7 +44,7 @@ settings_dtype = np.dtype(
 
 _COUNTS = ("walls", "corners", "waypoints")
 _MAP, _FLOOR, _WAYS = (
-    [name for name in kind._fields if name not in ("walls", "ways", *Ways._fields[4:], "home_x", "home_y")]
+    [name for name in kind._fields if name not in ("walls", "ways", *Ways._fields[8:], "home_x", "home_y")]
     for kind in (ArenaMap, Floor, Ways)
 )
 arena_dtype = np.dtype(
@@ -76,8 +76,8 @@ class ArenaRecords(NamedTuple):
         way_corners: `Corner` records in pixels.
         waypoints: `Spot` records in pixels.
         lengths: Of the paths between waypoints; also the next two, as in `Ways`.
-        start_lengths: Likewise.
         home_lengths: Likewise.
+        seen: Likewise.
     """
 
     numbers: Any
@@ -87,8 +87,8 @@ class ArenaRecords(NamedTuple):
     way_corners: Any
     waypoints: Any
     lengths: Any
-    start_lengths: Any
     home_lengths: Any
+    seen: Any
 
 
 @rule
@@ -104,7 +104,7 @@ def arena_at(blocks: Any, place: int) -> ArenaRecords:
     f = e + waypoints * _SPOT
     g = f + waypoints * waypoints * 8
     h = g + waypoints * 8
-    i = h + waypoints * 8
+    i = h + waypoints * (CELLS * CELLS + 1)
     return ArenaRecords(
         numbers,
         blocks[a:b].view(wall_dtype),
@@ -114,7 +114,7 @@ def arena_at(blocks: Any, place: int) -> ArenaRecords:
         blocks[e:f].view(_spot_dtype),
         blocks[f:g].view(np.float64),
         blocks[g:h].view(np.float64),
-        blocks[h:i].view(np.float64),
+        blocks[h:i],
     )
 
 
@@ -141,11 +141,15 @@ def map_of(arena: ArenaRecords) -> ArenaMap:
             home_x,
             home_y,
             numbers.ways_berth,
+            numbers.ways_left,
+            numbers.ways_bottom,
+            numbers.ways_columns,
+            numbers.ways_rows,
             arena.way_corners,
             arena.waypoints,
             arena.lengths,
-            arena.start_lengths,
             arena.home_lengths,
+            arena.seen,
         ),
     )
 
@@ -190,7 +194,10 @@ def arena_block(arena: Arena, anchor: tuple[float, float] | None = None) -> NDAr
         _records([corner[:2] for corner in arena.corners], corner_dtype),
         _records(ways.corners, _way_corner_dtype),
         _records(ways.waypoints, _spot_dtype),
-        *(np.array(lengths, np.float64) for lengths in (ways.lengths, ways.start_lengths, ways.home_lengths)),
+        np.array(ways.lengths, np.float64),
+        np.array(ways.home_lengths, np.float64),
+        np.frombuffer(ways.seen, np.uint8),
+        np.zeros(-len(ways.seen) % 8, np.uint8),  # the next block is aligned
     )
     return np.concatenate([part.view(np.uint8) for part in parts])
 
@@ -249,7 +256,6 @@ class PreparedArenas:
 
     Attributes:
         blocks: The bytes of all arenas prepared so far, one after the other.
-        waypoints: Most waypoints of an arena prepared so far.
     """
 
     _MOST_BYTES = 1 << 27
@@ -260,7 +266,6 @@ class PreparedArenas:
         self._place_of: dict[int, int] = {}
         self._numbers: dict[int, int] = {}
         self._memory, self._used = np.zeros(1 << 16, np.uint8), 0
-        self.waypoints = 0
         self.places(np.zeros(1, np.int64))
 
     @property
@@ -289,7 +294,6 @@ class PreparedArenas:
             self._memory[self._used : end] = block
             self._place_of[number], self._numbers[self._used] = self._used, number
             self._used = end
-            self.waypoints = max(self.waypoints, int(block[:_ARENA].view(arena_dtype)["waypoints"][0]))
         return np.array([self._place_of[number] for number in listed], np.int64)
 
     def of_episodes(self, keys: NDArray[np.uint64], episodes: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -63,7 +63,7 @@ class CompiledBatch:
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         decisions: Decisions | None = None,
         robot: str = KHEPERA.name,
@@ -78,7 +78,7 @@ class CompiledBatch:
         self.largest_diagonal = pool.diagonal
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
-        self.worlds = new_worlds(self.num_worlds, foods, self._arenas.waypoints)
+        self.worlds = new_worlds(self.num_worlds, foods)
         self.shown = np.zeros(self.num_worlds, shown_dtype)
         self._random, self._free = given_records(None, None, foods), np.ones(1, np.bool_)
 
@@ -181,15 +181,10 @@ class CompiledBatch:
             raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places of the arenas of the next episodes of some worlds. There is then room for their records."""
+        """Places of the arenas of the next episodes of some worlds."""
         self._places = self._arenas.forget(self._places)
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
-        places = self._arenas.of_episodes(keys, numbers)
-        missing = self._arenas.waypoints - self.worlds.lengths.shape[2]
-        if missing > 0:
-            lengths = np.pad(self.worlds.lengths, ((0, 0), (0, 0), (0, missing)))
-            self.worlds = self.worlds._replace(lengths=lengths)
-        return places
+        return self._arenas.of_episodes(keys, numbers)
 
 
 def given_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -220,7 +215,6 @@ def _step_worlds(
     tracks: Any,
     links: Any,
     chosen: Any,
-    lengths: Any,
     blocks: Any,
     places: Any,
     settings: Any,
@@ -236,9 +230,7 @@ def _step_worlds(
     `free[0]` becomes False where a new episode has no room.
     """
     # As arguments of their own, which numba hands over faster than a tuple.
-    worlds = World(
-        robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen, lengths
-    )
+    worlds = World(robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen)
     place, arena = places[first], arena_at(blocks, places[first])
     for i in range(first, last):
         world = world_of(worlds, i)

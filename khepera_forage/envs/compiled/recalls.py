@@ -24,7 +24,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import State, StateVector
-from khepera_forage.task.way_finding import WayMemory, way_home
+from khepera_forage.task.way_finding import way_home
 
 _FIRST = np.zeros(1, np.int64)
 """The only world of a batch of one."""
@@ -110,9 +110,7 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     tracker = FoodTracker(*record["tracker"].item())
     tracker.foods = [FoodObject(*food.item()) for food in world.objects]
     tracker.links = [Link(*link.item()) for link in world.links]
-    tracker.memory = WayMemory(
-        [ChosenWaypoint(*chosen.item()) for chosen in world.chosen], world.lengths.tolist()
-    )
+    tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
     robot = SimulatedKhepera(world.robots[0])
     values = decisions.values(robot.has_gripper)
     forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
@@ -120,7 +118,7 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
     raw = RawData._make(numbers)
     # Compiled worlds look up the way home when a behaviour uses it.
-    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.memory, arena_map)
+    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.chosen, arena_map)
     forager.raw = raw._replace(
         home_bearing=turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation),
         home_path=max(path, raw.home_distance),

@@ -10,7 +10,6 @@ from khepera_forage.task import (
     episode,
     food_tracking,
     pairing,
-    past_poison,
     perception,
     placement,
     states,
@@ -20,4 +19,4 @@ from khepera_forage.task import (
 rule(khepera.applicable)
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing)
-register(past_poison, perception, placement, states, way_finding)
+register(perception, placement, states, way_finding)

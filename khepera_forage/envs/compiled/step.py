@@ -22,11 +22,11 @@ from khepera_forage.sim.records import Enclosure
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.episode import begin_episode, end_step
-from khepera_forage.task.food_tracking import NOWHERE, explored, update_food
+from khepera_forage.task.food_tracking import explored, update_food
 from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
 from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, FoodType, classify
-from khepera_forage.task.way_finding import Way, WayMemory, way_home
+from khepera_forage.task.way_finding import Way, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _WAIT = Behaviour.WAIT.value
@@ -86,7 +86,6 @@ def stand_ready(world: World, settings: Any) -> None:
         place, food, known = world.places[k], world.foods[k], world.objects[k]
         food.x, food.y = place.x, place.y
         known.x, known.y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
-        known.lengths_x = known.lengths_y = NOWHERE
         known.known = known.side = 0
         known.delivered = known.carried = False
     for k in range(len(world.links)):
@@ -172,7 +171,7 @@ def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
     update_food(
         tracker,
         world.objects,
-        WayMemory(world.chosen, world.lengths),
+        world.chosen,
         world.links,
         world.tracks,
         arena,
@@ -246,5 +245,4 @@ def _ways_home_can_bend(arena: ArenaMap, settings: Any) -> bool:
 @rule
 def _way_home(world: World, arena: ArenaMap) -> Way:
     robot, tracker = world.robots[0], world.foragers[0].tracker
-    memory = WayMemory(world.chosen, world.lengths)
-    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, memory, arena)
+    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, world.chosen, arena)

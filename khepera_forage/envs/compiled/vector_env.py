@@ -1,10 +1,12 @@
 """`Corridor-v1` and the other recall environments, thousands at a time, as one `gymnasium.vector.VectorEnv`."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -20,7 +22,10 @@ from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.robots.model import KHEPERA
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import Decisions
 
 Observation = dict[str, NDArray[Any]]
@@ -48,6 +53,7 @@ class RecallVectorEnv(VectorEnv):
         render_mode: None, or "rgb_array": `render` then returns pictures.
         decisions: As for the single environment.
         backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
+        max_episode_steps: Truncates episodes without another effect, as Gymnasium's `TimeLimit` does; none by default.
         robot: As for the single environment.
 
     Raises:
@@ -55,6 +61,7 @@ class RecallVectorEnv(VectorEnv):
     """
 
     backend = COMPILED
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -62,12 +69,13 @@ class RecallVectorEnv(VectorEnv):
         arena: Arenas = "corridor",
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         decisions: Decisions | None = None,
         backend: str = COMPILED,
+        max_episode_steps: int | None = None,
         robot: str = KHEPERA.name,
     ) -> None:
         check_compiled(backend)
@@ -91,8 +99,12 @@ class RecallVectorEnv(VectorEnv):
         )
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
+        longest = -1 if max_episode_steps is None else max_episode_steps
+        self._longest = None if longest == -1 else whole_number("max_episode_steps", longest, 1)
         self._over = np.ones(self.num_envs, np.bool_)
         self._seeded = False
+        self._generator: np.random.Generator | None = None
+        """The `np_random` that the worlds were seeded from."""
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -102,7 +114,7 @@ class RecallVectorEnv(VectorEnv):
         Args:
             seed: World i has the episodes of a single environment with seed + i, as in Gymnasium's own vector
                 environments; or one seed a world. Without a seed, worlds go on with their random numbers; at the
-                first reset they are seeded at random.
+                first reset, and after `np_random` was set, they are seeded by that.
             options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
 
         Raises:
@@ -117,10 +129,12 @@ class RecallVectorEnv(VectorEnv):
             given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
         elif seed is not None:
             super().reset(seed=seed)
+            self._generator = self.np_random
             given = [(world, seed + world) for world in worlds.tolist()]
         else:
             given = []
-        if not self._seeded:
+        if self.np_random is not self._generator:
+            self._generator = self.np_random
             first = int(self.np_random.integers(2**62))
             self.batch.seed([first + world for world in worlds.tolist()], worlds)
         if given:
@@ -140,8 +154,7 @@ class RecallVectorEnv(VectorEnv):
             ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.
             ValueError: Actions that are not in the action space.
         """
-        if not self._seeded:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        self._require_first_reset()
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             raise ResetNeeded(
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
@@ -151,6 +164,8 @@ class RecallVectorEnv(VectorEnv):
         rewards, terminated, truncated = (
             shown[name].copy() for name in ("reward", "terminated", "truncated")
         )
+        if self._longest is not None:
+            truncated |= shown["steps"] >= self._longest
         self._over = terminated | truncated
         observation = self._observation(shown)
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
@@ -176,13 +191,23 @@ class RecallVectorEnv(VectorEnv):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        if not self._seeded:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+        self._require_first_reset()
         first = self._picture(0)
         if first is None:
             return None
         drawn = [first, *map(self._picture, range(1, min(self.num_envs, _DRAWN)))]
         return (*drawn, *[np.zeros_like(first)] * (self.num_envs - len(drawn)))  # type: ignore[arg-type]
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What `gym.make_vec` made the environment of."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+        if spec is not None and "autoreset_mode" in spec.kwargs:
+            spec.kwargs["autoreset_mode"] = self.autoreset_mode.value  # which JSON can store
 
     def _picture(self, world: int) -> NDArray[np.uint8] | None:
         return self._screen.show(lambda: self.view(world))
@@ -195,6 +220,39 @@ class RecallVectorEnv(VectorEnv):
         forager = forager_of(records, arena, decisions)
         info = {name: batch.shown[name][world].item() for name in ("steps", "score", "delivered")}
         return recall_view(arena, bodies, forager, info, batch.limit, None, None)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """An attribute of the single environment, one value a world; see `call`."""
+        return self.call(name)
+
+    def call(self, name: str) -> tuple[Any, ...]:
+        """What an attribute or a method of the single environment would give, one value a world.
+
+        Raises:
+            AttributeError: A batch of compiled worlds does not know it.
+        """
+        of_arenas: dict[str, Callable[[Arena], Any]] = {
+            "arena": lambda arena: arena,
+            "home_radius": lambda arena: whole_pixels(arena.home_radius),
+            "diagonal": lambda arena: whole_pixels(arena.diagonal),
+        }
+        of_all = {
+            "action_space": self.single_action_space,
+            "observation_space": self.single_observation_space,
+            **{
+                name: getattr(self.batch, name)
+                for name in ("foods", "limit", "decisions", "largest_diagonal")
+            },
+            **{name: getattr(self, name) for name in ("backend", "metadata", "render_mode", "spec")},
+        }
+        if name in of_arenas:
+            return tuple(map(of_arenas[name], self.batch.arenas))
+        if name not in of_all:
+            known = ", ".join([*of_arenas, *of_all])
+            raise AttributeError(
+                f"compiled worlds have no {name!r}; allowed: {known}, and action_masks of behaviours"
+            )
+        return (of_all[name],) * self.num_envs
 
     @abstractmethod
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
@@ -211,6 +269,10 @@ class RecallVectorEnv(VectorEnv):
     @abstractmethod
     def _observation(self, shown: NDArray[Any]) -> Observation:
         """What the policy gets to know, from `Shown` records, in fresh arrays."""
+
+    def _require_first_reset(self) -> None:
+        if not self._seeded:
+            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
@@ -267,6 +329,20 @@ class BehavioursVectorEnv(RecallVectorEnv):
                 "behaviour each"
             )
         return given.astype(np.float64)[:, None]
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """Which behaviours apply now, one row a world; see `BehavioursEnv.action_masks`.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+        """
+        self._require_first_reset()
+        shown = self.batch.shown
+        masks: NDArray[np.bool_] = APPLICABLE[shown["object_presence"], shown["food_type"]]
+        return masks
+
+    def call(self, name: str) -> tuple[Any, ...]:  # noqa: D102 (that of the class above)
+        return tuple(self.action_masks()) if name == "action_masks" else super().call(name)
 
     def _observation(self, shown: NDArray[Any]) -> Observation:
         observation = {name: shown[name].copy() for name in self.single_observation_space}  # type: ignore[attr-defined]

@@ -1,6 +1,6 @@
 """The records of worlds: one array for each kind of record, with a row for each world.
 
-Numbers of food objects and waypoints are lengths of rows. So worlds of any numbers have one type.
+The number of food objects is the length of rows. So worlds of any number have one type.
 """
 
 from dataclasses import dataclass, field
@@ -71,7 +71,6 @@ class World(NamedTuple):
         tracks: `Track` records, twice as many as food objects.
         links: `Link` records, as many as tracks.
         chosen: `ChosenWaypoint` records: on the way home, and to each food object.
-        lengths: Of the paths from each waypoint to each food object, shape (foods, waypoints).
     """
 
     robots: Any
@@ -84,11 +83,10 @@ class World(NamedTuple):
     tracks: Any
     links: Any
     chosen: Any
-    lengths: Any
 
 
-def new_worlds(count: int, foods: int, waypoints: int) -> World:
-    """Worlds without an episode, with room for this many food objects and waypoints."""
+def new_worlds(count: int, foods: int) -> World:
+    """Worlds without an episode, with room for this many food objects."""
     return World(
         np.zeros((count, 1), robot_dtype),
         np.zeros((count, 1), forager_dtype),
@@ -100,7 +98,6 @@ def new_worlds(count: int, foods: int, waypoints: int) -> World:
         np.zeros((count, 2 * foods), track_dtype),
         np.zeros((count, 2 * foods), link_dtype),
         np.zeros((count, 1 + foods), chosen_dtype),
-        np.zeros((count, foods, waypoints)),
     )
 
 
@@ -118,5 +115,4 @@ def world_of(worlds: World, i: int) -> World:
         worlds.tracks[i],
         worlds.links[i],
         worlds.chosen[i],
-        worlds.lengths[i],
     )

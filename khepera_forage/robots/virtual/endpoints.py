@@ -43,12 +43,21 @@ class PtyEndpoint:
     """A pseudo-terminal, without echo or translation of line endings.
 
     The host's end also stays open here, so that hosts can disconnect and reconnect.
+
+    Raises:
+        OSError: The system has no pseudo-terminals, as Windows.
     """
 
     def __init__(self) -> None:
         # Imported here: systems without pseudo-terminals can still use `TcpEndpoint`.
-        import pty
-        import tty
+        try:
+            import pty
+            import tty
+        except ImportError:
+            raise OSError(
+                "a virtual robot's serial port is a pseudo-terminal, which this system does not have; allowed: Linux, "
+                "macOS, or Windows Subsystem for Linux"
+            ) from None
 
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)

@@ -145,7 +145,7 @@ class Recalls:
         *,
         foods: int = 1,
         limit: int = 500,
-        noise: Noise | str | None = None,
+        noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
         wheel_speed: float = 1.0,
         decisions: Decisions | None = None,
@@ -186,7 +186,7 @@ class Recalls:
             count,
             *(arenas.blocks, places, self._settings, memories),
             *(keys, policies, *given_records(None, None, foods), outcomes, food_places, collected, free),
-            scratch=lambda: (new_worlds(1, foods, arenas.waypoints), np.zeros(1, _policy_dtype)),
+            scratch=lambda: (new_worlds(1, foods), np.zeros(1, _policy_dtype)),
             least=_LEAST,
         )
         if not free[0]:

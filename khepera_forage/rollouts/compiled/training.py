@@ -19,7 +19,6 @@ from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of
 from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import carry_out, command_behaviour, drive, motors_of, stand_ready
 from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
-from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import dtype_of
@@ -87,7 +86,7 @@ def train_learners(
     arena: Arena | str = "corridor",
     seed: int = 0,
     *,
-    noise: Noise | str | None = None,
+    noise: Noise | str | None = "laboratory",
     food_types: FoodOdds = None,
     max_cycles: int = 600,
     patience: int | None = None,
@@ -137,21 +136,22 @@ def train_learners(
     for side, holes in zip(arenas, (1, 2), strict=True):
         settings = settings_of(foods, limit, noise, food_types, decisions, holes)
         sides += [arena_block(side, anchor), settings, *given_records(side.start, side.foods, foods)]
-    waypoints = len(arena_map_of(arenas[0]).ways.waypoints)
     learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
-    at_once = min(keys.size, max(_LEAST, _ROOM // (limit * (HEARD + 1) * 2 + most * attempt_dtype.itemsize)))
+    bytes_each = limit * ((HEARD + 1) * 2 + 4) + most * attempt_dtype.itemsize
+    at_once = min(keys.size, max(_LEAST, _ROOM // bytes_each))
     rows = np.empty((at_once, limit, HEARD + 1), np.int16)
+    rewards = np.empty((at_once, limit), np.float32)
     records = np.empty((at_once, most), attempt_dtype)
-    vectors, lines, tried = [], [], []
+    vectors, gains, lines, tried = [], [], [], []
     for first in range(0, keys.size, at_once):
         some = keys[first : first + at_once]
         made, free = np.zeros(some.size, np.int64), np.ones(some.size, np.bool_)
         share_out(
             _train,
             some.size,
-            *(*sides, some, rows, records, made, free),
-            scratch=lambda: (new_worlds(2, foods, waypoints), terms.copy()),
+            *(*sides, some, rows, rewards, records, made, free),
+            scratch=lambda: (new_worlds(2, foods), terms.copy()),
             least=_LEAST,
         )
         if not free.all():
@@ -160,11 +160,14 @@ def train_learners(
         last = done[np.cumsum(made) - 1]
         if not last["complete"].all():
             raise IncompleteTrainingError(f"none of {most} attempts at a training episode was complete")
-        vectors.append(rows[: some.size][np.arange(limit) < last["vectors"][:, None]])
+        heard = np.arange(limit) < last["vectors"][:, None]
+        vectors.append(rows[: some.size][heard])
+        gains.append(rewards[: some.size][heard])
         lines.append(done)
         tried.append(made)
     return trained(
         np.concatenate(vectors),
+        np.concatenate(gains),
         np.concatenate(lines),
         np.concatenate(tried),
         n,
@@ -196,6 +199,7 @@ def _train(
     learner_food_marks: Any,
     keys: Any,
     rows: Any,
+    rewards: Any,
     records: Any,
     made: Any,
     free: Any,
@@ -217,6 +221,7 @@ def _train(
         learner_food_marks: Likewise.
         keys: Of the random numbers of each episode.
         rows: Experience vectors of the last attempt at each episode, shape (episodes, rounds, 6).
+        rewards: The learner's, from each of them to the next, shape (episodes, rounds).
         records: `attempt_dtype`, shape (episodes, attempts).
         made: How many attempts at each episode there were.
         free: Whether robots and food found room on their marks.
@@ -232,6 +237,7 @@ def _train(
         for k in range(attempt.attempts):
             key = random_bits(keys[number], k)
             _begin(attempt)
+            rewards[number] = 0.0
             room = _put_on_marks(
                 teacher,
                 teacher_arena,
@@ -264,6 +270,7 @@ def _train(
                     learner_settings[0],
                     attempt,
                     rows[number],
+                    rewards[number],
                     diagonal,
                 )
             record = records[number, k]
@@ -314,6 +321,7 @@ def _round(
     learner_settings: Any,
     attempt: Any,
     row: Any,
+    gains: Any,
     diagonal: int,
 ) -> bool:
     """One round of a pair; returns whether the attempt has ended. The first round only takes the first frame."""
@@ -328,6 +336,7 @@ def _round(
     share_identified(teacher.objects, learner.objects)
     _command_learner(learner, learner_arena, learner_settings, pairing, behaviour)
     carry_out(learner, learner_arena, learner_settings)
+    gains[max(attempt.vectors - 1, 0)] += learner.foragers[0].episode.reward
     share_identified(learner.objects, teacher.objects)
 
     shown, learning = teacher.robots[0], learner.robots[0]

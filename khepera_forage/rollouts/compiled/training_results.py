@@ -50,6 +50,7 @@ class Trained(NamedTuple):
         arena: Name of the arena.
         seed: As given.
         decisions: Of the training.
+        rewards: The learner's from each vector to the next, one a row, as in `TrainingEnv`; float32.
     """
 
     experience: NDArray[np.int16]
@@ -58,6 +59,7 @@ class Trained(NamedTuple):
     arena: str
     seed: int
     decisions: Decisions
+    rewards: NDArray[np.float32]
 
     def vectors_of(self, learner: int, episode: int | None = None) -> NDArray[np.int16]:
         """The rows of one learner, of all its episodes or of one; a view.
@@ -65,12 +67,23 @@ class Trained(NamedTuple):
         Raises:
             ValueError: There is no such learner, or no such episode.
         """
+        return self.experience[self._rows(learner, episode)]
+
+    def _rows(self, learner: int, episode: int | None) -> slice:
         learners, episodes = self.offsets.shape[0], self.offsets.shape[1] - 1
         own = self.offsets[_within("learner", learner, learners)]
         if episode is None:
-            return self.experience[own[0] : own[-1]]
+            return slice(own[0], own[-1])
         episode = _within("episode", episode, episodes)
-        return self.experience[own[episode] : own[episode + 1]]
+        return slice(own[episode], own[episode + 1])
+
+    def rewards_of(self, learner: int, episode: int | None = None) -> NDArray[np.float32]:
+        """The reward that followed each row of `vectors_of`; a view.
+
+        Raises:
+            ValueError: There is no such learner, or no such episode.
+        """
+        return self.rewards[self._rows(learner, episode)]
 
     def experience_of(self, learner: int, episode: int | None = None) -> Experience:
         """The same as an `Experience`, which can be saved as a file.
@@ -88,6 +101,7 @@ class Trained(NamedTuple):
 
 def trained(
     vectors: NDArray[np.int16],
+    rewards: NDArray[np.float32],
     attempts: NDArray[Any],
     tried: NDArray[np.int64],
     n: int,
@@ -100,6 +114,7 @@ def trained(
 
     Args:
         vectors: Of all complete episodes, one after the other.
+        rewards: One a vector.
         attempts: `attempt_dtype`, one record an attempt.
         tried: How many attempts there were at each episode.
         n: Learners.
@@ -130,6 +145,7 @@ def trained(
         arena,
         seed,
         decisions,
+        rewards,
     )
 
 

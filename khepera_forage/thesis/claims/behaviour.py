@@ -1,11 +1,14 @@
 """Claims about the learner's success by the food's place, and about 'orient with food' (5.4.1.2)."""
 
 from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims.claim import (
     Above,
+    Below,
     Beyond,
     Claim,
+    Rule,
     Unit,
     judged,
     percent,
@@ -35,20 +38,33 @@ AFTER_ORIENT = (
 def areas(evidence: Evidence, arena: str) -> Claim:
     """Success depends on whether the food lies nearer to home than in training, or further.
 
-    The thesis calls the two sides area 1 and area 2, but does not say clearly which is which.
+    The thesis calls the two sides area 1 and area 2, but does not say clearly which is which. In the corridor either
+    direction is counted; in the rectangle only that of the corridor.
     """
-    rows, training = of_arena(evidence.recalls, arena), training_distance(evidence.decisions)
-    nearer = food_share(rows, lambda distance: distance < training)
-    further = food_share(rows, lambda distance: distance >= training)
+    training = training_distance(evidence.decisions)
+    nearer, further = _sides(evidence, arena)
+    rule: Rule = Beyond(AREA_MARGIN)
+    if arena != CORRIDOR:
+        before, after = (sample.value for sample in _sides(evidence, CORRIDOR))
+        rule = Below(-AREA_MARGIN) if before < after else Above(AREA_MARGIN)
     return judged(
         f"Success depends on whether food lies nearer to home or further than in training ({arena})",
         SECTION[arena],
         evidence.difference(nearer, further),
-        Beyond(AREA_MARGIN),
+        rule,
         percent_change,
         "most of the times in area 2, rarely in area 1",
         f"Brought home: {_share(nearer)} nearer to home than the {training:.0f} pixels of training, "
         f"{_share(further)} further away.",
+    )
+
+
+def _sides(evidence: Evidence, arena: str) -> tuple[Sample[RecallRow], Sample[RecallRow]]:
+    """Food nearer to home than in training, and the other food."""
+    rows, training = of_arena(evidence.recalls, arena), training_distance(evidence.decisions)
+    return (
+        food_share(rows, lambda distance: distance < training),
+        food_share(rows, lambda distance: distance >= training),
     )
 
 

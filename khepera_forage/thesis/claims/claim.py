@@ -84,6 +84,21 @@ class Above:
 
 
 @dataclass(frozen=True, slots=True)
+class Below:
+    """Supported if the whole interval lies below a threshold, not supported if no part of it does."""
+
+    threshold: float
+
+    def judge(self, estimate: Estimate) -> Verdict:
+        """The verdict."""
+        return _verdict(estimate.high < self.threshold, estimate.low >= self.threshold)
+
+    def text(self, show: Unit) -> str:
+        """The rule in words."""
+        return f"supported below {show(self.threshold)}, not supported above"
+
+
+@dataclass(frozen=True, slots=True)
 class AtMost:
     """Supported if the whole interval is at most a threshold, not supported if it lies above."""
 

@@ -26,8 +26,6 @@ REPLICATIONS, QUICK_REPLICATIONS = 50, 5
 """Of the thesis's design under each."""
 CLAIMS = tuple(claims([], [], [], np.random.default_rng(0), resamples=1))
 """Every claim without rows: its words, section and unit."""
-OBSERVATIONS = ("Success depends on", "'Orient with food' is executed where", "After 'orient with food'")
-"""How the claims begin that belong to the test set: areas 1 and 2, ORIENT without food, and what follows it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +133,8 @@ def measured(
     return [by_number[number] for number in prior], [by_number[number] for number in inferred]
 
 
-def claim_tables(*samples: Sequence[LaboratoryClaims]) -> list[Table]:
-    """In what share of laboratories each claim holds, and how many of the observations hold together.
+def claim_table(*samples: Sequence[LaboratoryClaims]) -> Table:
+    """In what share of laboratories each claim holds.
 
     Args:
         *samples: Under a sample of the prior, and under one of the posterior. The intervals are those of independent
@@ -151,38 +149,16 @@ def claim_tables(*samples: Sequence[LaboratoryClaims]) -> list[Table]:
         effects = [row.effects[k] for row in known[1] if not np.isnan(row.effects[k])]
         median = claim.unit(float(np.median(effects))) if effects else "-"
         lines.append((claim.name, claim.thesis_section, *holds, median))
-    own = [k for k, claim in enumerate(CLAIMS) if claim.name.startswith(OBSERVATIONS)]
-    held = [[sum(row.verdicts[k] == Verdict.SUPPORTED for k in own) for row in rows] for rows in known]
-    observations: list[tuple[Value, ...]] = [
-        (least, *(percent(sum(count >= least for count in counts), len(counts)) for counts in held))
-        for least in range(len(own) + 1)
-    ]
-    return [
-        Table(
-            "claims",
-            "In which laboratories the thesis's claims hold",
-            f"Share of {len(samples[0])} admissible laboratories of the prior, and of {len(samples[1])} laboratories "
-            "of the posterior, in which a claim is supported, with Wilson's 95 % interval. In the others it is not "
-            "supported, or undecided. The effect is its median over the laboratories of the posterior.",
-            (
-                *map(Column, ("claim", "section")),
-                *(Column(f"holds, {name} (%)", 0, estimate=True) for name in ("prior", "posterior")),
-                Column("median effect, posterior"),
-            ),
-            lines,
+    return Table(
+        "claims",
+        "In which laboratories the thesis's claims hold",
+        f"Share of {len(samples[0])} admissible laboratories of the prior, and of {len(samples[1])} laboratories "
+        "of the posterior, in which a claim is supported, with Wilson's 95 % interval. In the others it is not "
+        "supported, or undecided. The effect is its median over the laboratories of the posterior.",
+        (
+            *map(Column, ("claim", "section")),
+            *(Column(f"holds, {name} (%)", 0, estimate=True) for name in ("prior", "posterior")),
+            Column("median effect, posterior"),
         ),
-        Table(
-            "observations",
-            "The observations of the test set",
-            f"Share of laboratories in which at least so many of {len(own)} claims hold that were not fitted: areas 1 "
-            "and 2 and ORIENT where no food is, each in both arenas, and the behaviours after ORIENT.",
-            (
-                Column("at least"),
-                *(
-                    Column(f"{name} laboratories (%)", 0, estimate=True)
-                    for name in ("admissible", "posterior")
-                ),
-            ),
-            observations,
-        ),
-    ]
+        lines,
+    )

@@ -6,34 +6,47 @@ statistics; the share of leaves that they have in common is its weight. Weighted
 2019, "ABC random forests for Bayesian parameter inference", Bioinformatics 35: 1720-1728; for several parameters
 together, the forest predicts all of them, as in distributional random forests).
 
-Sets that the forest has not seen stand in for the thesis to validate it. If the posterior is right, the true value of a
+Sets that a forest has not seen stand in for the thesis to validate it. If the posterior is right, the true value of a
 decision is equally likely to have any rank in it (Talts et al. 2018, "Validating Bayesian inference algorithms with
-simulation-based calibration"), and an interval that claims 90 % contains it in 90 % of the sets.
+simulation-based calibration"), and an interval that claims 90 % contains it in 90 % of the sets. Intervals are the
+shortest ones: equal tails can hardly contain a value at the end of a range.
+
+A forest finds neighbours for any experiment, even for one that no set resembles. Therefore the experiment is first
+compared with all simulated ones.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+from scipy import stats
 from scipy.sparse import csr_array
 from sklearn.ensemble import RandomForestRegressor
 
-from khepera_forage.estimates import Estimate, bootstrap, percent, ratio
+from khepera_forage.estimates import Estimate, bootstrap, holm, percent, ratio
 from khepera_forage.thesis.inference.prior import Laboratory, Prior, Range
-from khepera_forage.thesis.inference.summary import FITTED, NAMES, SLOPES, thesis_statistics
 
 Floats = NDArray[np.float64]
 TREES = 200
 LEAST_LEAF = 5
 """Fewest experiments in a leaf, of those that the tree was grown with."""
-HELD_OUT = 10
-"""One set in this many is not learned: it stands in for the thesis in the validation."""
+HELD_OUT, VALIDATED = 10, 1000
+"""One set in this many is not learned: it stands in for the thesis in the validation. Other sets follow, with another
+forest each time, until about this many have been held out."""
 MUCH = 0.9
 """Error, as a share of the error of a guess, below which the tables say much about a decision."""
+CLASSES = 10
+"""Of ranks, to test whether all are equally frequent."""
+NEIGHBOURS, COMPARED = 50, 1000
+"""Nearest experiments, and most experiments that are compared with the observed one."""
+MOST_OUTSIDE = 0.2
+"""Share of the statistics outside the central 95 % above which simulated experiments do not resemble the observed one;
+statistics of one experiment depend on each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +111,24 @@ def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[
     """
     found: list[float] = np.quantile(values, shares, weights=weights, method="inverted_cdf").tolist()
     return found
+
+
+def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, float]:
+    """The shortest interval that contains at least a share of the weight.
+
+    Args:
+        values: One a set.
+        weights: One a set; their sum need not be 1.
+        share: 0 to 1.
+    """
+    order = np.argsort(values)
+    ordered, below = values[order], np.concatenate([[0.0], np.cumsum(weights[order])])
+    last = np.searchsorted(below, below[:-1] + share * below[-1] - 1e-12, side="left") - 1
+    possible = last < len(ordered)
+    first = np.flatnonzero(possible)
+    ends = ordered[np.maximum(last[possible], first)]
+    best = int(np.argmin(ends - ordered[first]))
+    return float(ordered[first[best]]), float(ends[best])
 
 
 def rank(values: Floats, weights: Floats, value: float, percent: float = 100.0) -> float:
@@ -185,6 +216,7 @@ class Determined(StrEnum):
     YES = "yes"
     LITTLE = "a little"
     NO = "no"
+    UNCALIBRATED = "not calibrated"
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,9 +226,11 @@ class Calibration:
     Attributes:
         name: Of the field.
         ranks: Of the true values in their posteriors, 0 to 1, shape (held-out sets,).
-        half: Percent of true values in the central 50 % interval.
+        half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of a reading.
         most: The same for 90 %.
         error: Error of the posterior divided by that of guessing from the prior.
+        equal_ranks: p-value of the test whether all ranks are equally frequent; nan with few sets.
+        corrected: The same after correction for the number of decisions.
     """
 
     name: str
@@ -204,36 +238,48 @@ class Calibration:
     half: Estimate
     most: Estimate
     error: Estimate
+    equal_ranks: float
+    corrected: float = 1.0
 
     @property
     def determined(self) -> Determined:
-        """Whether experiments of this size determine the decision: by the upper end of the error's interval."""
+        """Whether experiments of this size determine the decision, by the upper end of the error's interval.
+
+        A decision whose posteriors are wrong, or were validated with too few sets, is not determined, even if the
+        error is small.
+        """
         if not self.error.high < 1.0:
             return Determined.NO
+        if not (np.isfinite(self.equal_ranks) and self.corrected >= 0.05):
+            return Determined.UNCALIBRATED
         return Determined.YES if self.error.high < MUCH else Determined.LITTLE
 
 
-def calibrate(learned: Parameter, weights: Floats, true: Parameter, rng: Generator) -> Calibration:
+def calibrate(
+    learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats
+) -> Calibration:
     """Compare posteriors with true values.
 
     Args:
-        learned: The decision in the sets that the forest has learned.
+        learned: The decision in all sets that forests have learned.
         weights: Posteriors: weights of these sets, shape (held-out sets, learned sets), each row's sum is 1.
         true: The decision in the held-out sets.
         rng: Orders readings with equal ranks at random; draws resamples.
+        guesses: The same weights without any tables.
     """
     ranks = _ranks(learned, weights, true.values, rng)
-    guess = np.full(weights.shape[1], 1.0 / weights.shape[1])
     errors = np.stack(
-        [_errors(learned, weights, true), _errors(learned, np.broadcast_to(guess, weights.shape), true)],
+        [_errors(learned, weights, true), _errors(learned, guesses, true)],
         axis=1,
     )
+    counts, _ = np.histogram(ranks, CLASSES, range=(0.0, 1.0))
     return Calibration(
         learned.name,
         ranks,
-        _coverage(ranks, 0.5),
-        _coverage(ranks, 0.9),
+        _coverage(learned, weights, true, ranks, 0.5),
+        _coverage(learned, weights, true, ranks, 0.9),
         bootstrap(errors, ratio, rng),
+        float(stats.chisquare(counts).pvalue) if len(ranks) >= 5 * CLASSES else float("nan"),
     )
 
 
@@ -245,8 +291,14 @@ def _ranks(learned: Parameter, weights: Floats, true: Floats, rng: Generator) ->
     return np.clip(ranks, 0.0, 1.0)
 
 
-def _coverage(ranks: Floats, share: float) -> Estimate:
-    return percent(int((np.abs(ranks - 0.5) <= share / 2).sum()), len(ranks))
+def _coverage(learned: Parameter, weights: Floats, true: Parameter, ranks: Floats, share: float) -> Estimate:
+    """Percent of the true values in an interval of their posteriors."""
+    if learned.readings:
+        inside = np.abs(ranks - 0.5) <= share / 2
+    else:
+        low, high = np.array([shortest(learned.values, row, share) for row in weights]).T
+        inside = (low <= true.values) & (true.values <= high)
+    return percent(int(inside.sum()), len(inside))
 
 
 def _errors(learned: Parameter, weights: Floats, true: Parameter) -> Floats:
@@ -261,41 +313,109 @@ def _errors(learned: Parameter, weights: Floats, true: Parameter) -> Floats:
     return np.asarray((sorted_weights * off).sum(axis=1) - spread)
 
 
-def fitted_columns() -> NDArray[np.intp]:
-    """Places of the statistics that are fitted: those of tables A.1 to A.4 that the thesis has."""
-    known = np.isfinite(thesis_statistics())
-    names = (*NAMES, *SLOPES)
-    return np.array([k for k, name in enumerate(names) if name in FITTED and known[k]], dtype=np.intp)
+class PriorCheck(NamedTuple):
+    """How an experiment compares with the simulated ones.
+
+    Attributes:
+        intervals: Median and central 95 % of each statistic over all simulated experiments.
+        ranks: Percent of them below the experiment's value; nan if the experiment has none.
+        tail: Probability that a simulated experiment is at least as far from those of other sets.
+        neighbours: Number of nearest experiments whose mean distance is compared.
+    """
+
+    intervals: list[Estimate]
+    ranks: Floats
+    tail: float
+    neighbours: int
+
+    @property
+    def outside(self) -> int:
+        """Number of statistics outside the central 95 %."""
+        return int(((self.ranks < 2.5) | (self.ranks > 97.5)).sum())
+
+    @property
+    def warning(self) -> str:
+        """One sentence if the simulated sets do not resemble the experiment, otherwise empty."""
+        count = int(np.isfinite(self.ranks).sum())
+        if self.outside <= MOST_OUTSIDE * count and self.tail >= 0.05:
+            return ""
+        return (
+            f"The simulated sets do not resemble these tables: {self.outside} of {count} statistics are outside the "
+            f"central 95 % of simulated experiments, joint p {self.tail:.3f}. The forest interpolates all the same, so "
+            "that its posterior may mean nothing."
+        )
+
+
+def prior_check(statistics: NDArray[np.float32], observed: Floats, rng: Generator) -> PriorCheck:
+    """Compare an experiment with all simulated ones, statistic by statistic and jointly.
+
+    Args:
+        statistics: Shape (sets, experiments, statistics); they may be missing.
+        observed: The same of one experiment.
+        rng: Chooses one experiment of each set, up to `COMPARED`, whose distances are compared.
+    """
+    sets, experiments, width = statistics.shape
+    flat = statistics.reshape(-1, width).astype(np.float64)
+    even = np.ones(len(flat))
+    intervals, ranks = [], []
+    for column, value in zip(flat.T, observed, strict=True):
+        known = np.isfinite(column)
+        found = quantiles(column[known], even[known], (0.5, 0.025, 0.975)) if known.any() else [np.nan] * 3
+        intervals.append(Estimate(*found))
+        ranks.append(rank(column, even, float(value)) if np.isfinite(value) else np.nan)
+    middle = np.array([interval.value for interval in intervals])
+    spread = np.nanstd(flat, axis=0)
+    spread[~(spread > 0)] = 1.0
+
+    def scaled(values: Floats) -> Floats:
+        return np.asarray(np.where(np.isfinite(values), values - middle, 0.0) / spread)
+
+    points, owners = scaled(flat), np.repeat(np.arange(sets), experiments)
+    neighbours = min(NEIGHBOURS, len(points) - experiments)
+
+    def distance(point: Floats, owner: int) -> float:
+        squares = ((points[owners != owner] - point) ** 2).sum(axis=1)
+        return float(np.sqrt(np.partition(squares, neighbours - 1)[:neighbours]).mean())
+
+    own = distance(scaled(observed), -1)
+    chosen = rng.permutation(sets)[:COMPARED]
+    others = [distance(points[k * experiments + int(rng.integers(experiments))], int(k)) for k in chosen]
+    farther = sum(other >= own for other in others)
+    return PriorCheck(intervals, np.array(ranks), (1 + farther) / (1 + len(others)), neighbours)
 
 
 @dataclass(frozen=True, slots=True)
 class Posterior:
-    """Weights of admissible sets, given the thesis's tables.
+    """Weights of admissible sets, given the tables of an experiment.
 
     Attributes:
         parameters: What the prior draws, in all admissible sets.
-        weights: One an admissible set, 1 together; held-out sets have none.
+        weights: One an admissible set, 1 together.
         calibrations: One a parameter, in the same order.
-        held_out: Number of sets that the calibration tried to recover.
+        held_out: Number of sets that the calibration tried to recover from forests without them.
+        check: How the experiment compares with the simulated ones.
     """
 
     parameters: tuple[Parameter, ...]
     weights: Floats
     calibrations: tuple[Calibration, ...]
     held_out: int
+    check: PriorCheck
 
 
 def infer(
     parameters: Sequence[Parameter],
     statistics: NDArray[np.float32],
+    observed: Floats,
     seed: int,
     trees: int = TREES,
 ) -> Posterior:
-    """Weight sets by their likeness to the thesis, and validate the weights on sets that were held out.
+    """Weight sets by their likeness to an experiment, and validate the weights on sets that were held out.
 
     Args:
         parameters: What the prior draws, in admissible sets.
-        statistics: Of these sets, shape (sets, experiments, statistics of `summary`).
+        statistics: The fitted ones of these sets, shape (sets, experiments, statistics).
+        observed: The same statistics of the experiment.
         seed: Of the forest.
         trees: Of the forest.
 
@@ -305,18 +425,23 @@ def infer(
     count = len(statistics)
     if count < 3:
         raise ValueError(f"{count} admissible sets; allowed: at least 3, to learn from and to validate with")
-    columns = fitted_columns()
-    held_out = np.arange(0, count, HELD_OUT)
-    learned = np.setdiff1d(np.arange(count), held_out)
-    targets = np.hstack([parameter.of(learned).targets for parameter in parameters])
-    fitted = statistics[:, :, columns].astype(np.float64)
-    forest = SetForest(fitted[learned], targets, seed, trees)
-    observed = np.vstack([thesis_statistics()[columns], fitted[held_out, 0]])
-    given = forest.weights(observed)
-    weights = np.zeros(count)
-    weights[learned] = given[0]
+    targets = np.hstack([parameter.targets for parameter in parameters])
+    fitted = statistics.astype(np.float64)
+    weights = SetForest(fitted, targets, seed, trees).weights(observed[None])[0]
+    folds = [np.arange(fold, count, HELD_OUT) for fold in range(min(HELD_OUT, count))]
+    folds = folds[: math.ceil(VALIDATED / len(folds[0]))]
+    held_out = np.concatenate(folds)
+    posteriors, guesses = np.zeros((2, len(held_out), count))
+    done = 0
+    for fold in folds:
+        learned, rows = np.setdiff1d(np.arange(count), fold), np.arange(done, done + len(fold))
+        forest = SetForest(fitted[learned], targets[learned], seed, trees)
+        posteriors[np.ix_(rows, learned)] = forest.weights(fitted[fold, 0])
+        guesses[np.ix_(rows, learned)] = 1 / len(learned)
+        done += len(fold)
     rng = np.random.default_rng(seed)
-    calibrations = [
-        calibrate(parameter.of(learned), given[1:], parameter.of(held_out), rng) for parameter in parameters
-    ]
-    return Posterior(tuple(parameters), weights, tuple(calibrations), len(held_out))
+    found = [calibrate(one, posteriors, one.of(held_out), rng, guesses) for one in parameters]
+    corrected = holm([1.0 if np.isnan(one.equal_ranks) else one.equal_ranks for one in found])
+    calibrations = tuple(replace(one, corrected=p) for one, p in zip(found, corrected, strict=True))
+    check = prior_check(statistics, observed, rng)
+    return Posterior(tuple(parameters), weights, calibrations, len(held_out), check)

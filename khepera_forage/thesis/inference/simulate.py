@@ -1,21 +1,32 @@
-"""Sets of decisions from the prior, and the thesis's design replicated under each: what its tables would say."""
+"""Sets of decisions from the prior: which are admissible, and what the thesis's tables would be under them.
 
-import sys
+A set is admissible if the teacher can do under it what the thesis says of it. Only the teacher and training are looked
+at, no learner. Under each admissible set the thesis's whole design is replicated.
+"""
+
+import math
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import resources
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from joblib import effective_n_jobs
+from numpy.random import Generator
 from numpy.typing import NDArray
-from tqdm import tqdm
 
+from khepera_forage.envs.arguments import checked_arena
+from khepera_forage.files import replacing
+from khepera_forage.option_values import progress
+from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, Episodes, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
 from khepera_forage.thesis.design import THESIS, files_needed
-from khepera_forage.thesis.inference.admissible import Check, check
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import (
     PRIOR,
@@ -24,13 +35,122 @@ from khepera_forage.thesis.inference.prior import (
     laboratory_from_text,
     laboratory_text,
 )
-from khepera_forage.thesis.inference.summary import NAMES, SLOPES, CellRecalls, of_recalls, with_slopes
+from khepera_forage.thesis.inference.summary import (
+    NAMES,
+    SLOPES,
+    CellRecalls,
+    fitted_columns,
+    of_recalls,
+    with_slopes,
+)
 
+FORAGES = 256
+"""Of the teacher, in each arena."""
+TRIES = 64
+"""Forages without orienting, in each arena; attempts at a training episode."""
+MOST = 16
+"""How many times as many, where the answer is near the threshold."""
+SURE = 2.0
+"""Standard errors from a threshold that are far enough."""
+DELIVERED = 0.98
+"""Share of the food that the teacher brings home, at least."""
+WITHOUT = 0.01
+"""Share of the forages in which food is brought home without orienting, at most."""
+FASTEST = {"corridor": 65, "rectangle": 205}
+"""Steps of the fastest recalls in tables A.1 to A.7, without lines that contradict themselves: a learner is not faster
+than the teacher can be."""
+LUCK, CLOSE = 1.1, 1.2
+"""How much slower than that the fastest of the forages may be, since these need not include the fastest possible; and
+up to where more forages may still be fast enough."""
+COMPLETE = 0.5
+""""Quite frequent" (5.3.1): share of attempts at a training episode that are complete, at least."""
+ATTEMPTS = 40
+"""At an episode, after which training is hopeless: with half of them complete, fewer than one in 10^12 gets there."""
+ARENAS = {cell.arena: (cell.foods, cell.limit) for cell in THESIS}
+"""Food objects and limit by arena (5.4.1.1, 5.4.2.1)."""
 CHUNK, QUICK_CHUNK = 100, 4
 """Sets drawn in one unit of work."""
 CHUNKS_A_PROCESS = 4
 """Units that a process does before it is seen whether the sets are enough."""
-FILE = "sets.jsonl.gz"
+FILE, KEPT = "sets.jsonl.gz", "sets.npz"
+"""Rows of a run; what is kept of its admissible sets, also in the package."""
+
+
+def reason_against(laboratory: Laboratory, seed: int) -> str:
+    """Why a laboratory is not admissible; empty if it is.
+
+    What costs least is looked at first, until there is a reason. Near a threshold more recalls are simulated.
+
+    Args:
+        laboratory: Decisions and noise.
+        seed: Of the forages.
+    """
+    rng = np.random.default_rng(seed)
+    for arena in ARENAS:
+        delivered, fastest = _teacher(laboratory, arena, rng)
+        if delivered < DELIVERED:
+            return f"the teacher fails in the {arena}"
+        if fastest > LUCK * FASTEST[arena]:
+            return f"too slow in the {arena}"
+    for arena in ARENAS:
+        without = np.zeros(0)
+        while _undecided(without, WITHOUT, TRIES):
+            forages = _forages(laboratory, arena, WITHOUT_ORIENTING, len(without) or TRIES, rng)
+            without = np.append(without, forages.delivered > 0)
+        if without.mean() > WITHOUT:
+            return f"no ORIENT is needed in the {arena}"
+    complete = np.zeros(0)
+    while _undecided(complete, COMPLETE, TRIES):
+        complete = np.append(complete, _attempts(laboratory, len(complete) or TRIES, rng))
+    return "" if complete.mean() >= COMPLETE else "training is seldom complete"
+
+
+def _teacher(laboratory: Laboratory, arena: str, rng: Generator) -> tuple[float, float]:
+    """Share of the food that the teacher brings home, and steps of its fastest forage."""
+    delivered, fastest = np.zeros(0), math.inf
+    slow = LUCK * FASTEST[arena]
+    while _undecided(delivered, DELIVERED, FORAGES) or (
+        slow < fastest <= CLOSE * slow and len(delivered) < MOST * FORAGES
+    ):
+        forages = _forages(laboratory, arena, TEACHER, len(delivered) or FORAGES, rng)
+        delivered = np.append(delivered, forages.delivered / ARENAS[arena][0])
+        fastest = min(fastest, float(forages.steps.min()))
+    return float(delivered.mean()), fastest
+
+
+def _undecided(values: NDArray[np.float64], threshold: float, first: int) -> bool:
+    """Whether more values are needed to tell on which side of a threshold their mean, a share, lies."""
+    count = len(values)
+    if not first <= count < MOST * first:
+        return count < first
+    share = (values.sum() + 2) / (count + 4)  # an error that is not 0 if all values are alike
+    return bool(abs(values.mean() - threshold) <= SURE * math.sqrt(share * (1 - share) / count))
+
+
+def _forages(laboratory: Laboratory, arena: str, policy: int, count: int, rng: Generator) -> Episodes:
+    """Forages from random starts, each with a seed of its own."""
+    foods, limit = ARENAS[arena]
+    return run_recalls(
+        checked_arena(arena, laboratory.decisions),
+        None,
+        np.full(count, policy),
+        int(rng.integers(2**62)),
+        foods=foods,
+        limit=limit,
+        noise=laboratory.noise,
+        decisions=laboratory.decisions,
+    )
+
+
+def _attempts(laboratory: Laboratory, episodes: int, rng: Generator) -> NDArray[np.bool_]:
+    """Whether each attempt at some training episodes was complete."""
+    decisions, noise = laboratory
+    seed = int(rng.integers(2**62))
+    try:
+        trained = train_learners(episodes, seed=seed, noise=noise, decisions=decisions, attempts=ATTEMPTS)
+    except (IncompleteTrainingError, ValueError):  # a mark where robot or food does not fit
+        return np.zeros(MOST * TRIES, np.bool_)
+    return np.asarray(trained.attempts.complete)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,21 +185,57 @@ class Chunk(NamedTuple):
 
     def run(self) -> list[SetRow]:
         """Simulate all sets; they are counted over all chunks."""
+        first = self.number * self.size
         return [
-            set_row(number, simulate(PRIOR, self.seed, number, self.experiments))
-            for number in range(self.number * self.size, (self.number + 1) * self.size)
+            simulate(PRIOR, self.seed, number, self.experiments) for number in range(first, first + self.size)
         ]
 
 
-def set_row(number: int, simulated: "Simulated") -> SetRow:
-    """A set as a row; its statistics have the precision of 32-bit floats."""
-    short = simulated.statistics.astype(np.float32).astype(str).ravel()
-    return SetRow(
-        number,
-        laboratory_text(simulated.laboratory),
-        simulated.check.reason,
-        tuple(map(float, short.tolist())),
+def simulate(prior: Prior, seed: int, number: int, experiments: int) -> SetRow:
+    """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
+
+    Args:
+        prior: To draw from.
+        seed: Of all sets.
+        number: Of this set: it depends on seed and number alone.
+        experiments: Replications of the whole design.
+    """
+    rng = np.random.default_rng((seed, number))
+    laboratory = prior.draw(rng)
+    first = int(rng.integers(2**62))
+    reason = reason_against(laboratory, first)
+    statistics = np.zeros(0) if reason else replicate(laboratory, first + 1, experiments)
+    short = statistics.astype(np.float32).astype(str).ravel().tolist()  # the precision of 32-bit floats
+    return SetRow(number, laboratory_text(laboratory), reason, tuple(map(float, short)))
+
+
+def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np.float64]:
+    """The statistics of some experiments of the thesis's size, shape (experiments, statistics).
+
+    Args:
+        laboratory: Decisions and noise.
+        seed: Of the experiments.
+        experiments: How many.
+    """
+    decisions, noise = laboratory
+    training, recalling = np.random.SeedSequence(seed).spawn(2)
+    trained = train_learners(
+        experiments,
+        seed=int(training.generate_state(1)[0]),
+        noise=noise,
+        episodes=files_needed(THESIS),
+        decisions=decisions,
     )
+    cells = []
+    for cell, seeds in zip(THESIS, recalling.spawn(len(THESIS)), strict=True):
+        numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
+        played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
+        shape = (experiments, len(cell.subsets), cell.recalls)
+        arrays = (played.correct, played.steps, played.delivered, played.penalty)
+        cells.append(
+            of_recalls(cell, CellRecalls(*(array.astype(np.float64).reshape(shape) for array in arrays)))
+        )
+    return with_slopes(cells)
 
 
 @dataclass(frozen=True)
@@ -106,9 +262,66 @@ class Drawn:
         return [laboratory_from_text(row.laboratory) for row in self.admissible]
 
     @cached_property
-    def parameters(self) -> list[Parameter]:
-        """What was drawn, of the admissible sets."""
-        return parameters_of(PRIOR, self.laboratories)
+    def sets(self) -> "Sets":
+        """What the inference learns from."""
+        return Sets(
+            parameters_of(PRIOR, self.laboratories), self.statistics[:, :, fitted_columns()], len(self.rows)
+        )
+
+
+class Sets(NamedTuple):
+    """Admissible sets, and the fitted statistics of the experiments under them.
+
+    Attributes:
+        parameters: What the prior draws.
+        statistics: Shape (sets, experiments, fitted statistics); they may be missing.
+        draws: Sets that were drawn to find as many admissible ones.
+    """
+
+    parameters: list[Parameter]
+    statistics: NDArray[np.float32]
+    draws: int
+
+    def save(self, path: Path) -> None:
+        """Write a small file, which `load` reads."""
+        with replacing(path) as partial, partial.open("wb") as file:
+            np.savez_compressed(
+                file,
+                prior=PRIOR.text,
+                values=np.stack([parameter.values for parameter in self.parameters], axis=1).astype(
+                    np.float32
+                ),
+                statistics=self.statistics,
+                draws=self.draws,
+            )
+
+    @staticmethod
+    def load(path: Path | None = None) -> "Sets":
+        """Read such a file; by default the one of the package.
+
+        Raises:
+            ValueError: The file was made by another version with another prior, or is no such file.
+        """
+        kept = path or Path(str(resources.files(__package__).joinpath(KEPT)))
+        try:
+            with np.load(kept, allow_pickle=False) as file:
+                prior, draws = str(file["prior"]), int(file["draws"])
+                values, statistics = file["values"].astype(np.float64), file["statistics"]
+        except (zipfile.BadZipFile, KeyError, ValueError) as error:
+            raise ValueError(
+                f"{kept} holds no simulated sets: {error}; allowed: {KEPT} of khepera-forage infer"
+            ) from None
+        if prior != PRIOR.text:
+            raise ValueError(f"{kept} was made with another prior; allowed: the prior of this version")
+        parameters = parameters_of(PRIOR, [])
+        return Sets(
+            [
+                Parameter(one.name, one.readings, column)
+                for one, column in zip(parameters, values.T, strict=True)
+            ],
+            statistics,
+            draws,
+        )
 
 
 def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
@@ -117,7 +330,7 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
     Raises:
         SystemExit: The folder holds sets of another run.
     """
-    settings = {**given.settings, "experiments": str(experiments), "prior": repr(PRIOR)}
+    settings = {**given.settings, "experiments": str(experiments), "prior": PRIOR.text}
     settings["statistics"] = " ".join((*NAMES, *SLOPES))
     try:
         store = RowStore(given.out, {SetRow: "sets"}, settings, given.fresh, FILE)
@@ -126,7 +339,7 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
     size = QUICK_CHUNK if given.quick else CHUNK
     rows: list[SetRow] = []
     found = number = 0
-    with tqdm(total=wanted, desc="admissible sets", disable=not sys.stderr.isatty()) as bar:
+    with progress(total=wanted, desc="admissible sets") as bar:
         while found < wanted:
             coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
             missing = [k for k in coming if str(k) not in store.finished]
@@ -142,74 +355,3 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
                     bar.update(not row.reason)
             number += 1
     return Drawn(rows, experiments)
-
-
-class Simulated(NamedTuple):
-    """One set of decisions from the prior.
-
-    Attributes:
-        laboratory: Decisions and noise.
-        check: Whether it is admissible.
-        statistics: Of each experiment, shape (experiments, statistics of `summary`); empty if it is not admissible.
-    """
-
-    laboratory: Laboratory
-    check: Check
-    statistics: NDArray[np.float64]
-
-
-def simulate(prior: Prior, seed: int, number: int, experiments: int) -> Simulated:
-    """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
-
-    Args:
-        prior: To draw from.
-        seed: Of all sets.
-        number: Of this set: it depends on seed and number alone.
-        experiments: Replications of the whole design.
-    """
-    rng = np.random.default_rng((seed, number))
-    laboratory = prior.draw(rng)
-    first = int(rng.integers(2**62))
-    found = check(laboratory, first)
-    if found.reason:
-        return Simulated(laboratory, found, np.zeros((0, 0)))
-    return Simulated(laboratory, found, replicate(laboratory, first + 1, experiments))
-
-
-def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np.float64]:
-    """The statistics of some experiments of the thesis's size, shape (experiments, statistics).
-
-    Args:
-        laboratory: Decisions and noise.
-        seed: Of the experiments.
-        experiments: How many.
-    """
-    cells = recalls_under(laboratory, seed, experiments)
-    return with_slopes([of_recalls(cell, recalls) for cell, recalls in zip(THESIS, cells, strict=True)])
-
-
-def recalls_under(laboratory: Laboratory, seed: int, experiments: int) -> list[CellRecalls]:
-    """The recalls of some experiments of the thesis's size, one element a cell of `THESIS`.
-
-    Args:
-        laboratory: Decisions and noise.
-        seed: Of the experiments.
-        experiments: How many.
-    """
-    decisions, noise = laboratory
-    training, recalling = np.random.SeedSequence(seed).spawn(2)
-    trained = train_learners(
-        experiments,
-        seed=int(training.generate_state(1)[0]),
-        noise=noise,
-        episodes=files_needed(THESIS),
-        decisions=decisions,
-    )
-    cells = []
-    for cell, seeds in zip(THESIS, recalling.spawn(len(THESIS)), strict=True):
-        numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
-        played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
-        shape = (experiments, len(cell.subsets), cell.recalls)
-        arrays = (played.correct, played.steps, played.delivered, played.penalty)
-        cells.append(CellRecalls(*(array.astype(np.float64).reshape(shape) for array in arrays)))
-    return cells

@@ -1,16 +1,17 @@
 """Summary statistics of an experiment of the thesis's size, cell by cell: of our recalls, and of the thesis's lines."""
 
-import math
 from collections.abc import Sequence
-from itertools import groupby
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.rollouts.row_files import parse_rows
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.appendix_a import PrintedRecall, PrintedTable
-from khepera_forage.thesis.design import ARENAS, THESIS, Cell
+from khepera_forage.thesis.appendix_a import PrintedRecall
+from khepera_forage.thesis.design import ARENAS, LABORATORY, THESIS, Cell
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +41,9 @@ NAMES = tuple(f"{cell.arena} {cell.episodes} {statistic}" for cell in THESIS for
 """Names of the statistics of all cells, in their order."""
 SLOPES = tuple(f"{arena} slope of {statistic}" for arena in ARENAS for statistic in ("score", "food"))
 """From the fewest training episodes of an arena to the most."""
-FITTED = tuple(name for name in (*NAMES, *SLOPES) if name.startswith("corridor"))
+ALL = (*NAMES, *SLOPES)
+"""All statistics, in their order."""
+FITTED = tuple(name for name in ALL if name.startswith("corridor"))
 """Tables A.1 to A.4. The others are the test set."""
 
 
@@ -59,71 +62,74 @@ class CellRecalls(NamedTuple):
     delivered: Floats
     penalty: Floats
 
-    @property
-    def right(self) -> Floats:
-        """Share of correct steps, percent."""
-        return 100.0 * self.correct / self.steps
+    def usable(self, limit: int) -> NDArray[np.bool_]:
+        """Whether a line neither contradicts itself nor only counts up the line printed before it.
 
-    @property
-    def score(self) -> Floats:
-        """Scores as the thesis computes them: the percentage cut off, less the penalty (5.4)."""
-        return np.asarray(np.floor(self.right) - self.penalty)
+        A line contradicts itself if its steps are impossible, or do not agree with its penalty. Lines that count up
+        one by one in the same number of steps, as filling down in a spreadsheet makes them, are left out but for the
+        first (see `errata`).
+
+        Args:
+            limit: Time limit in steps.
+        """
+        possible = (self.steps > 0) & (self.steps <= limit) & (self.correct <= self.steps)
+        possible &= (self.penalty > 0) == (self.steps >= limit)
+        same = np.diff(self.steps, axis=2) == 0
+        counted = same & (np.diff(self.correct, axis=2) == 1) & (self.steps[:, :, 1:] < limit)
+        possible[:, :, 1:] &= ~counted
+        return np.asarray(possible)
 
 
 def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
-    """The summary of our recalls of a cell.
+    """The summary of recalls of a cell: the thesis's, or ours.
+
+    Food is counted in all lines, everything else in the usable ones. Scores are computed as the thesis does: the
+    percentage is cut off, and the penalty subtracted (5.4).
 
     Args:
         cell: The cell.
         recalls: Of one or several experiments.
     """
-    failed = recalls.penalty > 0
-    scores = recalls.score
+    usable, failed = recalls.usable(cell.limit), recalls.penalty > 0
+    right = 100.0 * recalls.correct / np.maximum(recalls.steps, 1.0)
+    scores = np.floor(right) - recalls.penalty
+    count = usable.sum(axis=2)
+    means = np.where(count > 0, (scores * usable).sum(axis=2) / np.maximum(count, 1), np.nan)
+    several = means.shape[1] > 1
     return CellSummary(
-        scores.mean(axis=(1, 2)),
+        _mean_where(usable, scores),
         recalls.delivered.mean(axis=(1, 2)) / cell.foods,
-        _mean_where(failed, recalls.right),
-        _mean_where(~failed, recalls.right),
-        _median_where(~failed, recalls.steps),
-        scores.mean(axis=2).std(axis=1, ddof=1) if scores.shape[1] > 1 else np.full(len(scores), np.nan),
+        _mean_where(usable & failed, right),
+        _mean_where(usable & ~failed, right),
+        _median_where(usable & ~failed, recalls.steps),
+        means.std(axis=1, ddof=1) if several else np.full(len(means), np.nan),
     )
 
 
-def of_thesis(cell: Cell) -> CellSummary:
-    """The summary of one table of the thesis; each field has one element.
+def printed_recalls(cell: Cell, lines: Sequence[PrintedRecall]) -> CellRecalls:
+    """The printed lines of a cell, as one experiment.
 
-    Food is counted in all lines. The other statistics leave out lines that contradict themselves or were filled down
-    (`errata`).
+    Args:
+        cell: The cell.
+        lines: In the order of the table.
     """
-    table, rows = appendix_a.table_of(cell.arena, cell.episodes), usable_lines(cell)
-    right = np.array([100.0 * row.correct / row.total for row in rows])
-    failed = np.array([row.points > 0 for row in rows])
-    steps = np.array([float(row.total) for row in rows])
-    sets = [list(group) for _, group in groupby(rows, key=lambda row: row.file_id)]
-    means = [np.mean([_score(row) for row in group]) for group in sets]
-    return CellSummary(
-        np.array([np.mean([_score(row) for row in rows])]),
-        np.array([table.collected / table.available]),
-        _mean_where(failed[None], right[None]),
-        _mean_where(~failed[None], right[None]),
-        _median_where(~failed[None], steps[None]),
-        np.array([np.std(means, ddof=1) if len(means) > 1 else np.nan]),
+    values = [(row.correct, row.total, row.delivered(cell.foods), row.points) for row in lines]
+    shape = (1, len(cell.subsets), cell.recalls)
+    return CellRecalls(
+        *(np.array(column, dtype=np.float64).reshape(shape) for column in zip(*values, strict=True))
     )
+
+
+def printed_lines(cell: Cell) -> tuple[PrintedRecall, ...]:
+    """All lines of a table of the thesis."""
+    return appendix_a.rows_of(appendix_a.table_of(cell.arena, cell.episodes))
 
 
 def usable_lines(cell: Cell) -> list[PrintedRecall]:
-    """The lines of a table that do not contradict themselves and were not filled down."""
-    rows = appendix_a.rows_of(appendix_a.table_of(cell.arena, cell.episodes))
-    return [rows[place] for place in usable_places(cell)]
-
-
-def usable_places(cell: Cell) -> list[int]:
-    """Places of these lines in their table, from 0."""
-    table = appendix_a.table_of(cell.arena, cell.episodes)
-    rows = appendix_a.rows_of(table)
-    possible = [place for place, row in enumerate(rows) if _is_possible(row, table)]
-    pairs = zip([None, *possible], possible, strict=False)
-    return [place for before, place in pairs if before is None or not _counts_on(rows[before], rows[place])]
+    """The usable lines of a table of the thesis."""
+    lines = printed_lines(cell)
+    usable = printed_recalls(cell, lines).usable(cell.limit).ravel()
+    return [line for line, use in zip(lines, usable, strict=True) if use]
 
 
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
@@ -141,24 +147,60 @@ def with_slopes(cells: Sequence[CellSummary]) -> Floats:
 
 def thesis_statistics() -> Floats:
     """Those of the thesis itself, in the order of `NAMES` and `SLOPES`."""
-    statistics: Floats = with_slopes([of_thesis(cell) for cell in THESIS])[0]
-    return statistics
+    cells = [of_recalls(cell, printed_recalls(cell, printed_lines(cell))) for cell in THESIS]
+    return np.asarray(with_slopes(cells)[0])
 
 
-def _score(row: PrintedRecall) -> int:
-    """The score of a line, computed again from its steps."""
-    return math.floor(100 * row.correct / row.total) - row.points
+def fitted_columns() -> NDArray[np.intp]:
+    """Places of the statistics that are fitted: those of tables A.1 to A.4 that the thesis has."""
+    known = np.isfinite(thesis_statistics())
+    return np.array([k for k, name in enumerate(ALL) if name in FITTED and known[k]], dtype=np.intp)
 
 
-def _is_possible(row: PrintedRecall, table: PrintedTable) -> bool:
-    """Whether the steps of a line are possible and agree with its penalty."""
-    whole = 0 < row.total <= table.limit and row.correct <= row.total
-    return whole and (row.points > 0) == (row.total >= table.limit)
+def tables_statistics(path: Path) -> Floats:
+    """The fitted statistics of tables in a file.
 
+    The file has the columns of `appendix_a.csv`, or it is `recalls.csv` of `khepera-forage reproduce`, of which the
+    first replication under the laboratory's noise counts. The rectangle's tables are not needed.
 
-def _counts_on(before: PrintedRecall, row: PrintedRecall) -> bool:
-    """Whether a line only counts the line before up by one, as filling down in a spreadsheet does."""
-    return (row.file_id, row.total, row.correct) == (before.file_id, before.total, before.correct + 1)
+    Args:
+        path: A CSV file.
+
+    Raises:
+        ValueError: Another form, or a table of the corridor without the thesis's number of recalls.
+    """
+    text = path.read_text(encoding="utf-8-sig")
+    if text.startswith("table,"):
+        printed = parse_rows(text, str(path), PrintedRecall)
+        lines = [
+            (r.arena, r.episodes, r.file_id, (r.correct, r.total, r.delivered(1), r.points)) for r in printed
+        ]
+    else:
+        rows = [
+            r
+            for r in parse_rows(text, str(path), RecallRow)
+            if (r.learner, r.noise) == (IMITATOR, LABORATORY)
+        ]
+        lines = [
+            (r.arena, r.episodes, r.file_id, (r.correct, r.steps, r.delivered, r.penalty))
+            for r in rows
+            if r.replication == rows[0].replication
+        ]
+    cells = []
+    for cell in THESIS:
+        found = [
+            [numbers for *place, numbers in lines if place == [cell.arena, cell.episodes, subset.name]]
+            for subset in cell.subsets
+        ]
+        if cell.arena == "corridor" and {len(own) for own in found} != {cell.recalls}:
+            names = ", ".join(subset.name for subset in cell.subsets)
+            raise ValueError(
+                f"{path} has {[len(own) for own in found]} recalls after {cell.episodes} training episodes in the "
+                f"corridor; allowed: {cell.recalls} each with {names}"
+            )
+        whole = np.array(found, dtype=np.float64) if cell.arena == "corridor" else np.ones((1, 1, 4))
+        cells.append(of_recalls(cell, CellRecalls(*whole.transpose(2, 0, 1)[:, None])))
+    return np.asarray(with_slopes(cells)[0][fitted_columns()])
 
 
 def _mean_where(which: NDArray[np.bool_], values: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 
 from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import FRAME_SHAPE, Segmentation
+from khepera_forage.vision.detection.segmentation import Segmentation
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -79,7 +79,7 @@ class FloorVisibility:
         u, v = self._calibration.to_picture(x, y, self._settings.food_height)
         unit = self._calibration.jacobian(u, v, self._settings.food_height).area
         reach = radius / MM_PER_PIXEL / math.sqrt(unit)
-        rows, columns = FRAME_SHAPE
+        rows, columns = self._segmentation.frame.shape
         if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
             return False
         left, right = math.floor(u - reach), math.ceil(u + reach)

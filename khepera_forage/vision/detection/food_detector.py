@@ -9,6 +9,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments, shape_moments
 from khepera_forage.vision.detection.partial_disc import with_true_centre
 from khepera_forage.vision.detection.segmentation import Frame
+from khepera_forage.vision.image_quality import white_and_blur
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -19,6 +20,10 @@ _AREA = (0.8, 1.7)
 overexposed white grows."""
 _MAX_EROSIONS = 3
 """Greatest number of erosions by one pixel to separate touching discs."""
+_SOFTNESS, _SPREAD = 1.25, 0.2
+"""Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
+_NOT_SATURATED, _SATURATED = 240.0, 0.1
+"""Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
 
 
@@ -36,13 +41,37 @@ class FoodDetector:
         self._deviation = settings.food_radius / MM_PER_PIXEL / 2
         self._area = math.pi * (settings.food_radius / MM_PER_PIXEL) ** 2
 
-    def detect(self, patch: ImagePatch) -> ShapeMoments | None:
-        """The one food object in a patch; None for anything else, or for part of a food object."""
+    def trouble(self, patch: ImagePatch, food: ShapeMoments, white: float, blur: float) -> str:
+        """Why a disc may be a reflection on the floor: a key of `detector.TROUBLES`; empty if it is none.
+
+        A reflection that is as large as food has a soft border, or it is brighter than white.
+
+        Args:
+            patch: Contains the disc.
+            food: The disc.
+            white: Brightness of white as a multiple of the floor's; 0 if it is unknown.
+            blur: Of the lens in pixels.
+        """
+        unit = self._calibration.jacobian(food.u, food.v, self._settings.food_height).area
+        if 0 < white * patch.floor < _NOT_SATURATED:
+            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * unit
+            if saturated > _SATURATED * self._area:
+                return "bright food"
+        _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
+        return "reflection" if softness > _SOFTNESS * blur + _SPREAD else ""
+
+    def detect(self, patch: ImagePatch, rim: bool = False) -> ShapeMoments | None:
+        """The one food object in a patch; None for anything else, or for part of a food object.
+
+        Args:
+            patch: Contains the disc.
+            rim: Whether the centre follows from the rim alone, because the shape has lost or won a part.
+        """
         moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
         if moments is None or not self._has_food_size(moments):
             return None
         return with_true_centre(
-            patch, moments, self._calibration, 2 * self._deviation, self._settings.food_height
+            patch, moments, self._calibration, 2 * self._deviation, self._settings.food_height, rim
         )
 
     def split(self, patch: ImagePatch) -> Iterator[tuple[ShapeMoments, Frame]]:

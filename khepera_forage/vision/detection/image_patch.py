@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import FRAME_SHAPE, Contour, Frame, Segmentation
+from khepera_forage.vision.detection.segmentation import Contour, Frame, Segmentation
 
 _MARGIN = 4
 """Pixels of floor that a patch includes on each side of its contour."""
@@ -71,7 +71,7 @@ def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
     import cv2
 
     left, top, width, height = cv2.boundingRect(contour)
-    rows, columns = FRAME_SHAPE
+    rows, columns = segmentation.frame.shape
     column, row = max(0, left - _MARGIN), max(0, top - _MARGIN)
     right, bottom = min(columns, left + width + _MARGIN), min(rows, top + height + _MARGIN)
     filled = np.zeros((bottom - row, right - column), np.uint8)

@@ -6,19 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from khepera_forage.robots.khepera import MARKER_LENGTH
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.cable_bands import CableBands
-from khepera_forage.vision.detection.hole_detector import SAMPLE, HoleDetector, Holes
-from khepera_forage.vision.detection.hole_pattern import HolePattern
+from khepera_forage.vision.detection.hole_pattern import SAMPLE, HolePattern
 from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments, shape_moments
 from khepera_forage.vision.detection.rectangle_fit import RectangleFit
 from khepera_forage.vision.detection.segmentation import Contour, Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
-_MIN_HOLE_OFFSET = 5.0
-"""mm by which the holes must be off the middle to tell front from back."""
 _SQUARE = np.ones((3, 3), np.uint8)
 _MAX_REPEATS = 3
 """Greatest number of times the border is searched around the last estimate."""
@@ -45,18 +42,18 @@ class DetectedMarker(NamedTuple):
     Attributes:
         moments: Centre and axes.
         heading: Radians.
-        front_known: Whether the holes tell front from back; if not, `heading` may be off by 180 degrees.
-        holes: Number of holes; 0 if it is uncertain.
+        holes: Number of holes, or of the marker; 0 if it is uncertain.
         holes_area: In square region pixels.
         mask: 255 within the marker, of the patch's size.
+        trouble: Why the marker is uncertain; empty if it is not.
     """
 
     moments: ShapeMoments
     heading: float
-    front_known: bool
     holes: int
     holes_area: float
     mask: Frame
+    trouble: str
 
 
 class MarkerDetector:
@@ -81,9 +78,16 @@ class MarkerDetector:
         self._border = RectangleFit(
             settings.marker_length / MM_PER_PIXEL, settings.marker_width / MM_PER_PIXEL
         )
-        self._holes = HoleDetector(settings)
-        self._cables = CableBands(self._holes.rows, self._holes.columns)
-        self._pattern = HolePattern(settings, self._holes.rows, self._holes.columns)
+        arrangements, side = (
+            (GRID_HOLES, GRID_SIDE) if settings.markers == "grid" else (MARKER_HOLES, HOLE_SIDE)
+        )
+        self._pattern = HolePattern(
+            {number: arrangements[number] for number in settings.numbers},
+            settings.hole_side * side / HOLE_SIDE,
+            settings.marker_length,
+            settings.marker_width,
+            settings.marker_length / MARKER_LENGTH,
+        )
 
     def detect(self, patch: ImagePatch, joined: bool) -> DetectedMarker | None:
         """The marker in a patch.
@@ -94,7 +98,7 @@ class MarkerDetector:
                 of a marker would fit loosely at a wrong place.
 
         Returns:
-            None for anything else, or for a marker whose pose or number of holes is uncertain.
+            None for anything else, or for a marker whose pose is uncertain.
         """
         import cv2
 
@@ -104,16 +108,13 @@ class MarkerDetector:
         estimate = shape_moments(patch, mask, self._calibration, self._settings.marker_height)
         if estimate is None or not self._has_marker_size(estimate):
             return None
-        moments = self._fitted(patch, estimate, joined)
+        moments, scale = self._fitted(patch, estimate, joined)
         if moments is None or (patch.edge and self._is_cut_off(moments)):
             return None
         mask = self._marker_mask(patch, moments)
-        holes = self._detected_holes(self._rectified(patch, moments), moments.level)
-        if holes is None:
-            return DetectedMarker(moments, moments.axis, False, 0, 0.0, mask)
-        heading = moments.axis if holes.offset >= 0 else moments.axis + math.pi
-        front_known = abs(holes.offset) >= _MIN_HOLE_OFFSET
-        return DetectedMarker(moments, heading, front_known, holes.number, holes.area, mask)
+        reading = self._pattern.read(self._rectified(patch, moments, scale), moments.level)
+        heading = moments.axis if reading.forward else moments.axis + math.pi
+        return DetectedMarker(moments, heading, reading.number, reading.area, mask, reading.trouble)
 
     def covered(self, marker: DetectedMarker, contours: Sequence[Contour]) -> list[bool]:
         """Whether the middle of each contour lies within a marker."""
@@ -129,12 +130,6 @@ class MarkerDetector:
             covered.append(abs(a) <= length and abs(b) <= width)
         return covered
 
-    def _detected_holes(self, rectified: Frame, level: float) -> Holes | None:
-        """Holes anywhere in a clean marker; if it is not, the arrangement of `MARKER_HOLES` that fits."""
-        darkness = (1 - rectified.astype(np.float32) / np.float32(level)).clip(0, 1)
-        holes = None if self._cables.crossed(darkness) else self._holes.detect(rectified, level)
-        return holes or self._pattern.detect(self._cables.remove(darkness))
-
     def _has_marker_size(self, moments: ShapeMoments) -> bool:
         tolerance = self._settings.tolerance
         return (
@@ -144,14 +139,17 @@ class MarkerDetector:
             and abs(moments.minor / self._minor - 1) <= tolerance
         )
 
-    def _fitted(self, patch: ImagePatch, estimate: ShapeMoments, loose: bool) -> ShapeMoments | None:
-        """The moments with centre and axis of the marker whose border lies near the estimate."""
+    def _fitted(
+        self, patch: ImagePatch, estimate: ShapeMoments, loose: bool
+    ) -> tuple[ShapeMoments | None, float]:
+        """The moments with centre and axis of the marker whose border lies near the estimate; and its relative size."""
         fitted, clear = self._fitted_at(patch, estimate, 1.0, loose)
-        scale = 1.0 if clear else self._scale(estimate)
-        if scale != 1:
+        scale = self._scale(estimate)
+        if not clear and abs(scale - 1) > _OTHER_SIZE:
             own_size, clear = self._fitted_at(patch, estimate, scale, loose)
-            return own_size if clear else fitted
-        return fitted
+            if clear:
+                return own_size, scale
+        return fitted, scale if clear else 1.0
 
     def _fitted_at(
         self, patch: ImagePatch, moments: ShapeMoments, scale: float, loose: bool
@@ -175,10 +173,9 @@ class MarkerDetector:
         return moments, clear
 
     def _scale(self, estimate: ShapeMoments) -> float:
-        """Size of a marker as a multiple of its true size; 1 unless all of it is seen and its size clearly differs."""
+        """Size of a marker as a multiple of its true size; 1 unless all of it is seen."""
         along, across = estimate.major / self._major, estimate.minor / self._minor
-        scale = (along + across) / 2 / _SEEN_SIZE
-        return scale if abs(along - across) < _SAME_SHAPE and abs(scale - 1) > _OTHER_SIZE else 1.0
+        return (along + across) / 2 / _SEEN_SIZE if abs(along - across) < _SAME_SHAPE else 1.0
 
     def _corners(self, moments: ShapeMoments) -> list[tuple[float, float]]:
         """Corners in the picture of a marker at that pose."""
@@ -195,8 +192,8 @@ class MarkerDetector:
     def _is_cut_off(self, moments: ShapeMoments) -> bool:
         """Whether the picture's edge cuts off so much of a marker that it would be measured shifted and turned."""
         return not all(
-            -_MAX_OUTSIDE <= u <= PICTURE_WIDTH + _MAX_OUTSIDE
-            and -_MAX_OUTSIDE <= v <= PICTURE_HEIGHT + _MAX_OUTSIDE
+            -_MAX_OUTSIDE <= u <= self._calibration.size[0] + _MAX_OUTSIDE
+            and -_MAX_OUTSIDE <= v <= self._calibration.size[1] + _MAX_OUTSIDE
             for u, v in self._corners(moments)
         )
 
@@ -216,14 +213,14 @@ class MarkerDetector:
         cos, sin = math.cos(moments.axis) * length, math.sin(moments.axis) * length
         return (yv * cos - xv * sin, xu * sin - yu * cos), (-yv * sin - xv * cos, xu * cos + yu * sin)
 
-    def _rectified(self, patch: ImagePatch, moments: ShapeMoments) -> Frame:
-        """The marker rotated upright, one sample per 2.5 mm: column 0 at one end, row 0 at its right side."""
+    def _rectified(self, patch: ImagePatch, moments: ShapeMoments, scale: float) -> Frame:
+        """The marker with its frame, upright, one sample per 2.5 mm: column 0 at one end, row 0 at its right side."""
         import cv2
 
-        along, across = self._steps(moments, SAMPLE)
-        middle = ((self._holes.columns - 1) / 2, (self._holes.rows - 1) / 2)
+        along, across = self._steps(moments, SAMPLE * scale)
+        middle = ((self._pattern.columns - 1) / 2, (self._pattern.rows - 1) / 2)
         start_u = moments.u - 0.5 - along[0] * middle[0] - across[0] * middle[1]
         start_v = moments.v - 0.5 - along[1] * middle[0] - across[1] * middle[1]
         affine = np.array([[along[0], across[0], start_u], [along[1], across[1], start_v]])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return cv2.warpAffine(patch.frame, affine, (self._holes.columns, self._holes.rows), flags=flags)  # type: ignore[return-value]
+        return cv2.warpAffine(patch.frame, affine, (self._pattern.columns, self._pattern.rows), flags=flags)  # type: ignore[return-value]

@@ -29,7 +29,12 @@ brightness change a little."""
 
 
 def with_true_centre(
-    patch: ImagePatch, moments: ShapeMoments, calibration: Calibration, radius: float, height: float
+    patch: ImagePatch,
+    moments: ShapeMoments,
+    calibration: Calibration,
+    radius: float,
+    height: float,
+    always: bool = False,
 ) -> ShapeMoments:
     """The moments of a disc with the centre of the whole disc, if a part of it is hidden.
 
@@ -42,11 +47,12 @@ def with_true_centre(
         calibration: From the picture to the floor.
         radius: Of the disc, region pixels.
         height: Of the disc above the floor in mm.
+        always: Whether a round shape may be a part, too.
 
     Returns:
         The moments themselves for a round shape, or if too little of the rim is visible.
     """
-    if moments.minor >= _ROUND * moments.major:
+    if moments.minor >= _ROUND * moments.major and not always:
         return moments
     jacobian = calibration.jacobian(moments.u, moments.v, height)
     inverse = np.linalg.inv(np.array(jacobian).reshape(2, 2))

@@ -13,14 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
-
 Frame = NDArray[np.uint8]
 Contour = NDArray[np.int32]
 """Points of a contour in OpenCV's form: n x 1 x 2, column and row."""
 
-FRAME_SHAPE = (int(PICTURE_HEIGHT), int(PICTURE_WIDTH))
-"""Rows and columns of a frame (3.4)."""
 _REDUCTION = 8
 _MEDIAN_SIZE = 7
 _LEVELS = np.arange(256)
@@ -32,7 +28,7 @@ class Segmentation(NamedTuple):
     """The bright pixels of a frame.
 
     Attributes:
-        frame: The frame, 480 x 640.
+        frame: The frame, grey levels.
         floor: Brightness of the floor, one value for 8 x 8 pixels of the frame.
         mask: 255 where the frame is clearly brighter than the floor, otherwise 0.
     """
@@ -43,7 +39,8 @@ class Segmentation(NamedTuple):
 
     def floor_at(self, column: int, row: int) -> int:
         """Brightness of the floor around a pixel."""
-        return int(self.floor[row // _REDUCTION, column // _REDUCTION])
+        rows, columns = self.floor.shape
+        return int(self.floor[min(row // _REDUCTION, rows - 1), min(column // _REDUCTION, columns - 1)])
 
 
 class Segmenter:
@@ -60,15 +57,10 @@ class Segmenter:
         self._thresholds[_BRIGHTEST_FLOOR:] = 255
 
     def segment(self, frame: Frame) -> Segmentation:
-        """The bright pixels of a frame.
-
-        Raises:
-            ValueError: A frame that is not 480 x 640 grey levels.
-        """
+        """The bright pixels of a frame of grey levels."""
         import cv2
 
-        check_frame(frame)
-        rows, columns = FRAME_SHAPE
+        rows, columns = frame.shape
         small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
         floor = cv2.medianBlur(small, _MEDIAN_SIZE)
         threshold = cv2.resize(self._thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
@@ -76,16 +68,21 @@ class Segmenter:
         return Segmentation(frame, floor, mask)  # type: ignore[arg-type] # all uint8
 
 
-def check_frame(frame: Frame) -> None:
-    """Check shape and type of a frame.
+def as_grey(frame: Frame) -> Frame:
+    """A frame as grey levels: itself, or the brightness of its colours (blue, green, red, as OpenCV has them).
 
     Raises:
-        ValueError: A frame that is not 480 x 640 grey levels.
+        ValueError: Anything else.
     """
-    if frame.shape != FRAME_SHAPE or frame.dtype != np.uint8:
+    import cv2
+
+    if frame.dtype != np.uint8 or frame.ndim not in (2, 3) or frame.shape[2:] not in ((), (1,), (3,)):
         raise ValueError(
-            f"frame is {frame.shape} of {frame.dtype}; allowed: {FRAME_SHAPE} of uint8 grey levels"
+            f"frame is {frame.shape} of {frame.dtype}; allowed: rows x columns of uint8 grey levels, or x 3 colours"
         )
+    if frame.ndim == 2:
+        return frame
+    return frame[:, :, 0] if frame.shape[2] == 1 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)  # type: ignore[return-value]
 
 
 def outer_contours(mask: Frame) -> list[Contour]:

@@ -1,0 +1,525 @@
+"""The protocol `forage-bench-1`: four tracks on which learners of this task are compared, with room above all of them.
+
+Everything that a result depends on is in this module and in `teachers`: tracks, amounts, places, seeds, budgets. It
+does not change; another protocol gets another name. `docs/protocol.md` describes it.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import count
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from khepera_forage.comparison.batch_recalls import (
+    Foraged,
+    Seeds,
+    Training,
+    recalls_after,
+    recalls_on_wheels,
+    reference_recalls,
+)
+from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size
+from khepera_forage.comparison.teachers import (
+    DIAGONAL,
+    PLACES,
+    Budget,
+    demonstrate,
+    joined,
+    random_marks,
+    search,
+    thesis_teacher,
+    thinned,
+    varied_arenas,
+)
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.policies.features import wheels_features
+from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
+from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
+from khepera_forage.rollouts.training import IncompleteTrainingError, train
+from khepera_forage.rollouts.wheels_recall import recall_wheels_env
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
+from khepera_forage.sim.arenas.named import FAMILY
+from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
+
+NAME = "forage-bench-1"
+GROUPS: dict[str, tuple[str, ...]] = {
+    CORRIDOR: (CORRIDOR,),
+    RECTANGLE: (RECTANGLE,),
+    "family": tuple(FAMILY),
+    "procedural": tuple(DIFFICULTIES),
+}
+"""Places of recalls. Those of a group count alike."""
+OFFLINE, TEACHING, WHEELS, VOCABULARY = "offline", "teaching", "wheels", "vocabulary"
+THESIS, RANDOM, VARIED, THINNED = "thesis's", "random", "varied arenas", "varied arenas, thinned"
+"""Teachers. The last one gives as many experience vectors as the thesis's teacher, drawn from those of the third."""
+AS_HEARD, PERMUTED, LATE, SILENT, WRONG = "as heard", "permuted", "3 late", "half silent", "a fifth wrong"
+"""Vocabularies: what the experience has in place of the behaviour that the teacher executed."""
+TAUGHT = ("imitator", "boosting", "cloning")
+"""Learners for which a teacher searches."""
+DEMONSTRATIONS, SEARCHES, TESTS = 5, 5, 10
+"""In a set that is searched for; searches for each learner; trainings with each set found."""
+BUDGETS = {"imitator": Budget(24, 20, 16, 160)}
+_BUDGET = Budget(16, 6, 2, 40)
+"""Of the other learners, which take a hundred times as long to learn and forage."""
+TRAINED, ALONE = "training episodes", "the teacher alone"
+"""Data of the track on wheels: a learner's, or those of a teacher that forages alone from random places."""
+_BEHAVIOURS = 10
+
+
+class Track(NamedTuple):
+    """One question.
+
+    Attributes:
+        question: That it asks.
+        learners: Those of the package that take part.
+        amounts: Amounts of learning in each condition: episodes, or steps of reinforcement learning.
+        places: Of the recalls.
+        seeds: Replications.
+        slow: Replications of learners whose replication takes seconds, that is, all but the thesis's imitator and the
+            references.
+        recalls: In each group of places.
+    """
+
+    question: str
+    learners: tuple[str, ...]
+    amounts: Mapping[str, tuple[int, ...]]
+    places: tuple[str, ...]
+    seeds: int
+    slow: int
+    recalls: int = 20
+
+
+_VECTORS = tuple(name for name, learner in LEARNERS.items() if isinstance(learner, FromVectors))
+_ON_WHEELS = ("network", "trees")
+"""Offline learners on wheels."""
+STEPS = "steps of reward"
+TRACKS = {
+    OFFLINE: Track(
+        "What is learned from 1, 3, 10 or 30 training episodes in the corridor, and how far does it carry?",
+        _VECTORS,
+        {THESIS: (1, 3, 10, 30)},
+        (CORRIDOR, RECTANGLE, "family", "procedural"),
+        50,
+        10,
+    ),
+    TEACHING: Track(
+        "Which demonstrations should a teacher give?",
+        TAUGHT,
+        dict.fromkeys((THESIS, RANDOM, VARIED, THINNED), (DEMONSTRATIONS, 30)),
+        (CORRIDOR,),
+        50,
+        50,
+    ),
+    WHEELS: Track(
+        "Can wheels, arm and jaw be learned from raw data?",
+        (*_ON_WHEELS, *(name for name, one in LEARNERS.items() if isinstance(one, FromSteps) and one.wheels)),
+        {TRAINED: (10, 50), ALONE: (10, 50), STEPS: (1_000_000,)},
+        (CORRIDOR, RECTANGLE),
+        10,
+        10,
+    ),
+    VOCABULARY: Track(
+        "What is learned if the words of the teacher are unknown, late, missing or wrong?",
+        _VECTORS,
+        dict.fromkeys((AS_HEARD, PERMUTED, LATE, SILENT, WRONG), (10,)),
+        (CORRIDOR,),
+        50,
+        50,
+    ),
+}
+
+
+def track_of(name: str, quick: bool) -> Track:
+    """A track; in small with `quick`."""
+    track = TRACKS[name]
+    if not quick:
+        return track
+    amounts = {condition: some[:1] for condition, some in track.amounts.items()}
+    if STEPS in amounts:
+        amounts[STEPS] = (1_000,)
+    return track._replace(amounts=amounts, seeds=2, slow=1, recalls=2)
+
+
+@dataclass(frozen=True, slots=True)
+class Tested:
+    """Recalls of one learner in one place.
+
+    Attributes:
+        track: One of `TRACKS`.
+        learner: Its name; `teacher` and `random` learn nothing.
+        condition: One of the track's, or a learner for which the demonstrations were searched; empty without learning.
+        amount: Training episodes or steps.
+        replication: With seeds and training of its own. For demonstrations that were searched for, the search.
+        place: A named arena or a difficulty.
+        recalls: How many.
+        score: Their mean (equation 5.1), in percent.
+        delivered: Food brought home that is not poisonous.
+        foods: Food objects that are not poisonous.
+        vectors: What was learned from: experience vectors, or rounds.
+        seconds: Learning and recalls in all places, wall time.
+    """
+
+    track: str
+    learner: str
+    condition: str
+    amount: int
+    replication: int
+    place: str
+    recalls: int
+    score: float
+    delivered: int
+    foods: int
+    vectors: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Demonstrations:
+    """Demonstrations that a search found.
+
+    Attributes:
+        learner: For which.
+        search: Number of the search.
+        marks: Of each demonstration: x, y (mm), heading (degrees) of the start, x, y of the food.
+    """
+
+    learner: str
+    search: int
+    marks: tuple[float, ...]
+
+
+class Searching(NamedTuple):
+    """A unit of work: search for the demonstrations after which a learner delivers most."""
+
+    seed: int
+    name: str
+    search: int
+    budget: Budget
+
+    @property
+    def key(self) -> str:
+        """Learner and number."""
+        return f"search {self.name} {self.search}"
+
+    def run(self) -> list[Demonstrations]:
+        """Search."""
+        learner = LEARNERS[self.name]
+        assert isinstance(learner, FromVectors)
+        rng = np.random.default_rng(_seed(self.seed, 3, self.search, TAUGHT.index(self.name)))
+        with threadpool_limits(1):
+            marks = search(learner, DEMONSTRATIONS, self.budget, rng)
+        return [Demonstrations(self.name, self.search, tuple(marks.ravel().round(2).tolist()))]
+
+
+class Learning(NamedTuple):
+    """A unit of work: one learner learns once, and forages.
+
+    Attributes:
+        seed: Of the whole run.
+        track: Its name.
+        name: Of the learner.
+        learner: An entry of `LEARNERS`, a reference, or None for an offline learner on wheels.
+        condition: As in `Tested`.
+        amount: Likewise.
+        replication: Likewise.
+        recalls: In each group of places.
+        test: Number of the training with the same demonstrations.
+        marks: Demonstrations that were searched for.
+    """
+
+    seed: int
+    track: str
+    name: str
+    learner: Compared | None
+    condition: str
+    amount: int
+    replication: int
+    recalls: int
+    test: int = 0
+    marks: tuple[float, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """What it is, in words."""
+        return f"{self.track} {self.name} {self.condition} {self.amount} {self.replication} {self.test}"
+
+    def run(self) -> list[Tested]:
+        """Learn, and be tested."""
+        began = perf_counter()
+        with threadpool_limits(1):
+            vectors, done = self._forage()
+        seconds = perf_counter() - began
+        return [
+            Tested(
+                *(self.track, self.name, self.condition, self.amount, self.replication, place),
+                *(len(own.score), float(np.mean(own.score)), int(own.delivered.sum()), int(own.foods.sum())),
+                *(vectors, seconds),
+            )
+            for place, own in done.items()
+        ]
+
+    def _forage(self) -> tuple[int, dict[str, Foraged]]:
+        number = self.replication * TESTS + self.test if self.marks else self.replication
+        seeds, own = self._seeds(number), _seed(self.seed, 4, number)
+        match self.learner:
+            case FromVectors():
+                training = self.training(number)
+                return len(training.vectors), recalls_after(
+                    self.learner, training, seeds, own % 2**31, DIAGONAL
+                )
+            case FromSteps():
+                size = Size(self.recalls, (), (), (self.amount,), TRACKS[self.track].places)
+                rows = LearnerUnit(self.seed, self.replication, self.name, self.learner, size).run()
+                found = {
+                    row.arena: Foraged(
+                        np.full(row.recalls, row.score), np.array([row.delivered]), np.array([row.foods])
+                    )
+                    for row in rows
+                }
+                return rows[0].steps, found
+            case None:
+                episodes = _raw_episodes(self.condition, self.amount, self.seed, number)
+                return sum(len(one.actions) for one in episodes), recalls_on_wheels(
+                    wheels_learner(self.name, episodes, own % 2**31), seeds
+                )
+        if self.track == WHEELS and self.name == "random":
+            rng = np.random.default_rng(own)
+            return 0, recalls_on_wheels(lambda rows: rng.uniform(-1, 1, (len(rows), 4)), seeds)
+        return 0, reference_recalls(self.name == "teacher", seeds)
+
+    def _seeds(self, number: int) -> Seeds:
+        found = {}
+        for place in TRACKS[self.track].places:
+            for own in (group := GROUPS[place]):
+                each = max(1, self.recalls // len(group))
+                drawing = np.random.SeedSequence(self.seed, spawn_key=(1, number, _ALL_PLACES.index(own)))
+                found[own] = drawing.generate_state(each).tolist()
+        return found
+
+    def training(self, number: int) -> Training:
+        """The experience of a replication, or of a training with given demonstrations."""
+        key = _seed(self.seed, 2, number)
+        if self.marks:
+            return demonstrate(np.array(self.marks).reshape(-1, PLACES), key)[0]
+        match self.condition:
+            case _ if self.track == VOCABULARY:
+                heard = thesis_teacher(self.amount, key)
+                return spoken(heard, self.condition, np.random.default_rng(key))
+            case "random":
+                return _followed(self.amount, key)
+            case "varied arenas":
+                return varied_arenas(self.amount, key)
+            case "varied arenas, thinned":
+                size = len(thesis_teacher(self.amount, key).vectors)
+                return thinned(varied_arenas(self.amount, key), size, key)
+        return thesis_teacher(self.amount, key)
+
+
+_ALL_PLACES = tuple(place for group in GROUPS.values() for place in group)
+
+
+def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Training:
+    """Experience as if the teacher had spoken in another way; what the robots did does not change.
+
+    Args:
+        training: As it was heard.
+        vocabulary: `PERMUTED`: each behaviour has the name of another one; `LATE`: words arrive three experience
+            vectors later, and the last three of an episode never; `SILENT`: half of the words are not heard; `WRONG`: a
+            fifth of the words are drawn from the nine others.
+        rng: Of the draws.
+    """
+    vectors, heard, episodes = training
+    size = len(heard)
+    match vocabulary:
+        case "permuted":
+            order = rng.permutation(_BEHAVIOURS)
+            names = np.empty(_BEHAVIOURS, np.int64)
+            names[order] = np.roll(order, 1)
+            return Training(vectors, names[heard], episodes)
+        case "3 late":
+            same = episodes[3:] == episodes[:-3]
+            return Training(vectors[3:][same], heard[:-3][same], episodes[3:][same])
+        case "half silent":
+            kept = rng.random(size) < 0.5
+            return Training(vectors[kept], heard[kept], episodes[kept])
+        case "a fifth wrong":
+            wrong = (rng.random(size) < 0.2) * rng.integers(1, _BEHAVIOURS, size)
+            return Training(vectors, (heard + wrong) % _BEHAVIOURS, episodes)
+    return training
+
+
+def _followed(amount: int, key: int) -> Training:
+    """Random demonstrations that a learner can follow."""
+    parts: list[NDArray[Any]] = []
+    for number in count():
+        try:
+            one = demonstrate(random_marks(1, key + number), key + number)[0]
+        except IncompleteTrainingError:
+            continue
+        parts.append(np.column_stack(one[:2]))
+        if len(parts) == amount:
+            break
+    return joined(parts)
+
+
+def wheels_learner(
+    name: str, episodes: Sequence[RawEpisode], seed: int
+) -> Callable[[NDArray[Any]], NDArray[Any]]:
+    """An offline learner of motors from raw data: regression, without memory.
+
+    Args:
+        name: `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
+        episodes: To learn from.
+        seed: Of its random choices.
+
+    Returns:
+        From rows of `wheels_features` to actions.
+    """
+    from sklearn.ensemble import ExtraTreesRegressor
+    from sklearn.neural_network import MLPRegressor
+
+    shown = [wheels_features({k: v[:-1] for k, v in one.observations.items()}) for one in episodes]
+    rows, motors = np.concatenate(shown), np.concatenate([one.actions for one in episodes])
+    if name == "trees":
+        learner: Any = ExtraTreesRegressor(10, min_samples_leaf=2, random_state=seed)
+    else:
+        learner = MLPRegressor(
+            hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=300, random_state=seed
+        )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of an end before convergence: the budget is part of the protocol
+        learner.fit(rows, motors)
+    return lambda rows: np.clip(learner.predict(rows), -1.0, 1.0)
+
+
+def _raw_episodes(data: str, amount: int, seed: int, replication: int) -> list[RawEpisode]:
+    most = max(track_of(WHEELS, False).amounts[data])
+    return [raw for _, raw in _recorded(data, amount if amount < most else most, seed, replication)]
+
+
+@lru_cache(4)
+def _recorded(data: str, amount: int, seed: int, replication: int) -> list[tuple[Experience, RawEpisode]]:
+    """The first raw episodes of a replication."""
+    keys = np.random.SeedSequence(seed, spawn_key=(5, replication)).spawn(amount)
+    if data == ALONE:
+        alone = recall_wheels_env(CORRIDOR)
+        return [teacher_alone(alone, int(key.generate_state(1)[0])) for key in keys]
+    found = []
+    with closing(TrainingEnv()) as env:
+        recorder = LearnerRecorder(env)
+        for key in keys:
+            experience, _ = train(env, key, teacher=recorder, callback=recorder)
+            found.append((experience, recorder.episode()))
+    return found
+
+
+def _seed(seed: int, *purpose: int) -> int:
+    return int(np.random.SeedSequence(seed, spawn_key=purpose).generate_state(1)[0])
+
+
+def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Searching]:
+    """The searches for demonstrations, one for every ten replications of the track; arguments as for `plan`."""
+    small = Budget(4, 2, 1, 4)
+    return [
+        Searching(seed, name, number, small if quick else BUDGETS.get(name, _BUDGET))
+        for number in range(min(SEARCHES, -(-most // TESTS)) if not quick else 1)
+        for name in TAUGHT
+        if name in learners
+    ]
+
+
+def plan(
+    name: str,
+    learners: Mapping[str, Compared],
+    seed: int,
+    quick: bool,
+    most: int,
+    found: Sequence[Demonstrations] = (),
+) -> Iterator[Learning]:
+    """The units of a track.
+
+    Args:
+        name: Of the track.
+        learners: That may take part, by name.
+        seed: Of the run.
+        quick: Whether it is done in small.
+        most: Replications at most.
+        found: Demonstrations of the searches.
+    """
+    track = track_of(name, quick)
+    own: dict[str, Compared | None] = {
+        key: one
+        for key, one in learners.items()
+        if key in track.learners or (isinstance(one, FromVectors) and key not in LEARNERS and name != WHEELS)
+    }
+    if name == WHEELS:
+        own |= dict.fromkeys(_ON_WHEELS)
+    for number in range(min(most, track.seeds)):
+        for key, reference in REFERENCES.items():
+            yield Learning(seed, name, key, reference, "", 0, number, track.recalls)
+        for key, learner in own.items():
+            if number >= track.slow and key != "imitator":
+                continue
+            for condition, amounts in track.amounts.items():
+                if (condition == STEPS) == isinstance(learner, FromSteps):
+                    for amount in amounts:
+                        yield Learning(seed, name, key, learner, condition, amount, number, track.recalls)
+    if name == TEACHING:
+        for one in found:
+            for key, learner in own.items():
+                for test in range(2 if quick else TESTS):
+                    yield Learning(
+                        *(seed, name, key, learner, f"best for {one.learner}", DEMONSTRATIONS, one.search),
+                        *(track.recalls, test, one.marks),
+                    )
+
+
+Made = tuple[str, Sequence[Experience], dict[str, Any]]
+"""About a dataset; its experience; further arguments of `to_minari`."""
+
+
+def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], Made]]:
+    """What makes each dataset of the protocol, by Minari's name.
+
+    Episodes stand replication by replication, as many of each as the largest amount of the track.
+
+    Args:
+        seed: Of the run.
+        episodes: How many of each dataset, counted from the first; all by default.
+    """
+    offline, wheels = TRACKS[OFFLINE], TRACKS[WHEELS]
+
+    def heard() -> Made:
+        each = max(offline.amounts[THESIS])
+        some = list(np.ndindex(offline.seeds, each))[:episodes]
+        trained = [
+            train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each) for i in range(some[-1][0] + 1)
+        ]
+        parts = [trained[i].experience_of(0, k) for i, k in some]
+        about = (
+            f"Training episodes in the corridor; {each} of each replication, one replication after the other."
+        )
+        return about, parts, {"rewards": [trained[i].rewards_of(0, k) for i, k in some]}
+
+    def raw(data: str) -> Made:
+        each = max(wheels.amounts[data])
+        number = min(episodes or each * wheels.seeds, each * wheels.seeds)
+        made = [_recorded(data, min(each, number), seed, i) for i in range(-(-number // each))]
+        pairs = [pair for some in made for pair in some][:number]
+        about = f"Raw data and motors of {data}; {each} episodes of each replication, one after the other."
+        return about, [one for one, _ in pairs], {"episodes": [one for _, one in pairs]}
+
+    return {
+        f"{NAME}/corridor-v1": heard,
+        f"{NAME}/corridor-wheels-v1": lambda: raw(TRAINED),
+        f"{NAME}/alone-wheels-v1": lambda: raw(ALONE),
+    }

@@ -1,0 +1,130 @@
+"""Raw data, motors and rewards, round by round: of a learner in training (4.5), and of the teacher alone."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.envs.recalls import shown_of
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.envs.wheels_env import WheelsEnv, raw_data_of
+from khepera_forage.experience import Experience
+from khepera_forage.policies import Observation, Teacher
+from khepera_forage.policies.model_observations import raw_data_space
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, MAX_SPEED, Motors, applicable
+from khepera_forage.task.episode import Episode
+from khepera_forage.task.states import Behaviour
+
+
+class RawEpisode(NamedTuple):
+    """One episode of n rounds, in the form of `CorridorWheels-v1`.
+
+    Attributes:
+        observations: Raw data (4.2.2) before each round and after the last, each of shape (n + 1, ...).
+        actions: Motors as applied, shape (n, 4): left, right, arm, jaw, each -1..1.
+        rewards: Of each round.
+        heard: The behaviour that the robot heard, or executed, in each round; 10 is silence.
+    """
+
+    observations: dict[str, NDArray[Any]]
+    actions: NDArray[np.float32]
+    rewards: NDArray[np.float64]
+    heard: NDArray[np.int64]
+
+    @property
+    def rewards_of_vectors(self) -> NDArray[np.float64]:
+        """The reward from each experience vector to the next: rounds of silence have none, but count."""
+        vector = np.maximum(np.cumsum(self.heard != Behaviour.WAIT) - 1, 0)
+        return np.bincount(vector, self.rewards).astype(np.float64)
+
+
+class LearnerRecorder:
+    """The teacher of section 4.4, which records the rounds of its first learner: `teacher` and `callback` of `train`.
+
+    Only the last attempt is kept, as in experience files.
+
+    Args:
+        env: The environment that it teaches in.
+    """
+
+    def __init__(self, env: TrainingEnv) -> None:
+        self._env = env
+        self._teacher: Teacher | None = None
+        self._record = _Record()
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The teacher's behaviour; called before anything else in a round."""
+        if self._teacher is None or self._env.infos[TEACHER]["steps"] == 0:
+            self._teacher, self._record = Teacher.of(self._env), _Record()
+            self._record.shown.append(self._shown())
+        behaviour = self._teacher.act(observation, rng)
+        self._record.heard.append(int(behaviour))
+        return behaviour
+
+    def __call__(self) -> None:
+        """Record what a round has brought."""
+        self._record.add(self._env.foragers[1].applied, self._env.rewards["learner_0"], self._shown())
+
+    def episode(self) -> RawEpisode:
+        """The rounds of the last attempt."""
+        return self._record.episode()
+
+    def _shown(self) -> dict[str, Any]:
+        return raw_data_of(shown_of(self._env.foragers[1], Episode()))
+
+
+def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
+    """An episode of the teacher that forages alone, from random places.
+
+    Args:
+        env: Where it commands motors.
+        seed: Of the episode.
+
+    Returns:
+        Its state vectors and behaviours, and its raw data and motors.
+    """
+    record, done = _Record(), False
+    vectors: list[tuple[int, ...]] = []
+    shown, _ = env.reset(seed=seed)
+    record.shown.append(shown)
+    while not done:
+        forager = env.forager
+        motors = applicable(forager.motors_for(forager.correct_behaviour))
+        record.heard.append(int(forager.correct_behaviour))
+        presence, home, food_type, arm, food = forager.vector
+        vectors.append((presence, min(home, env.diagonal), food_type, arm, min(food, env.diagonal)))
+        shown, reward, terminated, truncated, _ = env.step(np.array(encoded_motors(motors)))
+        record.add(motors, float(reward), shown)
+        done = terminated or truncated
+    experience = Experience(vectors, record.heard, env.arena.name, seed, decisions=env.decisions)
+    return experience, record.episode()
+
+
+def encoded_motors(motors: Motors) -> tuple[float, float, float, float]:
+    """Motors as an action of `CorridorWheels-v1`: the inverse of `task.behaviours.decode_motors`."""
+    middle, half = (ARM_DOWN + ARM_RAISED) / 2, (ARM_DOWN - ARM_RAISED) / 2
+    left, right, arm, jaw = motors
+    return left / MAX_SPEED, right / MAX_SPEED, (middle - arm) / half, 1.0 if jaw == JAW_CLOSED else -1.0
+
+
+class _Record:
+    def __init__(self) -> None:
+        self.shown: list[Any] = []
+        self.heard: list[int] = []
+        self._actions: list[tuple[float, ...]] = []
+        self._rewards: list[float] = []
+
+    def add(self, motors: Motors, reward: float, shown: Observation) -> None:
+        self._actions.append(encoded_motors(motors))
+        self._rewards.append(reward)
+        self.shown.append(shown)
+
+    def episode(self) -> RawEpisode:
+        names = raw_data_space()
+        observations = {name: np.stack([one[name] for one in self.shown]) for name in names}
+        return RawEpisode(
+            observations,
+            np.array(self._actions, np.float32),
+            np.array(self._rewards),
+            np.array(self.heard, np.int64),
+        )

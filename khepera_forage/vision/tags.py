@@ -1,0 +1,235 @@
+"""ArUco tags on robots, food and the floor: found by OpenCV at the full resolution of the picture."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.detection.segmentation import Frame
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+if TYPE_CHECKING:
+    import cv2
+
+DICTIONARY = "DICT_4X4_50"
+"""Of `cv2.aruco`: 4 x 4 cells within a black border of one cell, ids 0 to 49."""
+CELLS = 6
+"""Cells across a tag, with its border."""
+_LEAST_PIXELS = 13.0
+"""Side in pixels of the smallest tag that is read."""
+_CABLE = 7.0
+"""Width in mm of the cables that the second pass removes."""
+_SIZE_TOLERANCE = 0.2
+"""Relative difference from its size at which a tag is refused."""
+_MOVED = 3.0
+"""mm of the floor by which tags appear elsewhere when the camera was moved."""
+_ROUND = 4
+"""Floor tags that are checked in each frame."""
+_NEAR = 1.5
+"""Sides of a tag around its middle in which it is searched."""
+
+Corners = NDArray[np.float64]
+"""4 x 2: u and v of the upper left, upper right, lower right and lower left corner of a tag."""
+
+
+class TagFinder:
+    """Finds the tags with some ids in pictures.
+
+    Args:
+        ids: Those in use; any other is ignored.
+        side: Pixels of the smallest tag's side.
+    """
+
+    def __init__(self, ids: Sequence[int], side: float) -> None:
+        import cv2
+
+        whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+        self._ids = list(ids)
+        dictionary = cv2.aruco.Dictionary(whole.bytesList[self._ids], whole.markerSize, 1)
+        self._side = side
+        self._detectors: dict[tuple[int, int], cv2.aruco.ArucoDetector] = {}
+        self._dictionary = dictionary
+
+    def find(self, grey: Frame) -> list[tuple[int, Corners]]:
+        """Id and corners of each tag in a picture, in pixels; the middle of the upper left pixel is (0.5, 0.5)."""
+        corners, ids, _ = self._detector(grey.shape).detectMarkers(grey)
+        if ids is None:
+            return []
+        return [
+            (self._ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5)
+            for i, c in zip(ids.ravel(), corners, strict=True)
+        ]
+
+    def _detector(self, shape: tuple[int, ...]) -> "cv2.aruco.ArucoDetector":
+        import cv2
+
+        key = (shape[0], shape[1])
+        if key not in self._detectors:
+            parameters = cv2.aruco.DetectorParameters()
+            parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
+            parameters.minMarkerPerimeterRate = 0.6 * 4 * self._side / max(key)
+            parameters.minDistanceToBorder = 1
+            # Windows of one and of three cells.
+            cell = max(3, 2 * round(self._side / CELLS / 2) + 1)
+            parameters.adaptiveThreshWinSizeMin = cell
+            parameters.adaptiveThreshWinSizeMax = 3 * cell
+            parameters.adaptiveThreshWinSizeStep = 2 * cell
+            self._detectors[key] = cv2.aruco.ArucoDetector(self._dictionary, parameters)
+        return self._detectors[key]
+
+
+class TagDetector:
+    """Detects the tags of robots and food.
+
+    Args:
+        settings: Ids and sizes.
+        calibration: Of the frames.
+
+    Raises:
+        ValueError: The tags are too small for the camera.
+
+    Attributes:
+        reach: Region pixels around a tag's middle within which white belongs to the tag.
+    """
+
+    def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
+        self._settings, self._calibration = settings, calibration
+        sizes = [settings.tag_size] * (settings.markers == "tags")
+        sizes += [settings.food_tag_size] * bool(settings.food_tags)
+        scale = 1 / calibration.mm_per_pixel()
+        if min(sizes) * scale < _LEAST_PIXELS:
+            raise ValueError(
+                f"tags of {min(sizes):g} mm are {min(sizes) * scale:.0f} pixels wide in the camera's picture; allowed: "
+                f"at least {_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: print larger tags, or "
+                "use a higher resolution"
+            )
+        self._finder = TagFinder(settings.tag_ids, min(sizes) * scale)
+        self._kernel = np.ones((max(2, math.ceil(_CABLE * scale)),) * 2, np.uint8)
+        self.reach = (0.75 * max(sizes) + 12) / MM_PER_PIXEL
+
+    def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
+        """The tags in a frame, and warnings by the name of their cause."""
+        import cv2
+
+        found = dict[int, list[Corners]]()
+        for tag, corners in self._finder.find(grey):
+            found.setdefault(tag, []).append(corners)
+        if len(found) < len(self._settings.tag_ids):
+            # Closing removes dark cables that cross a tag.
+            closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel)
+            for tag, corners in self._finder.find(closed):  # type: ignore[arg-type] # uint8
+                if tag not in found:
+                    found[tag] = [corners]
+        warnings, detections = {}, []
+        for tag, places in found.items():
+            if len(places) > 1:
+                where = " and ".join(self._place(tag, corners) for corners in places)
+                warnings["tag twice"] = f"tag {tag} is seen twice, at {where}: use each id once"
+                continue
+            detection, side = self._detection(tag, places[0])
+            size = self._size(tag)
+            if abs(side / size - 1) > _SIZE_TOLERANCE:
+                warnings["tag size"] = (
+                    f"tag {tag} at {self._place(tag, places[0])} measures {side:.0f} mm instead of {size:g} mm: "
+                    "print it at 100 %, or change its size in the settings"
+                )
+                continue
+            detections.append(detection)
+        return detections, warnings
+
+    def _size(self, tag: int) -> float:
+        return self._settings.food_tag_size if tag in self._settings.food_tags else self._settings.tag_size
+
+    def _place(self, tag: int, corners: Corners) -> str:
+        detection, _ = self._detection(tag, corners)
+        return f"({detection.x * MM_PER_PIXEL:.0f}, {detection.y * MM_PER_PIXEL:.0f}) mm"
+
+    def _detection(self, tag: int, corners: Corners) -> tuple[Detection, float]:
+        """The detection of a tag, and its side in mm."""
+        settings = self._settings
+        food = tag in settings.food_tags
+        height = settings.food_height if food else settings.marker_height
+        floor = np.array([self._calibration.to_region(u, v, height) for u, v in corners.tolist()])
+        x, y = floor.mean(axis=0).tolist()
+        ahead = floor[:2].mean(axis=0) - floor[2:].mean(axis=0)
+        orientation = 0 if food else round(math.degrees(math.atan2(ahead[1], ahead[0]))) % 360
+        sides = np.hypot(*(np.roll(floor, 1, axis=0) - floor).T)
+        width, high = self._calibration.size
+        edge = bool(
+            corners.min() < 2 or (corners[:, 0] > width - 2).any() or (corners[:, 1] > high - 2).any()
+        )
+        first_x, first_y = floor[int(np.lexsort((floor[:, 0], -floor[:, 1]))[0])].tolist()
+        perimeter, side = float(sides.sum()), float(sides.mean())
+        detection = Detection(
+            x,
+            y,
+            0 if food else tag,
+            orientation,
+            edge,
+            first_x,
+            first_y,
+            side * side,
+            perimeter,
+            perimeter**2 / side**2,
+        )
+        return detection, side * MM_PER_PIXEL
+
+
+class FloorTags:
+    """Watches the tags on the floor: they appear elsewhere once the camera was moved.
+
+    Args:
+        calibration: With the pixels of the tags.
+    """
+
+    def __init__(self, calibration: Calibration) -> None:
+        self._calibration = calibration
+        self._finder = TagFinder(sorted(calibration.tags), _LEAST_PIXELS)
+        self._next = 0
+
+    def check(self, grey: Frame) -> dict[str, str]:
+        """A warning if the tags have moved; each frame searches a few, and all if these have moved."""
+        tags = sorted(self._calibration.tags)
+        chosen = [tags[(self._next + i) % len(tags)] for i in range(min(_ROUND, len(tags)))]
+        self._next += len(chosen)
+        shifts = [shift for tag in chosen for shift in self._shift(grey, tag)]
+        if len(shifts) == len(chosen) and max(shifts) < _MOVED:
+            return {}
+        if len(shifts) > 1 and float(np.median(shifts)) < _MOVED:
+            return {}  # some are hidden
+        found = dict(self._finder.find(grey))
+        shifts = [self._distance(tag, corners) for tag, corners in found.items()]
+        if not shifts or float(np.median(shifts)) < _MOVED:
+            return {}
+        return {
+            "camera moved": f"the camera has moved since its calibration: floor tags appear {np.median(shifts):.0f} mm "
+            "from their places; calibrate it again"
+        }
+
+    def _shift(self, grey: Frame, tag: int) -> list[float]:
+        """Distance in mm of a tag from its place, if it is seen near there."""
+        u, v = self._calibration.tags[tag]
+        reach = math.ceil(_NEAR * 100.0 / self._calibration.mm_per_pixel(u, v))
+        left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
+        part = grey[top : math.floor(v) + reach, left : math.floor(u) + reach]
+        found = [c for i, c in self._finder.find(np.ascontiguousarray(part)) if i == tag]
+        return [self._distance(tag, corners + np.array((left, top))) for corners in found[:1]]
+
+    def _distance(self, tag: int, corners: Corners) -> float:
+        u, v = middle(corners)
+        x, y = self._calibration.to_region(u, v)
+        there = self._calibration.to_region(*self._calibration.tags[tag])
+        return MM_PER_PIXEL * math.dist((x, y), there)
+
+
+def middle(corners: Corners) -> tuple[float, float]:
+    """The middle of a tag: where its diagonals cross."""
+    a, b, c, d = corners
+    share, _ = np.linalg.solve(np.column_stack((c - a, b - d)), b - a)
+    u, v = (a + share * (c - a)).tolist()
+    return u, v

@@ -1,0 +1,62 @@
+"""What the commands assume about their process: streams, pipes, encodings, and the system."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.main import main
+
+COMMAND = f"{sys.executable} -m khepera_forage"
+
+
+def shell(command: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    run = ["bash", "-o", "pipefail", "-c", f"cd {folder} && {command}"]
+    return subprocess.run(run, capture_output=True, text=True, env={**os.environ, **environment}, timeout=120)
+
+
+@pytest.mark.parametrize(
+    ("command", "unbuffered"), [("decisions", "1"), ("decisions", ""), ("arena list", ""), ("--help", "")]
+)
+def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Path) -> None:
+    done = shell(f"{COMMAND} {command} | true", tmp_path, PYTHONUNBUFFERED=unbuffered)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        ("recall --episodes 1 --out rows.csv 2>&-", "rows.csv"),
+        ("train --episodes 1 --seed 1 --out g >&- 2>&-", "g/attempts.csv"),
+        ("watch recall --every 20 --out film.gif 2>&-", "film.gif"),
+    ],
+)
+def test_command_without_output_streams_does_its_work(command: str, file: str, tmp_path: Path) -> None:
+    done = shell(f"{COMMAND} {command}", tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / file).stat().st_size > 100
+
+
+def test_mistake_without_error_output_has_status_2(tmp_path: Path) -> None:
+    assert shell(f"{COMMAND} recall --episodes 0 2>&-", tmp_path).returncode == 2
+    assert shell(f"{COMMAND} recall --experience nowhere.csv 2>&-", tmp_path).returncode == 2
+
+
+def test_output_in_a_narrow_encoding_replaces_characters(tmp_path: Path) -> None:
+    (tmp_path / "wände.toml").write_text("")
+    done = shell(f"{COMMAND} arena show wände.toml", tmp_path, PYTHONIOENCODING="ascii")
+    assert done.returncode == 2
+    assert "w?nde.toml" in done.stderr
+
+
+def test_virtual_laboratory_without_pseudo_terminals_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "tty", None)  # as on Windows
+    assert main(["train", "--lab", "virtual", "--episodes", "1"]) == 2
+    error = capsys.readouterr().err
+    assert "pseudo-terminal, which this system does not have; allowed: Linux, macOS" in error
+    assert error.count("\n") == 1

@@ -1,0 +1,245 @@
+"""The protocol `forage-bench-1`: what its units compute, that a killed run continues, and its datasets."""
+
+import gzip
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+pytest.importorskip("numba")
+
+from khepera_forage.cli.dataset import FOLDER_VARIABLE
+from khepera_forage.cli.main import main
+from khepera_forage.comparison.batch_recalls import (
+    Training,
+    recalls_after,
+    recalls_on_wheels,
+    reference_recalls,
+)
+from khepera_forage.comparison.learning import REFERENCES
+from khepera_forage.comparison.protocol import (
+    LATE,
+    NAME,
+    PERMUTED,
+    SILENT,
+    TRACKS,
+    WRONG,
+    plan,
+    spoken,
+    wheels_learner,
+)
+from khepera_forage.comparison.teachers import Budget, demonstrate, random_marks, search, thinned
+from khepera_forage.policies import Teacher
+from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
+from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
+from khepera_forage.rollouts.wheels_recall import recall_wheels_env
+from khepera_forage.task.states import NUM_BEHAVIOURS, StateVector
+
+TEN_STEPS = Training(
+    np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5, 6, 7, 8]), np.repeat((0, 1), 5)
+)
+
+
+class TeacherClassifier:
+    """Has learned the teacher's program perfectly."""
+
+    classes_ = np.arange(NUM_BEHAVIOURS)
+
+    def fit(self, vectors: NDArray[Any], behaviours: NDArray[Any]) -> "TeacherClassifier":
+        return self
+
+    def predict_proba(self, vectors: NDArray[Any]) -> NDArray[np.float64]:
+        chosen = [int(Teacher().act(StateVector(*row)._asdict())) for row in vectors.tolist()]
+        return np.eye(NUM_BEHAVIOURS)[chosen]
+
+
+def test_every_learner_that_ships_is_in_a_track() -> None:
+    """Learners that query the teacher are on no track: in none of them a teacher answers."""
+    planned = {unit.name for track in TRACKS for unit in plan(track, {**REFERENCES, **LEARNERS}, 0, True, 1)}
+    vectors = {name for name, learner in LEARNERS.items() if isinstance(learner, FromVectors)}
+    wheels = {name for name, one in LEARNERS.items() if isinstance(one, FromSteps) and one.wheels}
+    assert planned >= vectors | wheels | set(REFERENCES)
+    for track in TRACKS:
+        keys = [unit.key for unit in plan(track, LEARNERS, 0, False, 3)]
+        assert len(set(keys)) == len(keys)
+
+
+def test_a_perfect_student_forages_like_the_teacher() -> None:
+    """Both kinds of recalls: within the kernel, and with classifiers that decide for all worlds of all places."""
+    seeds = {"corridor": [3, 4, 5], "doors": [6], "hard": [8, 9]}
+    perfect = recalls_after(FromVectors("perfect", TeacherClassifier), TEN_STEPS, seeds, 0, 138)
+    teacher = reference_recalls(True, seeds)
+    for place in seeds:
+        for own, other in zip(perfect[place], teacher[place], strict=True):
+            assert (own == other).all()
+        assert (teacher[place].delivered == teacher[place].foods).all()
+
+
+@pytest.mark.parametrize("name", ["imitator", "k_nearest", "tree"])
+def test_learners_forage_in_several_places(name: str) -> None:
+    trained = train_learners(1, episodes=10, seed=5)
+    rows = trained.vectors_of(0).astype(np.int64)
+    learner = LEARNERS[name]
+    assert isinstance(learner, FromVectors)
+    training = Training(rows[:, :5], rows[:, 5], np.zeros(len(rows), np.int64))
+    seeds = {"corridor": range(40), "rectangle": range(4)}
+    found = recalls_after(learner, training, seeds, 0, 138)
+    assert found["corridor"].delivered.sum() > 8
+    again = recalls_after(learner, training, seeds, 0, 138)
+    assert (found["corridor"].score == again["corridor"].score).all()
+
+
+def test_other_vocabularies() -> None:
+    rng = np.random.default_rng(0)
+    _, heard, _ = TEN_STEPS
+    permuted = spoken(TEN_STEPS, PERMUTED, rng).behaviours
+    assert (permuted != heard).all()
+    assert len(set(zip(heard.tolist(), permuted.tolist(), strict=True))) == len(set(heard.tolist()))
+    late = spoken(TEN_STEPS, LATE, rng)
+    assert late.behaviours.tolist() == [0, 0, 4, 5]
+    assert late.vectors[:, 0].tolist() == [15, 20, 40, 45]
+    many = Training(*(np.concatenate([part] * 100) for part in TEN_STEPS))
+    assert len(spoken(many, SILENT, rng).behaviours) == pytest.approx(500, abs=60)
+    assert (spoken(many, WRONG, rng).behaviours != many.behaviours).mean() == pytest.approx(0.2, abs=0.05)
+    assert len(thinned(many, 30, 0).vectors) == 30
+
+
+def test_a_search_finds_better_demonstrations_than_chance() -> None:
+    learner = LEARNERS["imitator"]
+    assert isinstance(learner, FromVectors)
+
+    def delivered(marks: NDArray[np.float64]) -> float:
+        seeds = {"corridor": range(50)}
+        trainings = demonstrate(marks, 10**6, 8)
+        return float(
+            np.mean([recalls_after(learner, t, seeds, 0, 138)["corridor"].delivered for t in trainings])
+        )
+
+    found = search(learner, 1, Budget(12, 3, 8, 64), np.random.default_rng(1))
+    chance = np.mean([delivered(random_marks(1, seed)) for seed in range(8)])
+    assert delivered(found) > chance
+    near = np.array([[40.0, 40.0, 0.0, 41.0, 40.0]])
+    with pytest.raises(ValueError, match="allowed"):
+        demonstrate(near, 0)
+
+
+@pytest.fixture
+def compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: main(["compare", "--protocol", "--quick", "--jobs", "1", "--out", "out", *words])
+
+
+def test_a_killed_run_continues(compare: Callable[..., int], capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--only", "imitator", "--track", "teaching", "--track", "vocabulary"]
+    assert compare(*words) == 0
+    files = [Path("out") / name for name in ("rows.csv", "demonstrations.csv", "table_transfer.csv")]
+    table = files[2].read_text()
+    assert "best for imitator" in table
+    searched = files[1].read_text()
+    units = Path("out/units.jsonl.gz")
+    units.write_bytes(gzip.compress(b"".join(gzip.decompress(units.read_bytes()).splitlines(True)[:9])))
+    capsys.readouterr()
+    assert compare(*words) == 0
+    printed = capsys.readouterr().out
+    assert "8 of 2" in printed
+    assert "1 of 1 units are done already" in printed
+    assert files[1].read_text() == searched
+    assert files[2].read_text() == table
+    page = Path(f"out/{NAME}.md").read_text()
+    assert "smoke test" in page
+    assert {track for track in TRACKS if f"Track: {track}" in page} == {"teaching", "vocabulary"}
+
+
+def test_wheels_and_many_places_in_small(compare: Callable[..., int]) -> None:
+    assert compare("--only", "tree", "--seeds", "1", "--track", "offline", "--track", "wheels") == 0
+    assert "tree,thesis's,1,1," in Path("out/table_offline.csv").read_text()
+    wheels = Path("out/table_wheels.csv").read_text()
+    assert "network,training episodes" in wheels
+    assert "teacher,-,0,1,100," in wheels
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--track", "teaching"], "--track has no effect here; allowed: with --protocol"),
+        (["--protocol", "--recalls", "3"], "--recalls has no effect here; allowed: without --protocol"),
+        (["--protocol", "--track", "seeing"], "invalid choice: 'seeing'"),
+        (["--protocol", "--only", "oracle"], "--only is 'oracle'; allowed: "),
+    ],
+)
+def test_bad_options_are_one_line(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", *words]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+@pytest.fixture
+def alone() -> list[RawEpisode]:
+    env = recall_wheels_env("corridor")
+    return [teacher_alone(env, seed)[1] for seed in range(6)]
+
+
+def test_raw_episodes_replay(alone: list[RawEpisode]) -> None:
+    """What was recorded is what the environment shows and pays when the recorded motors are commanded."""
+    env = recall_wheels_env("corridor")
+    for seed, episode in enumerate(alone[:2]):
+        shown, _ = env.reset(seed=seed)
+        for number, action in enumerate(episode.actions):
+            assert all((shown[name] == episode.observations[name][number]).all() for name in shown)
+            shown, reward, terminated, _, _ = env.step(action)
+            assert reward == episode.rewards[number]
+        assert terminated
+        assert episode.rewards.sum() == pytest.approx(1 - len(episode.actions) / 500)
+
+
+@pytest.mark.parametrize("name", ["network", "trees"])
+def test_learners_on_wheels_forage(name: str, alone: list[RawEpisode]) -> None:
+    policy = wheels_learner(name, alone, 0)
+    found = recalls_on_wheels(policy, {"corridor": range(3)})["corridor"]
+    assert (found.foods == 1).all()
+    assert (found.delivered <= 1).all()
+
+
+def test_rewards_of_compiled_training_are_those_of_the_environment() -> None:
+    """+1 for the delivery and -1/600 a round, also for the rounds of silence."""
+    trained = train_learners(30, seed=3, episodes=2)
+    rounds = trained.attempts.rounds[trained.attempts.complete].reshape(30, 2)
+    for learner in range(30):
+        for episode in range(2):
+            rewards = trained.rewards_of(learner, episode)
+            assert len(rewards) == len(trained.vectors_of(learner, episode))
+            assert rewards.sum() == pytest.approx(1 - rounds[learner, episode] / 600, abs=1e-4)
+
+
+def test_one_command_makes_the_datasets(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    minari = pytest.importorskip("minari")
+    pytest.importorskip("h5py")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
+    assert main(["dataset", "--protocol", "--episodes", "2", "--out", "data"]) == 0
+    heard = import_module("khepera_forage.experience.minari").from_minari(f"{NAME}/corridor-v1")
+    unit = next(iter(plan("offline", {"imitator": LEARNERS["imitator"]}, 0, False, 1)))._replace(
+        condition="thesis's", amount=2, name="imitator"
+    )
+    assert np.concatenate([part.arrays()[0] for part in heard]).tolist() == unit.training(0).vectors.tolist()
+    for name, actions in (("corridor-v1", ()), ("corridor-wheels-v1", (4,)), ("alone-wheels-v1", (4,))):
+        dataset = minari.load_dataset(f"{NAME}/{name}")
+        for episode in dataset.iterate_episodes():
+            assert episode.actions.shape[1:] == actions
+            assert 0.2 < episode.rewards.sum() < 0.95
+        env = dataset.recover_environment()
+        env.reset(seed=0)
+        env.step(episode.actions[0])
+    card = Path(f"data/{NAME}/alone-wheels-v1/README.md").read_text()
+    assert "the teacher, which forages alone" in card
+    assert main(["dataset", "--protocol", "--wheels"]) == 2
+    assert "--wheels has no effect here; allowed: without --protocol" in capsys.readouterr().err
