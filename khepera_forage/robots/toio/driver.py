@@ -48,6 +48,8 @@ _FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
 """Light for one second, white."""
 _LOOK_AHEAD = 8.0
 """mm on the plan in which a wall before the cube stops it."""
+_ALONG = 1.0
+"""mm by which a cube may come nearer to a wall: it drives along it."""
 _POSITION, _POSITION_MISSED = 0x01, 0x03
 """First bytes of a notification."""
 
@@ -69,7 +71,7 @@ class ToioRobot(RealRobot):
         pose: Its last place on the plan.
         on_mat: Whether it sees the mat.
         clearance: Distance in mm from a place on the plan to the nearest wall, negative behind it; None without walls.
-            A mat has no walls, so that the driver itself keeps the cube within them: it turns, and does not advance.
+            A mat has no walls, so that the driver itself keeps the cube within them: it turns it along the wall.
 
     Raises:
         ValueError: A speed that is not allowed.
@@ -193,9 +195,15 @@ class ToioRobot(RealRobot):
             if forward and self.clearance is not None:
                 x, y, heading = self.pose
                 ahead = math.copysign(_LOOK_AHEAD, forward)
-                after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
-                if after < min(RADIUS, self.clearance(x, y)):
-                    left, right = left - forward, right - forward
+                here = self.clearance(x, y)
+                after, to_right, to_left = (
+                    self.clearance(x + ahead * math.cos(heading + turn), y + ahead * math.sin(heading + turn))
+                    for turn in (0.0, -0.5, 0.5)
+                )
+                if after < min(RADIUS, here) - _ALONG:
+                    # A wall would turn it along: to the side with more room.
+                    turn = math.copysign(abs(forward), to_left - to_right)
+                    left, right = -turn, turn
             # Wheels do not turn slower than the slowest speed: turn for a part of the round.
             part = min(1.0, max(abs(left), abs(right)) * self.model.unit / SLOWEST_UNIT)
             if 0.0 < part < 1.0:
