@@ -14,7 +14,7 @@ from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.toio.mat import SIMPLE_MAT
+from khepera_forage.robots.toio.driver import SIMPLE_MAT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, arena_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena

@@ -9,8 +9,7 @@ pytest.importorskip("toio")
 
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.toio.driver import ToioRobot
-from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose
+from khepera_forage.robots.toio.driver import SIMPLE_MAT, CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
