@@ -4,8 +4,8 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from typing import Protocol
 
+from khepera_forage.lab.cubes import MatCamera
 from khepera_forage.lab.fresh_frames import FreshFrames
-from khepera_forage.lab.mat_camera import MatCamera
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.fleet import Fleet

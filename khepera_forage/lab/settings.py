@@ -22,7 +22,7 @@ class RobotSettings:
         name: Name of the robot in requests to the operator.
         type: Kind of robot, a name in `MODELS`.
         baud: Of a serial line; None for the usual one of the robot.
-        holes: Number of holes of its marker, 1 or 2; or the number of another marker, or its tag's id.
+        holes: Number of its marker: how many holes it has, 1 or 2; of other kinds of markers the number or id.
         offset: From the arena in the file to this robot's copy of it, in mm.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
         watchdog: Whether a process stops the robot if this one is killed or frozen.
