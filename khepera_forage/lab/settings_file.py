@@ -32,7 +32,7 @@ from khepera_forage.toml_table import (
     text_of,
     true_or_false,
 )
-from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
 
 
 class LabFileError(ValueError):
@@ -84,7 +84,8 @@ def sample() -> str:
 def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: float) -> LabSettings:
     table.check_keys(_names(LabSettings))
     arena = _arena(table.table("arena"), set_up)
-    robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
+    tracker = _tracker(table.table("tracker"))
+    robots = tuple(_robot(entry, i, tracker.numbers) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
     food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text, 0), tuple[str, ...]())
@@ -92,7 +93,6 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
         camera = CameraSettings()
     else:
         camera = _camera(table.table("camera"), folder)
-    tracker = _tracker(table.table("tracker"))
     tolerance_table = table.table("tolerance")
     tolerance_table.check_keys(_names(Tolerance))
     defaults = Tolerance()
@@ -108,7 +108,7 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     return settings
 
 
-def _robot(table: Table, index: int) -> RobotSettings:
+def _robot(table: Table, index: int, markers: tuple[int, ...]) -> RobotSettings:
     name = "teacher" if index == 0 else f"learner_{index - 1}"
     table.check_keys(_names(RobotSettings))
     kind = table.take("type", _kind, KHEPERA.name)
@@ -124,7 +124,7 @@ def _robot(table: Table, index: int) -> RobotSettings:
         baud=None
         if driver is None
         else table.take("baud", one_of(driver.protocol.baud_rates), driver.default_baud),
-        holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
+        holes=table.take("holes", one_of(markers), markers[min(index, len(markers) - 1)]),
         timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
         watchdog=table.take("watchdog", true_or_false, True),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
@@ -148,12 +148,25 @@ def _camera(table: Table, folder: Path) -> CameraSettings:
             f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
         )
 
+    def size(key: str, value: Any) -> tuple[int, int]:
+        if (
+            isinstance(value, list)
+            and len(value) == 2
+            and all(type(n) is int and 16 <= n <= 16384 for n in value)
+        ):
+            return value[0], value[1]
+        raise TableError(f"{key} is {quoted(value)}; allowed: [width, height] in pixels")
+
     table.check_keys(_names(CameraSettings))
     calibration = table.take("calibration", text, "")
     return CameraSettings(
         source=table.take("source", source),
         calibration=folder / calibration if calibration else None,
         oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
+        size=table.take("size", size, None),
+        rate=table.take("rate", number(0.1, 1000.0, "frames a second"), None),
+        exposure=table.take("exposure", number(-1e6, 1e6, "the driver's unit"), None),
+        focus=table.take("focus", number(-1e6, 1e6, "the driver's unit"), None),
     )
 
 
@@ -161,9 +174,18 @@ def _tracker(table: Table) -> TrackerSettings:
     """Any field of `TrackerSettings`, as a key of the same name."""
 
     def value(key: str, found: Any) -> Any:
-        if isinstance(found, bool) != isinstance(getattr(defaults, key.rpartition(".")[2]), bool):
-            raise TableError(f"{key} is {quoted(found)}; allowed: a number, or for featureless true or false")
-        if not isinstance(found, bool | int | float):
+        default = getattr(defaults, key.rpartition(".")[2])
+        if isinstance(default, bool):
+            if not isinstance(found, bool):
+                raise TableError(f"{key} is {quoted(found)}; allowed: true or false")
+        elif isinstance(default, str):
+            if not isinstance(found, str):
+                raise TableError(f"{key} is {quoted(found)}; allowed: {', '.join(MARKER_NUMBERS)}")
+        elif isinstance(default, tuple):
+            if not isinstance(found, list) or not all(type(n) is int for n in found):
+                raise TableError(f"{key} is {quoted(found)}; allowed: a list of whole numbers")
+            return tuple(found)
+        elif isinstance(found, bool) or not isinstance(found, int | float):
             raise TableError(f"{key} is {quoted(found)}; allowed: a number")
         return found
 

@@ -43,8 +43,8 @@ def test_fenced_code_keeps_its_backticks() -> None:
     [
         ("khepera_forage/noise.py", "source/khepera_forage/noise.py"),
         (
-            "khepera_forage/policies/nearest_neighbour/index.py",
-            "source/khepera_forage/policies/nearest_neighbour/index.py",
+            "khepera_forage/policies/index.py",
+            "source/khepera_forage/policies/index.py",
         ),
         ("khepera_forage/task", "source/khepera_forage/task/index"),
         ("tests/contracts", "source/tests/contracts/index"),

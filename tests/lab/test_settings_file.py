@@ -111,12 +111,24 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
     assert len(settings.robots) == 2
     # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
-    text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^(calibration|obstacles|size|rate|exposure|focus) .*\n", "", text, flags=re.MULTILINE)
     assert parsed(text, set_up=set_up, period=period) == settings
     keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
     assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
     assert load_settings(tmp_path / "lab.toml", defaults) == settings
+
+
+def test_robots_may_carry_tags() -> None:
+    text = MINIMAL.replace("offset =", "holes = 7\noffset =", 1)
+    text += '\n[tracker]\nmarkers = "tags"\nnumbers = [1, 7]\nfood_tags = [20]\n'
+    settings = parsed(text)
+    assert (settings.tracker.markers, settings.tracker.numbers, settings.tracker.food_tags) == (
+        "tags",
+        (1, 7),
+        (20,),
+    )
+    assert 7 in {robot.holes for robot in settings.robots}
 
 
 @pytest.mark.parametrize(
@@ -141,7 +153,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset =", "ofset =", "robots[1].ofset is unknown (did you mean offset?); allowed: baud, holes, name, "
          "offset, port, timeout, type, watchdog"),
         ('port = "/dev/ttyUSB1"', 'prt = "b"', "robots[1].prt is unknown (did you mean port?); allowed: "),
-        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, oldest, "),
+        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, exposure, "),
         ("[camera]", "[tolerance]\npositon = 9\n[camera]", "tolerance.positon is unknown (did you mean position?); "),
         ("[camera]", "[tracker]\nspeed = 9\n[camera]", "tracker.speed is unknown"),
         ("source = 0", "", "camera.source is missing"),
