@@ -75,7 +75,7 @@ def compare(given: Arguments) -> int:
 
         return run_protocol(given, {name: one for name, one in known.items() if name in chosen})
     missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
-    if not given.only:
+    if not given.only and not own:
         missing |= installed_learners().broken
     for name, reason in missing.items():
         print(f"{name} is left out: {reason}")
