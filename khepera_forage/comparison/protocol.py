@@ -427,11 +427,11 @@ def _seed(seed: int, *purpose: int) -> int:
 
 
 def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Searching]:
-    """The searches for demonstrations, one for every ten replications of the track; arguments as for `plan`."""
+    """The searches for demonstrations, one for every ten replications; arguments as for `plan`."""
     small = Budget(4, 2, 1, 4)
     return [
         Searching(seed, name, number, small if quick else BUDGETS.get(name, _BUDGET))
-        for number in range(min(SEARCHES, -(-most // TESTS)) if not quick else 1)
+        for number in range(1 if quick else min(SEARCHES, most // TESTS))
         for name in TAUGHT
         if name in learners
     ]

@@ -34,6 +34,7 @@ from khepera_forage.estimates import (
     pick,
     plain,
 )
+from khepera_forage.policies.learners import LEARNERS, FromVectors
 from khepera_forage.study import Arguments, Page, Rows, collect, finish
 
 FOUND = "searches.jsonl.gz"
@@ -48,13 +49,25 @@ def run(given: Arguments, learners: Mapping[str, Compared]) -> int:
     Args:
         given: The arguments of `khepera-forage compare --protocol`.
         learners: Those that may take part, by name.
+
+    Raises:
+        ValueError: A learner was asked for that is on none of the tracks.
     """
     if given.out == Path("results/learners"):
         given.out = Path(f"results/{NAME}")
     given.name = NAME
-    chosen = given.track or list(TRACKS)
+    chosen = list(dict.fromkeys(given.track or TRACKS))
     concerned = {name for track in chosen for name in TRACKS[track].learners}
-    missing = {name: why for name in concerned & set(learners) if (why := unable(learners[name]))}
+    concerned |= {
+        name for name, one in learners.items() if name not in LEARNERS and isinstance(one, FromVectors)
+    }
+    for name in learners.keys() - REFERENCES.keys() if given.only or given.learner else ():
+        if name not in concerned:
+            raise ValueError(
+                f"--only or --learner is {name!r}; allowed on these tracks: {', '.join(sorted(concerned))}, and your "
+                "own ones from experience vectors"
+            )
+    missing = {name: why for name, one in learners.items() if name in concerned and (why := unable(one))}
     for name, why in missing.items():
         print(f"{name} is left out: {why}")
     able = {name: one for name, one in learners.items() if name not in missing}
@@ -65,7 +78,7 @@ def run(given: Arguments, learners: Mapping[str, Compared]) -> int:
         if TEACHING in chosen:
             tables = {Demonstrations: "demonstrations"}
             units = searches(able, given.seed, given.quick, most)
-            found = collect(given, units, tables, workers.execute, settings, file=FOUND)
+            found = collect(given, units, tables, workers.execute, settings, others=True, file=FOUND)
         tests = [
             unit
             for track in chosen

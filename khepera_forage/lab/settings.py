@@ -52,11 +52,19 @@ class CameraSettings:
         calibration: A file written by `khepera-forage camera calibrate`; None for frames without distortion.
         oldest: Seconds after which the camera counts as lost: the age of the newest frame, or the wait for one that
             shows the scene of the present round.
+        size: Width and height of the frames; None for those of the calibration, or 640 x 480.
+        rate: Frames a second; None leaves the camera's own, as for exposure and focus.
+        exposure: In the driver's unit.
+        focus: In the driver's unit.
     """
 
     source: int | str = 0
     calibration: Path | None = None
     oldest: float = 0.5
+    size: tuple[int, int] | None = None
+    rate: float | None = None
+    exposure: float | None = None
+    focus: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,12 +155,25 @@ def _camera(table: Table, folder: Path) -> CameraSettings:
             f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
         )
 
+    def size(key: str, value: Any) -> tuple[int, int]:
+        if (
+            isinstance(value, list)
+            and len(value) == 2
+            and all(type(n) is int and 16 <= n <= 16384 for n in value)
+        ):
+            return value[0], value[1]
+        raise TableError(f"{key} is {quoted(value)}; allowed: [width, height] in pixels")
+
     table.check_keys(_names(CameraSettings))
     calibration = table.take("calibration", text, "")
     return CameraSettings(
         source=table.take("source", source),
         calibration=folder / calibration if calibration else None,
         oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
+        size=table.take("size", size, None),
+        rate=table.take("rate", number(0.1, 1000.0, "frames a second"), None),
+        exposure=table.take("exposure", number(-1e6, 1e6, "the driver's unit"), None),
+        focus=table.take("focus", number(-1e6, 1e6, "the driver's unit"), None),
     )
 
 

@@ -171,6 +171,7 @@ def test_wheels_and_many_places_in_small(compare: Callable[..., int]) -> None:
         (["--protocol", "--recalls", "3"], "--recalls has no effect here; allowed: without --protocol"),
         (["--protocol", "--track", "seeing"], "invalid choice: 'seeing'"),
         (["--protocol", "--only", "oracle"], "--only is 'oracle'; allowed: "),
+        (["--protocol", "--only", "dagger"], "is 'dagger'; allowed on these tracks: attribute_weights"),
     ],
 )
 def test_bad_options_are_one_line(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -201,7 +202,7 @@ def test_raw_episodes_replay(alone: list[RawEpisode]) -> None:
 
 @pytest.mark.parametrize("name", ["network", "trees"])
 def test_learners_on_wheels_forage(name: str, alone: list[RawEpisode]) -> None:
-    policy = wheels_learner(name, alone, 0)
+    policy = wheels_learner(name, alone[:2], 0)
     found = recalls_on_wheels(policy, {"corridor": range(3)})["corridor"]
     assert (found.foods == 1).all()
     assert (found.delivered <= 1).all()

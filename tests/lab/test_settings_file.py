@@ -121,7 +121,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
     assert len(settings.robots) == 2
     # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
-    text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^(calibration|obstacles|size|rate|exposure|focus) .*\n", "", text, flags=re.MULTILINE)
     assert parsed(text, set_up=set_up, period=period) == settings
     keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
     assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)} - {"numbers"}
@@ -151,7 +151,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset =", "ofset =", "robots[1].ofset is unknown (did you mean offset?); allowed: baud, holes, name, "
          "offset, port, timeout, type, watchdog"),
         ('port = "/dev/ttyUSB1"', 'prt = "b"', "robots[1].prt is unknown (did you mean port?); allowed: "),
-        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, oldest, "),
+        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, exposure, "),
         ("[camera]", "[tolerance]\npositon = 9\n[camera]", "tolerance.positon is unknown (did you mean position?); "),
         ("[camera]", "[tracker]\nspeed = 9\n[camera]", "tracker.speed is unknown"),
         ("source = 0", "", "camera.source is missing"),
