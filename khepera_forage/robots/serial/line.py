@@ -273,7 +273,8 @@ class Line:
         latency, usual = max(0.0, min(latencies)), max(0.0, statistics.median_low(latencies))
         self.timeout = max(patience, min(2 * usual, MAX_ADAPTED_TIMEOUT))
         self.timing = self.timing._replace(latency=latency)
-        together = self._answers_together(begin) or self._answers_together(begin)
+        # Again: a stall of the computer looks like a robot that replies to one request after the other.
+        together = any(self._answers_together(begin) for _ in range(3))
         self.timing = self.timing._replace(pipelined=together)
         return len(latencies) > 1
 
