@@ -53,7 +53,7 @@ from khepera_forage.figures import (
     panels,
 )
 from khepera_forage.policies import NearestNeighbourImitator, Observation, Teacher
-from khepera_forage.policies.nearest_neighbour.memories import memories_of
+from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled import recalls
 from khepera_forage.rollouts.recall import recall
 from khepera_forage.rollouts.rows import RecallRow

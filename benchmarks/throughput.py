@@ -53,7 +53,7 @@ def paired(rounds: int, seed: int) -> float:
     """Rounds a second of the paired corridors, resets included."""
     from khepera_forage.envs import paired_corridors_v1
     from khepera_forage.policies import Teacher
-    from khepera_forage.policies.listener import Listener
+    from khepera_forage.policies.policy import Listener
 
     env = paired_corridors_v1.env()
     policies: Any = {"teacher_0": Teacher.of(env), "learner_0": Listener()}
@@ -115,7 +115,7 @@ def kernel(episodes: int, seed: int) -> float:
 
 def imitators(episodes: int, seed: int) -> float:
     """The same under imitators with ten training episodes each."""
-    from khepera_forage.policies.nearest_neighbour.memories import memories_of
+    from khepera_forage.policies.memories import memories_of
     from khepera_forage.rollouts.compiled.recalls import run_recalls
 
     memories = memories_of(experience(IMITATORS, seed))

@@ -1,12 +1,24 @@
-"""Writing files: errors name the file, and a file that is replaced is there until the new one is complete."""
+"""Files: those of other tools can be read, errors name the file, and a replaced one stays until the new is complete."""
 
+import codecs
 import errno
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
+
+
+def utf8(data: bytes) -> bytes:
+    """The content of a text file in UTF-8, without the byte order mark of some editors.
+
+    UTF-16 with such a mark, which `>` of PowerShell writes, is converted.
+    """
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", errors="replace").encode()
+    return data.removeprefix(codecs.BOM_UTF8)
 
 
 class NamingFile:
@@ -61,16 +73,21 @@ def write_all(file: FileIO, data: bytes, path: Path) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """A file beside another that takes its place at the end of the block; after an error the other one is unchanged.
 
+    A symbolic link stays, and its target is replaced. The new file has the mode of the other one.
+
     Args:
         path: The file to be written or replaced; its folder must exist.
 
     Yields:
         The path to write to, with the same ending.
     """
-    partial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    target = Path(os.path.realpath(path))
+    partial = target.with_name(f".{target.stem}.{os.getpid()}.part{path.suffix}")
     try:
         with NamingFile(path):
             yield partial
-            os.replace(partial, path)
+            with suppress(FileNotFoundError):
+                shutil.copymode(target, partial)
+            os.replace(partial, target)
     finally:
         partial.unlink(missing_ok=True)

@@ -8,6 +8,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
+from khepera_forage.files import utf8
+
 T = TypeVar("T")
 _MISSING: Any = object()
 
@@ -117,7 +119,7 @@ def text_of(path: Path) -> str:
         OSError: The file cannot be read.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return utf8(path.read_bytes()).decode()
     except UnicodeDecodeError as error:
         raise TableError(f"not UTF-8 text: {error}") from None
 

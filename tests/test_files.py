@@ -8,10 +8,15 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.cli.main import main
+from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.experience import Experience, ExperienceWriter
-from khepera_forage.files import NamingFile
-from khepera_forage.rollouts.row_files import RowWriter
-from khepera_forage.task.states import StateVector
+from khepera_forage.files import NamingFile, replacing
+from khepera_forage.lab.settings_file import load, sample
+from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
+from khepera_forage.sim.arena_file import read_arena, write_arena
+from khepera_forage.sim.arenas.procedural import procedural_arena
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.task.states import Behaviour, StateVector
 from tests.limited_disk import largest_file
 
 FULL = Path("/dev/full")
@@ -96,3 +101,43 @@ def test_rows_can_be_written_to_a_pipe(tmp_path: Path) -> None:
         writer.write(Row(12))
     assert os.read(reader, 100) == b"number\n12\n"
     os.close(reader)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_files_of_other_tools_are_read(encoding: str, tmp_path: Path) -> None:
+    """As Windows' editors and `>` write them: with a byte order mark, and two characters at the end of a line."""
+
+    def rewritten(path: Path) -> Path:
+        text = path.read_text("utf-8")
+        with open(path, "w", encoding=encoding, newline="\r\n") as file:
+            file.write(text)
+        return path
+
+    arena = procedural_arena(0)
+    write_arena(arena, tmp_path / "arena.toml")
+    assert read_arena(rewritten(tmp_path / "arena.toml")) == arena
+    set_up = set_up_of(DEFAULT_DECISIONS)
+    (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
+    before = load(tmp_path / "lab.toml", set_up, 0.1)
+    assert load(rewritten(tmp_path / "lab.toml"), set_up, 0.1) == before
+    with ExperienceWriter(tmp_path / "g1.csv", "corridor", overwrite=True) as writer:
+        writer.append(VECTOR, Behaviour.SEARCH_FOR_FOOD)
+    experience = Experience.load(tmp_path / "g1.csv")
+    assert list(Experience.load(rewritten(tmp_path / "g1.csv")).vectors) == list(experience.vectors)
+    write_rows(tmp_path / "rows.csv", Row, [Row(1), Row(2)])
+    assert read_rows(rewritten(tmp_path / "rows.csv"), Row) == [Row(1), Row(2)]
+
+
+@pytest.mark.parametrize("target", ["film.gif", "new.gif"])
+def test_file_is_written_through_a_link_and_keeps_its_mode(target: str, tmp_path: Path) -> None:
+    (tmp_path / "films").mkdir()
+    film, link = tmp_path / "films" / target, tmp_path / "link.gif"
+    link.symlink_to(film)
+    if target == "film.gif":
+        film.touch(0o600)
+    with replacing(link) as partial:
+        partial.write_bytes(b"GIF")
+    assert link.is_symlink()
+    assert film.read_bytes() == b"GIF"
+    assert target == "new.gif" or film.stat().st_mode & 0o777 == 0o600
+    assert [path.name for path in (tmp_path / "films").iterdir()] == [target]

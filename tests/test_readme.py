@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,12 +20,16 @@ def test_readme_has_one_picture_and_one_results_table() -> None:
 
 
 def test_example_of_readme_delivers_the_food(capsys: pytest.CaptureFixture[str]) -> None:
-    (block,) = BLOCKS
-    assert len(block.splitlines()) <= 18
-    names: dict[str, Any] = {}
-    exec(compile(block, "README.md", "exec"), names)
-    assert names["terminated"]
-    assert "food 1" in capsys.readouterr().out
+    example = BLOCKS[0]
+    assert len(example.splitlines()) <= 10
+    exec(compile(example, "README.md", "exec"), {})
+    assert re.fullmatch(r"score \d+\.\d % in \d+ steps, food 1 of 1\n", capsys.readouterr().out)
+
+
+def test_readme_begins_with_picture_installation_use_and_two_commands() -> None:
+    parts = ("![", "pip install 'khepera-forage[all]'", "```python", "make reproduce", "## Results")
+    places = [README.index(part) for part in parts]
+    assert places == sorted(places)
 
 
 def test_results_of_readme_are_those_of_the_reproduction_page() -> None:

@@ -25,7 +25,7 @@ from khepera_forage.estimates import Measure, pick
 from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, mark, panels
 from khepera_forage.policies import Policy
 from khepera_forage.policies.adapters import ClassifierPolicy
-from khepera_forage.policies.attribute_weights import WeightedImitator
+from khepera_forage.policies.brute_force import WeightedImitator
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.thesis.claims.claim import Above, Claim, Within, points

@@ -23,7 +23,7 @@ from khepera_forage.envs.arguments import FoodOdds
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import MIN_REPLICATIONS, Estimate, combined, percent, pick, replications
 from khepera_forage.figures import legend, panels
-from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.thesis.claims.claim import Above, AtMost, Claim, percent_change, points
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from lab_comparison.observed_training import Vector
 
-from khepera_forage.cli.training_plan import ATTEMPTS
+from khepera_forage.cli.train import ATTEMPTS
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import TrainingRow

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from khepera_forage.cli.training_plan import ATTEMPTS
+from khepera_forage.cli.train import ATTEMPTS
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from laboratory_faults.files_on_disk import Snapshot, snapshot

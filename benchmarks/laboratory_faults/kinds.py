@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.cli.training_plan import ATTEMPTS
+from khepera_forage.cli.train import ATTEMPTS
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.virtual.faults import Faults
 from laboratory_faults import virtual_disk

@@ -1,4 +1,9 @@
-"""Parts of pages that are generated from the package. A page has a comment such as `<!-- generated: noise -->`."""
+"""Parts of pages that are generated from the package.
+
+A part stands in its page between `<!-- generated: noise -->` and `<!-- end -->`, so that pages can be read without a
+build; `PYTHONPATH=docs python -m site_extension.generated_parts` brings all of them up to date. The help of all
+commands is only on the site, in place of `<!-- on the site: commands -->`.
+"""
 
 import argparse
 import ast
@@ -12,25 +17,27 @@ from typing import TYPE_CHECKING
 from khepera_forage import noise
 from khepera_forage.cli.main import SUBCOMMANDS
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
+from site_extension.repository import DOCS
 
 if TYPE_CHECKING:  # the tests run without Sphinx
     from sphinx.application import Sphinx
 
-_MARK = re.compile(r"<!-- generated: (\w+) ?(\S*) -->")
+_PART = re.compile(r"(<!-- generated: (\w+) ?(\S*) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
+_COMMANDS = "<!-- on the site: commands -->"
 
 
 def setup(app: "Sphinx") -> None:
-    """Fill in the parts when a page is read."""
-    app.connect("source-read", _fill_in)
+    """Add the help of the commands when their page is read."""
+    app.connect("source-read", _add_commands)
 
 
 def filled_in(text: str) -> str:
-    """A page with its generated parts.
+    """A page with its generated parts brought up to date.
 
     Raises:
         KeyError: A comment names no kind of part.
     """
-    return _MARK.sub(lambda mark: GENERATORS[mark[1]](mark[2]), text)
+    return _PART.sub(lambda part: f"{part[1]}\n{GENERATORS[part[2]](part[3])}\n\n{part[4]}", text)
 
 
 def docstring(name: str) -> str:
@@ -53,7 +60,7 @@ def noise_table(_: str) -> str:
     return "\n".join(lines)
 
 
-def commands(_: str) -> str:
+def commands() -> str:
     """A section for each subcommand, with its help and that of its own subcommands, as the shell shows it."""
     parts = []
     for command in SUBCOMMANDS:
@@ -88,9 +95,13 @@ def _attribute_docstrings(source: str) -> dict[str, str]:
     return found
 
 
-def _fill_in(app: "Sphinx", page: str, content: list[str]) -> None:
-    content[0] = filled_in(content[0])
+def _add_commands(app: "Sphinx", page: str, content: list[str]) -> None:
+    content[0] = content[0].replace(_COMMANDS, commands())
 
 
-GENERATORS = {"docstring": docstring, "noise": noise_table, "commands": commands}
+GENERATORS = {"docstring": docstring, "noise": noise_table}
 """What makes each kind of part, from the text that follows the kind."""
+
+if __name__ == "__main__":
+    for path in DOCS.rglob("*.md"):
+        path.write_text(filled_in(path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from khepera_forage.noise import SOURCES, Noise, checked_noise
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arena_file import read_arena
@@ -38,6 +39,35 @@ def add_episodes_argument(parser: argparse.ArgumentParser, default: int, help_te
     )
 
 
+def experience_files(paths: Sequence[Path]) -> list[Path]:
+    """Experience files, and in place of a folder its g1.csv, g2.csv, ... in the order of their numbers.
+
+    Raises:
+        ValueError: A folder has none.
+    """
+    files: list[Path] = []
+    for path in paths:
+        own = [file for file in path.glob("g*.csv") if file.stem[1:].isdecimal()] if path.is_dir() else [path]
+        if not own:
+            raise ValueError(f"{path} has no g1.csv; allowed: experience files, or a folder of them")
+        files += sorted(own, key=lambda file: int(file.stem[1:])) if path.is_dir() else own
+    return files
+
+
+def noise_of(text: str | None) -> Noise | None:
+    """The noise of `--noise`; None without it.
+
+    Raises:
+        ValueError: An unknown source.
+    """
+    if text in (None, "laboratory", "none"):
+        return None if text is None else checked_noise(text)
+    try:
+        return Noise.only(*(source.strip() for source in text.split(",")))
+    except ValueError as error:
+        raise ValueError(f"--noise: {error}, laboratory or none") from None
+
+
 def add_arena_argument(parser: argparse.ArgumentParser) -> None:
     """Add `--arena`: a name or a file. None stands for the corridor, so that a choice can be told."""
     parser.add_argument(
@@ -60,6 +90,15 @@ def arena_of(arguments: argparse.Namespace) -> str | Arena:
     if not arena.endswith(ARENA_FILES):
         raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}, or a file *{ARENA_FILES}")
     return read_arena(arena)
+
+
+def add_noise_argument(parser: argparse.ArgumentParser) -> None:
+    """Add `--noise`. None stands for the laboratory's, so that a choice can be told."""
+    parser.add_argument(
+        "--noise",
+        metavar="SOURCES",
+        help=f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)",
+    )
 
 
 def add_food_type_argument(parser: argparse.ArgumentParser) -> None:

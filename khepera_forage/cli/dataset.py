@@ -19,16 +19,18 @@ from khepera_forage.cli.arguments import (
     add_seed_argument,
     arena_of,
     decisions_of,
+    experience_files,
     refuse_ignored,
 )
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.paired_arenas_v1 import raw_env
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
-from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode
+from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
@@ -38,6 +40,8 @@ FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
 EPISODES = 10
 SIMULATED = """Teacher and learner were simulated in copies of the arena {arena}, with pymunk and the noise of the
 thesis's laboratory. The teacher of section 4.4 foraged for {food}, and the learner listened."""
+ALONE = """The teacher of section 4.4 was simulated alone in the arena {arena}, with pymunk and the noise of the
+thesis's laboratory. It foraged for {food}, from random places."""
 READ = "The experience was read from {files}."
 
 
@@ -54,12 +58,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         type=given_path,
         metavar="FILE",
-        help="files of 'khepera-forage train' or of real robots, one episode each, instead of new episodes",
+        help="files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of new "
+        "episodes",
     )
     parser.add_argument(
         "--wheels",
         action="store_true",
         help="raw data and motors of every round, in place of state vectors and behaviours",
+    )
+    parser.add_argument(
+        "--alone",
+        action="store_true",
+        help="the teacher forages alone, from random places, in place of training episodes",
     )
     parser.add_argument(
         "--protocol",
@@ -92,14 +102,18 @@ def run(arguments: argparse.Namespace) -> int:
     decisions, arena = decisions_of(arguments), arena_of(arguments)
     recorded: dict[str, Any] = {}
     if arguments.experience:
-        refuse_ignored(arguments, ["--episodes", "--food-type", "--wheels"], "without --experience")
-        parts = [Experience.load(path) for path in arguments.experience]
+        refuse_ignored(
+            arguments, ["--episodes", "--food-type", "--wheels", "--alone"], "without --experience"
+        )
+        files = experience_files(arguments.experience)
+        parts = [Experience.load(path) for path in files]
         name = _free_name(arguments, {part.arena for part in parts})
-        seed, procedure = None, READ.format(files=", ".join(path.name for path in arguments.experience))
+        seed, procedure = None, READ.format(files=", ".join(path.name for path in files))
     else:
         name = _free_name(arguments, {_name_of(arena)})
         seed = arguments.seed
-        procedure = SIMULATED.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
+        text = ALONE if arguments.alone else SIMULATED
+        procedure = text.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
         parts, raw = zip(*_recorded(arguments, arena, decisions), strict=True)
         if arguments.wheels:
             recorded["episodes"] = raw
@@ -107,7 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
             recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
     origin = Origin(
         _command(arguments, name), procedure, arguments.licence, arguments.author, seed, arguments.wheels
-    )
+    )._replace(alone=arguments.alone)
     _write(arguments, name, parts, origin, arena if arguments.arena or seed is not None else None, recorded)
     return 0
 
@@ -161,7 +175,7 @@ def _protocol(arguments: argparse.Namespace) -> int:
     """Write the datasets of the protocol."""
     refuse_ignored(
         arguments,
-        ["--name", "--experience", "--wheels", "--arena", "--food-type"],
+        ["--name", "--experience", "--wheels", "--alone", "--arena", "--food-type"],
         "without --protocol, whose datasets have names and arenas of their own",
     )
     if arguments.decision:
@@ -206,7 +220,8 @@ def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
     name: str = arguments.name
     if not name:
         arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
-        name = f"khepera_forage/{arena}{'-wheels' if arguments.wheels else ''}-v1"
+        kind = "-alone" * arguments.alone + "-wheels" * arguments.wheels
+        name = f"khepera_forage/{arena}{kind}-v1"
     if (arguments.out / name).exists():
         raise ValueError(f"--name is {name!r}; allowed: a name that is not in {arguments.out} yet")
     return name
@@ -227,6 +242,13 @@ def _recorded(
     arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions
 ) -> list[tuple[Experience, RawEpisode]]:
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
+    if arguments.alone:
+        settings = settings_of(arena) | {"decisions": decisions}
+        if arguments.food_type:
+            settings["food_types"] = arguments.food_type
+        with closing(WheelsEnv(**settings)) as alone:
+            numbers = [int(seed.generate_state(1)[0]) for seed in seeds]
+            return [teacher_alone(alone, number) for number in progress(numbers, unit="episode")]
     with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
         recorder, found = LearnerRecorder(env), []
         for seed in progress(seeds, unit="episode"):
@@ -246,5 +268,9 @@ def _command(arguments: argparse.Namespace, name: str) -> str:
         words.append(f"--arena {arguments.arena}")
     if arguments.food_type:
         words.append(f"--food-type {arguments.food_type}")
-    words += ["--wheels"] * arguments.wheels + [f"--decision {word}" for word in arguments.decision]
+    words += (
+        ["--wheels"] * arguments.wheels
+        + ["--alone"] * arguments.alone
+        + [f"--decision {word}" for word in arguments.decision]
+    )
     return " ".join(words)

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from khepera_forage.cli.arguments import VIRTUAL_LAB, arena_of, decisions_of
+from khepera_forage.cli.arguments import VIRTUAL_LAB, arena_of, decisions_of, noise_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.training import TrainingEnv
@@ -46,15 +46,17 @@ def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
     """A recall environment. In a laboratory, print its robot and its camera.
 
     Args:
-        arguments: With `lab`, `arena`, `food_type` and `decision`.
+        arguments: With `lab`, `arena`, `food_type`, `foods`, `noise` and `decision`.
         **kwargs: Further arguments of the environment.
     """
     decisions, arena = decisions_of(arguments), arena_of(arguments)
     kwargs = {"decisions": decisions, **kwargs}
     if arguments.food_type is not None:
         kwargs["food_types"] = arguments.food_type
+    if arguments.foods is not None:
+        kwargs["foods"] = arguments.foods
     if arguments.lab is None:
-        return recall_rollouts.recall_env(arena, **kwargs)
+        return recall_rollouts.recall_env(arena, noise_of(arguments.noise), **kwargs)
     world = _laboratory(arguments.lab, arena, 1, decisions)
     try:
         return recall_rollouts.recall_env(_known(world.arenas[0]), world=world, **kwargs)

@@ -6,8 +6,18 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import compare, dataset, decisions, infer, recall, reproduce, train, watch
-from khepera_forage.cli.arena import command as arena
+from khepera_forage.cli import (
+    arena,
+    compare,
+    dataset,
+    decisions,
+    infer,
+    plot,
+    recall,
+    reproduce,
+    train,
+    watch,
+)
 from khepera_forage.cli.camera import command as camera
 from khepera_forage.cli.lab import command as lab
 from khepera_forage.cli.robot import command as robot
@@ -34,6 +44,12 @@ SUBCOMMANDS = (
         "recall", "let a trained learner, or the teacher, forage alone", recall.add_arguments, recall.run
     ),
     Subcommand("arena", "list, draw and write arenas", arena.add_arguments),
+    Subcommand(
+        "plot",
+        "draw recalls, trainings or comparisons from their files",
+        plot.add_arguments,
+        plot.run,
+    ),
     Subcommand("compare", "compare all learners, and yours with them", compare.add_arguments, compare.run),
     Subcommand(
         "watch",

@@ -3,6 +3,7 @@
 import argparse
 import warnings
 from contextlib import closing
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,19 +14,24 @@ from khepera_forage.cli.arguments import (
     add_episodes_argument,
     add_food_type_argument,
     add_lab_argument,
+    add_noise_argument,
     add_out_argument,
     add_seed_argument,
+    experience_files,
     is_real,
     refuse_ignored,
 )
 from khepera_forage.cli.environments import print_late_rounds, recall_env
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.option_values import given_path, progress
+from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
+
+if TYPE_CHECKING:
+    from khepera_forage.policies.learners import FromVectors
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,10 +48,20 @@ def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
         type=given_path,
         nargs="+",
         metavar="FILE",
-        help="experience files of the imitator (without any, the teacher forages)",
+        help="experience files of the learner, or a folder of them (without any, the teacher forages)",
+    )
+    parser.add_argument(
+        "--learner",
+        metavar="NAME|PLACE",
+        help="what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
+        "package.module:name of what makes a classifier (imitator)",
     )
     add_arena_argument(parser)
+    parser.add_argument(
+        "--foods", type=whole_number(1), metavar="N", help="food objects (those of the arena)"
+    )
     add_food_type_argument(parser)
+    add_noise_argument(parser)
     add_seed_argument(parser, "the same seed gives the same episodes")
     parser.add_argument(
         "--recover",
@@ -64,9 +80,12 @@ def check_policy_arguments(arguments: argparse.Namespace) -> None:
         ValueError: An option that was given is ignored.
     """
     if is_real(arguments.lab):
-        refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
+        refuse_ignored(arguments, ["--arena", "--foods"], "without --lab; the file names the arena")
+    if arguments.lab is not None:
+        refuse_ignored(arguments, ["--noise"], "without --lab")
     if not arguments.experience:
-        refuse_ignored(arguments, ["--allow-other-decisions", "--recover"], "with --experience")
+        ignored = ["--learner", "--allow-other-decisions", "--recover"]
+        refuse_ignored(arguments, ignored, "with --experience")
 
 
 def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
@@ -79,11 +98,14 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
     if not arguments.experience:
         return Teacher.of(env), TEACHER, 0
     from khepera_forage.policies import NearestNeighbourImitator
+    from khepera_forage.policies.learner_registry import own_errors
 
+    name = arguments.learner or IMITATOR
+    learner = _learner(name)
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(
-            *arguments.experience,
+            *experience_files(arguments.experience),
             decisions=env.decisions,
             allow_other_decisions=arguments.allow_other_decisions,
             recover=arguments.recover,
@@ -92,8 +114,38 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
         if issubclass(warning.category, ExperienceWarning):
             print(warning.message)
     vectors, behaviours = experience.arrays()
-    imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
-    return imitator.fit(vectors, behaviours), IMITATOR, len(behaviours)
+    if name == IMITATOR:
+        imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
+        return imitator.fit(vectors, behaviours), name, len(behaviours)
+    with own_errors(f"--learner {name}"):
+        policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
+    return policy, name, len(behaviours)
+
+
+def _learner(name: str) -> "FromVectors":
+    """The learner of `--learner`.
+
+    Raises:
+        ValueError: There is none, or it does not learn from experience vectors.
+    """
+    from khepera_forage.policies.learner_registry import installed_learners, learner_at
+    from khepera_forage.policies.learners import LEARNERS, FromVectors
+
+    known = {**LEARNERS, **installed_learners().learners}
+    usable = {key: value for key, value in known.items() if isinstance(value, FromVectors)}
+    if name in usable:
+        return usable[name]
+    if ":" not in name:
+        raise ValueError(f"--learner is {name!r}; allowed: {', '.join(usable)}, or package.module:name")
+    try:
+        _, learner = learner_at(name)
+    except ValueError as error:
+        raise ValueError(f"--{error}") from None
+    if not isinstance(learner, FromVectors):
+        raise ValueError(
+            f"--learner is {name!r}, which learns from {learner.needs.value}; allowed: from vectors"
+        )
+    return learner
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -128,7 +180,13 @@ def _recall(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow
         for number, seed in enumerate(progress(seeds, hidden, unit="recall")):
             try:
                 row = recall_rollouts.recall(
-                    env, policy, seed, learner=learner, number=number, experience_size=size
+                    env,
+                    policy,
+                    seed,
+                    learner=learner,
+                    noise=arguments.noise or "laboratory",
+                    number=number,
+                    experience_size=size,
                 )
             except recall_rollouts.RecallInterruptedError as error:
                 print(f"{number + 1:7d} interrupted {error}")

@@ -13,11 +13,13 @@ from khepera_forage.cli.arguments import (
     add_num_learners_argument,
     decisions_of,
     is_real,
+    noise_of,
     refuse_ignored,
 )
 from khepera_forage.cli.environments import recall_env, training_env
 from khepera_forage.cli.recall import add_policy_arguments, check_policy_arguments, policy_of
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts import recall as recall_rollouts
@@ -25,6 +27,8 @@ from khepera_forage.rollouts import training
 
 EVERY = 2
 """Rounds a frame of a film, without `--every`."""
+TRIES = 20
+"""Attempts at a training among which the first complete one is filmed."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,12 +76,14 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.phase == "training":
         refuse_ignored(
             arguments,
-            ["--experience", "--allow-other-decisions", "--recover"],
+            ["--experience", "--learner", "--foods", "--allow-other-decisions", "--recover"],
             "with `watch recall`",
         )
         if is_real(arguments.lab):
             refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
             refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
+        if arguments.lab is not None:
+            refuse_ignored(arguments, ["--noise"], "without --lab")
     else:
         refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         check_policy_arguments(arguments)
@@ -99,15 +105,32 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _run_training(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) -> None:
-    with closing(training_env(arguments, render_mode=_render_mode(arguments))) as env:
-        result = training.attempt(
-            env,
-            arguments.seed,
-            record=lambda vector, behaviour: None,
-            callback=_frame_recorder(env, frames, arguments),
-        )
+    settings: dict[str, Any] = {"render_mode": _render_mode(arguments)}
+    if arguments.lab is None:
+        settings["noise"] = noise_of(arguments.noise)
+    with closing(training_env(arguments, **settings)) as env:
+        seed = arguments.seed
+        if arguments.out is not None and arguments.lab is None:
+            seed = _complete_attempt(env, seed)
+        result = training.attempt(env, seed, _ignore, callback=_frame_recorder(env, frames, arguments))
     outcome = "complete" if result.complete else result.lost or result.reason
     print(f"{outcome} after {result.rounds} rounds")
+
+
+def _complete_attempt(env: TrainingEnv, seed: int) -> int:
+    """The seed of the first attempt that is complete, the given one or one derived from it; else the given one."""
+    others = np.random.SeedSequence(seed).generate_state(TRIES - 1).tolist()
+    for number, each in enumerate((seed, *others), 1):
+        result = training.attempt(env, each, _ignore)
+        if result.complete:
+            return int(each)
+        print(f"attempt {number}: {result.reason} after {result.rounds} rounds, not filmed", flush=True)
+    print(f"none of {TRIES} attempts is complete, so the film shows the first", flush=True)
+    return seed
+
+
+def _ignore(vector: object, behaviour: object) -> None:
+    """A recording of which nothing is kept."""
 
 
 def _run_recall(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) -> None:
@@ -118,6 +141,7 @@ def _run_recall(arguments: argparse.Namespace, frames: list[NDArray[np.uint8]]) 
             policy,
             arguments.seed,
             learner=learner,
+            noise=arguments.noise or "laboratory",
             experience_size=size,
             callback=_frame_recorder(env, frames, arguments),
         )

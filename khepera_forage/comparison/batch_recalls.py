@@ -13,7 +13,7 @@ from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, RecallV
 from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.imitator import NearestNeighbourImitator
 from khepera_forage.policies.learners import FromVectors
-from khepera_forage.policies.nearest_neighbour.memories import Memories, memories_of
+from khepera_forage.policies.memories import Memories, memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Recalls
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.task.states import NUM_BEHAVIOURS, FoodType, StateVector

@@ -22,7 +22,7 @@ from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
-from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.reinforcement import reinforce

@@ -29,6 +29,7 @@ import numpy as np
 
 from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch
 from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
+from khepera_forage.files import utf8
 from khepera_forage.policies.learners import Needs
 
 FORMAT = "khepera_forage comparison 1"
@@ -209,7 +210,7 @@ def read_results(source: str) -> Results:
     path = _PUBLISHED_FILE if source == PUBLISHED else Path(source)
     origin = path.stem if source == PUBLISHED or path.stem != "results" else path.resolve().parent.name
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(utf8(path.read_bytes()))
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
         learners = {

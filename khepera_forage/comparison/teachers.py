@@ -17,7 +17,7 @@ from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.policies.imitator import NearestNeighbourImitator
 from khepera_forage.policies.learners import FromVectors
-from khepera_forage.policies.nearest_neighbour.memories import memories_of
+from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES

@@ -22,6 +22,7 @@ from khepera_forage.experience.text_format import (
     header_decisions,
     quoted,
 )
+from khepera_forage.files import utf8
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
@@ -51,7 +52,7 @@ def read(path: str | PathLike[str], recover: bool) -> Contents:
         ExperienceError: The file is not an experience file, is incomplete, or is damaged.
         OSError: The file cannot be read.
     """
-    *complete, rest = Path(path).read_bytes().split(b"\n")
+    *complete, rest = utf8(Path(path).read_bytes()).split(b"\n")
     if not (complete or rest):
         raise _error(path, 1, "not an experience file, it is empty")
     _check_first_line(path, complete[0] if complete else rest)

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from typing import Protocol
 
+from khepera_forage.lab.cubes import MatCamera
 from khepera_forage.lab.fresh_frames import FreshFrames
-from khepera_forage.lab.mat_camera import MatCamera
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.fleet import Fleet
@@ -14,7 +14,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.video import FrameSource, VideoSource
+from khepera_forage.vision.video import FrameSource, VideoSettings, VideoSource
 
 OpenSource = FrameSource | Callable[[], FrameSource] | None
 """A source of frames, a function that opens one, or None for the camera of the settings."""
@@ -45,15 +45,21 @@ def open_robots(settings: LabSettings) -> Fleet:
     return Fleet(robots)
 
 
-def open_source(settings: LabSettings, source: OpenSource) -> FrameSource:
+def open_source(
+    settings: LabSettings, source: OpenSource, calibration: Calibration | None = None
+) -> FrameSource:
     """The source of the frames: that of the settings, a given one, or what a given function opens.
 
     Raises:
         OSError: The camera cannot be opened.
-        ValueError: Its frames are not 4 : 3.
+        ValueError: Its frames have another aspect ratio than the calibration.
     """
     if source is None:
-        return VideoSource(settings.camera.source)
+        camera = settings.camera
+        size = camera.size or (None if calibration is None else calibration.size)
+        return VideoSource(
+            camera.source, settings=VideoSettings(size, camera.rate, camera.exposure, camera.focus)
+        )
     return source() if callable(source) else source
 
 
@@ -170,7 +176,7 @@ class Devices:
     def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
         tracker = Tracker(settings.tracker, self._calibration)
         frames = FreshFrames(
-            open_source(settings, self._source),
+            open_source(settings, self._source, self._calibration),
             tracker,
             str(settings.camera.source),
             settings.camera.oldest,

@@ -9,10 +9,9 @@ from typing import Self
 import numpy as np
 
 from khepera_forage.lab.clock import Clock, WallClock
-from khepera_forage.lab.cube_operator import CubeOperator
+from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.devices import Devices, LabCamera, OpenSource
-from khepera_forage.lab.food_locator import FoodLocator
-from khepera_forage.lab.localisation import find_marker, pose_of
+from khepera_forage.lab.localisation import FoodLocator, find_marker, pose_of
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings

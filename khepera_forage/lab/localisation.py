@@ -1,8 +1,12 @@
-"""Positions in millimetres of the regions that the camera reports."""
+"""Where robots and food are, in mm: as the camera reports them, or in the gripper that holds food."""
 
 import math
+from collections.abc import Sequence
 
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_LENGTH, FOOD_RADIUS, JAW_ROOT, RADIUS
+from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.world import FoodPlace
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
 _MARGIN = 20.0
@@ -30,3 +34,101 @@ def is_in(arena: Arena, region: Region) -> bool:
 def find_marker(scene: Scene, arena: Arena, holes: int) -> Region | None:
     """The first region in an arena with a number of holes; None if there is none."""
     return next((r for r in scene.regions if r.holes == holes and is_in(arena, r)), None)
+
+
+_GRIP_CENTRE = JAW_ROOT + FINGER_LENGTH / 2
+"""mm from the robot's centre forward to the middle of the fingers."""
+
+_CONTACT = RADIUS + FOOD_RADIUS
+"""mm from the centre of a robot without a gripper to that of food that it pushes."""
+
+
+class FoodLocator:
+    """The food objects of a laboratory, in the order of its layout.
+
+    A region without holes stays assigned to one object; a new region is assigned to the nearest object without a
+    region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its gripper. A robot
+    without a gripper pushes food that its marker hides: while it touches it, the food moves along.
+
+    Args:
+        places: Initial position of each object.
+        arenas: Regions outside them are not food.
+    """
+
+    def __init__(self, places: Sequence[Point], arenas: Sequence[Arena]) -> None:
+        self._foods = [FoodPlace(x, y, False) for x, y in places]
+        self._arenas = arenas
+        self._object_of_region: dict[int, int] = {}
+        self._held: dict[int, int] = {}
+
+    def places(self) -> tuple[FoodPlace, ...]:
+        """Position of each object."""
+        return tuple(self._foods)
+
+    def held_by(self, robot: int) -> int | None:
+        """Number of the object in a robot's gripper."""
+        return self._held.get(robot)
+
+    def ahead_of(self, pose: Pose, reach: float) -> int | None:
+        """Number of the object that lies before a robot without a gripper, at most `reach` mm from its centre."""
+        cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
+        for k, food in enumerate(self._foods):
+            dx, dy = food.x - pose.x, food.y - pose.y
+            if 0 < dx * cosine + dy * sine <= reach and abs(dy * cosine - dx * sine) <= FOOD_RADIUS:
+                return k
+        return None
+
+    def update(self, scene: Scene, robots: Sequence[tuple[Pose, RealRobot]]) -> None:
+        """Update the positions after a round.
+
+        Args:
+            scene: Regions reported by the camera.
+            robots: The robots, and where each is.
+        """
+        for number, (pose, robot) in enumerate(robots):
+            if robot.model.has_gripper:
+                self._update_held(number, pose, robot)
+        food = [r for r in scene.regions if not r.holes and any(is_in(a, r) for a in self._arenas)]
+        labels = {region.label for region in food}
+        self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}
+        seen = set()
+        for region in food:
+            if not region.found:
+                continue
+            place = position_of(region)
+            if region.label not in self._object_of_region:
+                nearest = self._nearest_free(place, set(self._object_of_region.values()))
+                if nearest is None:
+                    continue
+                self._object_of_region[region.label] = nearest
+            k = self._object_of_region[region.label]
+            seen.add(k)
+            if k not in self._held.values():
+                self._foods[k] = FoodPlace(*place, False)
+        for pose, robot in robots:
+            k_ahead = self.ahead_of(pose, robot.model.reach)
+            if not robot.model.has_gripper and robot.touches and k_ahead is not None and k_ahead not in seen:
+                x, y = (pose[i] + _CONTACT * f(pose.heading) for i, f in enumerate((math.cos, math.sin)))
+                self._foods[k_ahead] = FoodPlace(x, y, False)
+
+    def _update_held(self, number: int, pose: Pose, robot: RealRobot) -> None:
+        """Move held food with its robot; released food stays at its last position."""
+        senses = robot.sense()
+        if not senses.object_presence or not self._foods:
+            released = self._held.pop(number, None)
+            if released is not None:
+                self._foods[released] = self._foods[released]._replace(lifted=False)
+            return
+        x = pose.x + _GRIP_CENTRE * math.cos(pose.heading)
+        y = pose.y + _GRIP_CENTRE * math.sin(pose.heading)
+        if number not in self._held:
+            nearest = self._nearest_free(Point(x, y), set(self._held.values()))
+            if nearest is None:
+                return
+            self._held[number] = nearest
+        self._foods[self._held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
+
+    def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
+        """Number of the object nearest to a place, without those taken."""
+        free = [k for k in range(len(self._foods)) if k not in taken]
+        return min(free, key=lambda k: math.dist(place, self._foods[k][:2]), default=None)

@@ -22,7 +22,7 @@ class RobotSettings:
         name: Name of the robot in requests to the operator.
         type: Kind of robot, a name in `MODELS`.
         baud: Of a serial line; None for the usual one of the robot.
-        holes: Number of holes of its marker, 1 or 2.
+        holes: Number of its marker: how many holes it has, 1 or 2; of other kinds of markers the number or id.
         offset: From the arena in the file to this robot's copy of it, in mm.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
         watchdog: Whether a process stops the robot if this one is killed or frozen.
@@ -52,11 +52,19 @@ class CameraSettings:
         calibration: A file written by `khepera-forage camera calibrate`; None for frames without distortion.
         oldest: Seconds after which the camera counts as lost: the age of the newest frame, or the wait for one that
             shows the scene of the present round.
+        size: Width and height of the frames; None for those of the calibration, or 640 x 480.
+        rate: Frames a second; None leaves the camera's own, as for exposure and focus.
+        exposure: In the driver's unit.
+        focus: In the driver's unit.
     """
 
     source: int | str = 0
     calibration: Path | None = None
     oldest: float = 0.5
+    size: tuple[int, int] | None = None
+    rate: float | None = None
+    exposure: float | None = None
+    focus: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

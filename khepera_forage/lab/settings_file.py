@@ -3,6 +3,7 @@
 `sample.toml` explains every key; `python -m khepera_forage.lab.settings_file` prints it.
 """
 
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from importlib import resources
 from pathlib import Path
@@ -13,7 +14,7 @@ from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.toio.mat import SIMPLE_MAT
+from khepera_forage.robots.toio.driver import SIMPLE_MAT
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, arena_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -32,7 +33,7 @@ from khepera_forage.toml_table import (
     text_of,
     true_or_false,
 )
-from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
 
 
 class LabFileError(ValueError):
@@ -84,7 +85,9 @@ def sample() -> str:
 def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: float) -> LabSettings:
     table.check_keys(_names(LabSettings))
     arena = _arena(table.table("arena"), set_up)
-    robots = tuple(_robot(entry, i) for i, entry in enumerate(table.tables("robots")))
+    tracker = _tracker(table.table("tracker"))
+    allowed = MARKER_NUMBERS[tracker.markers]
+    robots = tuple(_robot(entry, i, allowed) for i, entry in enumerate(table.tables("robots")))
     if not robots:
         raise TableError("robots is empty; allowed: at least one table [[robots]]")
     food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text, 0), tuple[str, ...]())
@@ -92,7 +95,11 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
         camera = CameraSettings()
     else:
         camera = _camera(table.table("camera"), folder)
-    tracker = _tracker(table.table("tracker"))
+    if tracker.markers != "holes":
+        try:
+            tracker = replace(tracker, numbers=tuple(sorted({robot.holes for robot in robots})))
+        except ValueError as error:  # a robot and food have the same tag
+            raise TableError(str(error)) from None
     tolerance_table = table.table("tolerance")
     tolerance_table.check_keys(_names(Tolerance))
     defaults = Tolerance()
@@ -108,7 +115,7 @@ def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: flo
     return settings
 
 
-def _robot(table: Table, index: int) -> RobotSettings:
+def _robot(table: Table, index: int, markers: Sequence[int]) -> RobotSettings:
     name = "teacher" if index == 0 else f"learner_{index - 1}"
     table.check_keys(_names(RobotSettings))
     kind = table.take("type", _kind, KHEPERA.name)
@@ -124,7 +131,7 @@ def _robot(table: Table, index: int) -> RobotSettings:
         baud=None
         if driver is None
         else table.take("baud", one_of(driver.protocol.baud_rates), driver.default_baud),
-        holes=table.take("holes", one_of((1, 2)), 1 if index == 0 else 2),
+        holes=table.take("holes", one_of(markers), 1 if index == 0 else 2),
         timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
         watchdog=table.take("watchdog", true_or_false, True),
         offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
@@ -148,32 +155,51 @@ def _camera(table: Table, folder: Path) -> CameraSettings:
             f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
         )
 
+    def size(key: str, value: Any) -> tuple[int, int]:
+        if (
+            isinstance(value, list)
+            and len(value) == 2
+            and all(type(n) is int and 16 <= n <= 16384 for n in value)
+        ):
+            return value[0], value[1]
+        raise TableError(f"{key} is {quoted(value)}; allowed: [width, height] in pixels")
+
     table.check_keys(_names(CameraSettings))
     calibration = table.take("calibration", text, "")
     return CameraSettings(
         source=table.take("source", source),
         calibration=folder / calibration if calibration else None,
         oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
+        size=table.take("size", size, None),
+        rate=table.take("rate", number(0.1, 1000.0, "frames a second"), None),
+        exposure=table.take("exposure", number(-1e6, 1e6, "the driver's unit"), None),
+        focus=table.take("focus", number(-1e6, 1e6, "the driver's unit"), None),
     )
 
 
 def _tracker(table: Table) -> TrackerSettings:
-    """Any field of `TrackerSettings`, as a key of the same name."""
-
-    def value(key: str, found: Any) -> Any:
-        if isinstance(found, bool) != isinstance(getattr(defaults, key.rpartition(".")[2]), bool):
-            raise TableError(f"{key} is {quoted(found)}; allowed: a number, or for featureless true or false")
-        if not isinstance(found, bool | int | float):
-            raise TableError(f"{key} is {quoted(found)}; allowed: a number")
-        return found
-
-    names, defaults = _names(TrackerSettings), TrackerSettings()
+    """Any field of `TrackerSettings` but the numbers in use, as a key of the same name."""
+    names, defaults = set(_names(TrackerSettings)) - {"numbers"}, TrackerSettings()
     table.check_keys(names)
-    settings = {name: table.take(name, value, getattr(defaults, name)) for name in names}
+    readers: dict[type, Any] = {
+        bool: true_or_false,
+        str: text,
+        tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0),
+    }
+    settings = {}
+    for name in names:
+        default = getattr(defaults, name)
+        settings[name] = table.take(name, readers.get(type(default), _any_number), default)
     try:
-        return replace(defaults, **settings)
+        return replace(defaults, numbers=(1, 2), **settings)
     except ValueError as error:
         raise TableError(str(error)) from None
+
+
+def _any_number(key: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TableError(f"{key} is {quoted(value)}; allowed: a number")
+    return value
 
 
 def _arena(table: Table, set_up: SetUp) -> Arena:

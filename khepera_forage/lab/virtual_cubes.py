@@ -1,12 +1,11 @@
 """A laboratory of toio cubes without hardware: the real driver and toio-py, connected to virtual cubes."""
 
 from khepera_forage.lab.clock import SimulatedClock
-from khepera_forage.lab.cube_operator import CubeOperator
+from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import VIRTUAL
-from khepera_forage.robots.toio.mat import SIMPLE_MAT
+from khepera_forage.robots.toio.driver import SIMPLE_MAT, VIRTUAL
 from khepera_forage.robots.toio.virtual import Table, use_table
 from khepera_forage.sim.arena import Arena
 

@@ -7,20 +7,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, as_policy
-from khepera_forage.policies.contiguous_labels import ContiguousLabels
-from khepera_forage.policies.listener import Listener
+from khepera_forage.policies.classifiers import ContiguousLabels
+from khepera_forage.policies.distance import distance
 from khepera_forage.policies.model_policy import ModelPolicy
-from khepera_forage.policies.nearest_neighbour.distance import distance
-from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
-from khepera_forage.policies.policy import Observation, Policy, state_vector_of
+from khepera_forage.policies.policy import Listener, Observation, Policy, UniformPolicy, state_vector_of
 from khepera_forage.policies.teacher import Teacher
-from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.policies.votes import Neighbours
 
 if TYPE_CHECKING:
-    from khepera_forage.policies.attribute_weights import WeightedImitator
+    from khepera_forage.policies.brute_force import KNearestImitator, WeightedImitator
     from khepera_forage.policies.growing_memory import GrowingMemory
     from khepera_forage.policies.imitator import NearestNeighbourImitator
-    from khepera_forage.policies.k_nearest import KNearestImitator
     from khepera_forage.policies.learner_registry import register_learner
 
 __all__ = [
@@ -46,9 +43,9 @@ __all__ = [
 
 LATER = {
     "GrowingMemory": "growing_memory",
-    "KNearestImitator": "k_nearest",
+    "KNearestImitator": "brute_force",
     "NearestNeighbourImitator": "imitator",
-    "WeightedImitator": "attribute_weights",
+    "WeightedImitator": "brute_force",
     "register_learner": "learner_registry",
 }
 """The module of each name that needs scikit-learn."""

@@ -8,9 +8,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.policies.distance import STATE_WIDTH
 from khepera_forage.policies.model_observations import training_of
 from khepera_forage.policies.model_policy import ModelPolicy
-from khepera_forage.policies.nearest_neighbour.distance import STATE_WIDTH
 from khepera_forage.policies.policy import Observation, Policy, state_vector_of
 from khepera_forage.task.states import Behaviour, StateVector, behaviour_number
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.nearest_neighbour.distance import ARM_SPAN, STATE_WIDTH
+from khepera_forage.policies.distance import ARM_SPAN, STATE_WIDTH
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.task.states import FoodType

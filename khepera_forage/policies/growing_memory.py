@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.policies.confidence_classifier import ConfidenceClassifier, checked_classes
-from khepera_forage.policies.nearest_neighbour.distance import (
+from khepera_forage.policies.brute_force import ConfidenceClassifier, checked_classes
+from khepera_forage.policies.distance import (
     STATE_WIDTH,
     attribute_distances,
     checked_diagonal,

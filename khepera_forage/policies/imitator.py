@@ -11,11 +11,11 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.policies.confidence_classifier import ConfidenceClassifier, checked_classes
-from khepera_forage.policies.nearest_neighbour.distance import checked_diagonal
-from khepera_forage.policies.nearest_neighbour.index import NearestNeighbourIndex
-from khepera_forage.policies.nearest_neighbour.neighbours import Neighbours
+from khepera_forage.policies.brute_force import ConfidenceClassifier, checked_classes
+from khepera_forage.policies.distance import checked_diagonal
+from khepera_forage.policies.index import NearestNeighbourIndex
 from khepera_forage.policies.policy import Observation, state_vector_of
+from khepera_forage.policies.votes import Neighbours
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour, StateVector
 
@@ -184,13 +184,12 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         rows, labels = validate_data(self, X, y, reset=forget)
         allowed = checked_classes(labels, classes)
         self._cache = None
-        if forget:
-            self.classes_ = allowed
-            self._index = NearestNeighbourIndex(rows.shape[1], len(allowed))
-        elif not np.isin(allowed, self.classes_).all():
-            known, self.classes_ = self.classes_, np.union1d(self.classes_, allowed)
-            self._index.relabel(np.searchsorted(self.classes_, known).tolist(), len(self.classes_))
-        self._index.add(rows, np.searchsorted(self.classes_, labels))
+        if not forget:
+            rows = np.concatenate((self._index.rows, rows))
+            labels = np.concatenate((self.classes_[self._index.labels], labels))
+            allowed = np.union1d(self.classes_, allowed)
+        self.classes_ = allowed
+        self._index = NearestNeighbourIndex(rows, np.searchsorted(allowed, labels), len(allowed))
         return self
 
     def _parameters(self) -> tuple[int, Fraction, float]:

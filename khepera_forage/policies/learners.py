@@ -12,14 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.policies.adapters import ClassifierPolicy, check_classifier
-from khepera_forage.policies.attribute_weights import WeightedImitator
-from khepera_forage.policies.boosting import boosting
-from khepera_forage.policies.cloning import cloning
+from khepera_forage.policies.brute_force import KNearestImitator, WeightedImitator
+from khepera_forage.policies.classifiers import boosting, cloning, tree
 from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import NearestNeighbourImitator
-from khepera_forage.policies.k_nearest import KNearestImitator
 from khepera_forage.policies.policy import Policy
-from khepera_forage.policies.tree import tree
 
 
 class Needs(Enum):

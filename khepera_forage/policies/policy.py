@@ -1,13 +1,14 @@
-"""The `Policy` contract, and the state vector of section 4.3 in an observation."""
+"""The `Policy` contract, the state vector of section 4.3 in an observation, and two policies without experience."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from operator import index
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.task.states import StateVector
+from khepera_forage.task.states import Behaviour, StateVector
 
 Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
 """An observation of a recall environment (a mapping) or of the training environment (seven integers)."""
@@ -80,3 +81,43 @@ def state_vector_of(observation: Observation) -> StateVector:
         return tuple.__new__(StateVector, numbers)
     except (TypeError, ValueError):
         raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None
+
+
+@dataclass(frozen=True, slots=True)
+class UniformPolicy:
+    """Draws one of the ten behaviours and ignores the observation."""
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """A random behaviour.
+
+        Args:
+            observation: Not used.
+            rng: Must be given: one number is drawn at every call.
+
+        Raises:
+            TypeError: `rng` is not a NumPy generator.
+        """
+        if not isinstance(rng, np.random.Generator):
+            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw behaviours from")
+        return Behaviour(int(rng.integers(Behaviour.WAIT)))
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Executes the behaviour it hears; silence makes it wait."""
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The behaviour heard.
+
+        Args:
+            observation: Of the training environment: seven integers.
+            rng: Not used.
+
+        Raises:
+            ValueError: Not an observation of the training environment.
+        """
+        if not is_training(observation):
+            raise ValueError(
+                f"observation is {observation!r}; allowed: seven integers of a training environment"
+            )
+        return Behaviour(int(observation[HEARD]))

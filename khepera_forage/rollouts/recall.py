@@ -14,8 +14,8 @@ from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Policy
-from khepera_forage.policies.nearest_neighbour.neighbours import HasNeighbours
 from khepera_forage.policies.teacher import completed
+from khepera_forage.policies.votes import HasNeighbours
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import decisions_text

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
 
-from khepera_forage.files import write_all
+from khepera_forage.files import utf8, write_all
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -87,7 +87,8 @@ def read_rows(path: Path, row_type: type[RowT]) -> list[RowT]:
         ValueError: The header is wrong, a value does not fit its column, or a row contradicts itself or repeats
             another. The message names file and line.
     """
-    return parse_rows(path.read_text(encoding="utf-8"), str(path), row_type)
+    text = utf8(path.read_bytes()).decode().replace("\r\n", "\n")
+    return parse_rows(text, str(path), row_type)
 
 
 def parse_rows(text: str, source: str, row_type: type[RowT]) -> list[RowT]:

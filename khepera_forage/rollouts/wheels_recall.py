@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple, Protocol
 
+import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,21 +60,34 @@ def recall_wheels_env(
     return unwrapped_env(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
 
 
+def wheels_env(env: gym.Env[Any, Any]) -> WheelsEnv:
+    """An environment of motors without its wrappers.
+
+    Raises:
+        TypeError: The environment is of another kind.
+    """
+    own = env.unwrapped
+    if not isinstance(own, WheelsEnv):
+        raise TypeError(f"env is {env}; allowed: CorridorWheels-v1, RectangleWheels-v1, or another WheelsEnv")
+    return own
+
+
 def recall_wheels(
-    env: WheelsEnv, policy: MotorPolicy, seed: int, *, callback: Callback | None = None
+    env: gym.Env[Any, Any], policy: MotorPolicy, seed: int, *, callback: Callback | None = None
 ) -> WheelsRecall:
     """Forage alone until all food is at home or the time limit is reached.
 
     Args:
-        env: From `recall_wheels_env`.
+        env: From `recall_wheels_env`, or another environment of motors as `gym.make` returns it, with its wrappers.
         policy: Chooses the motor commands.
         seed: Of the episode: places, noise, and random choices of the policy.
         callback: Called before every step and at the end.
 
     Raises:
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
+        TypeError: An environment of another kind.
     """
-    rng = np.random.default_rng((seed, 1))
+    own, rng = wheels_env(env), np.random.default_rng((seed, 1))
     observation, _ = env.reset(seed=seed)
     done = False
     while not done:
@@ -89,7 +103,7 @@ def recall_wheels(
         score=info["score"],
         steps=info["steps"],
         delivered=info["delivered"],
-        foods=env.foods,
+        foods=own.foods,
         poison_home=info["poison_home"],
         correct=info["correct"],
     )

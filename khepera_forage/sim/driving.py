@@ -1,6 +1,6 @@
 """How robots drive where nothing resists: the arm moves, the wheels slip, and the robot goes to the end of its round.
 
-`glide` moves a robot that touches nothing on its way. The others are moved by a backend: by `sim.pymunk.bodies`, or
+`glide` moves a robot that touches nothing on its way. The others are moved by a backend: by `sim.pymunk.world`, or
 by `sim.compiled.contact`. Plain functions, also compiled.
 """
 

@@ -20,6 +20,19 @@ What each commands. Speeds and readings are fields of `Decisions`:
 is still down (`beside_food`, `back_off_distance`, `arm_after_orienting`).
 A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
 keeps it off the walls (3.4).
+
+A robot without a gripper only pushes food. Its arm counts as lowered and its jaw as open, and its infra-reds are never
+hidden. A decision, because the thesis has no such robot:
+
+| behaviour | wheels |
+|---|---|
+| SEARCH, MOVE SLOWLY, ORIENT | around the food until it lies between robot and home; then to it |
+| EXPLORE FOOD | 0, which identifies the food |
+| PUSH FOOD, GO HOME | home at `push_speed`; the infra-reds show where food touches. Back if it is far aside |
+| RELEASE FOOD | turn on the spot, until the food is no longer before the robot |
+| AVOID FOOD | `slow_speed` backwards |
+| AVOID HOME | turn, then drive out |
+| PICK UP FOOD | does not occur: 0 |
 """
 
 import math

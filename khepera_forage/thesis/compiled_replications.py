@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.forager import arena_map_of
 from khepera_forage.noise import Noise
-from khepera_forage.policies.nearest_neighbour.memories import memories_of
+from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled.imitators import confidence_levels
 from khepera_forage.rollouts.compiled.recall_rows import recall_rows
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES

@@ -13,7 +13,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Policy, Teacher
-from khepera_forage.policies.uniform import UniformPolicy
+from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train

@@ -23,7 +23,7 @@ from khepera_forage.task.states import State
 from khepera_forage.thesis.cells import CellResult, in_cell
 from khepera_forage.thesis.claims import Claim
 from khepera_forage.thesis.claims.evidence import Evidence, Measure, Sample, of_arena
-from khepera_forage.thesis.claims.time import attempts_per_episode, steps_needed
+from khepera_forage.thesis.claims.measured import attempts_per_episode, steps_needed
 from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
 from khepera_forage.thesis.errata import errata
 from khepera_forage.thesis.inference.summary import usable_lines

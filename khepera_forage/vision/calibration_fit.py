@@ -105,6 +105,8 @@ def fit_to_tags(
 ) -> CalibrationFit:
     """Fit a calibration to tags that lie on the floor, turned as you like; it remembers the tags' pixels.
 
+    Residuals are those of the tags' middles, and held-out errors those of a fit to the middles alone.
+
     Args:
         tags: Corners in the picture, by id.
         places: Middle on the floor in mm, by id; tags without a place are ignored.
@@ -122,7 +124,9 @@ def fit_to_tags(
             f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four"
         )
     middles = [middle(tags[tag]) for tag in seen]
-    first = fit_calibration(middles, [places[tag] for tag in seen], camera, size).calibration
+    floor = [places[tag] for tag in seen]
+    by_middles = fit_calibration(middles, floor, camera, size)
+    first = by_middles.calibration
     points, corners = list[Point](), list[Point]()
     for tag in seen:
         # With the turn of a tag known, its corners are points, too.
@@ -137,7 +141,12 @@ def fit_to_tags(
         ]
     fit = fit_calibration(points, corners, camera, size)
     calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)))
-    return fit._replace(calibration=calibration)
+    return fit._replace(
+        calibration=calibration,
+        residuals=_distances(calibration, middles, floor),
+        held_out=by_middles.held_out,
+        held_out_without_lens=by_middles.held_out_without_lens,
+    )
 
 
 def root_mean_square(errors: Sequence[float]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.detection.segmentation import Frame, Segmenter
+from khepera_forage.vision.detection.segmentation import Frame, Segmenter, as_grey
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -21,6 +21,8 @@ BLUR_LIMIT = 1.3
 """Pixels, standard deviation. docs/tracker/tracker.md shows the losses above it."""
 NOISE_LIMIT = 12.0
 """Grey levels, standard deviation. The same page shows the losses above it."""
+PRINT_LIMIT = 0.6
+"""Brightness of holes as a share of white. Holes above 0.7 are not read."""
 FLOOR_LIMITS = (20.0, 160.0)
 """Grey levels of the floor. Below, noise and black cannot be told from it; above, white saturates and grows."""
 _CONTRAST_RESERVE = 1.2
@@ -33,6 +35,10 @@ _SIZES = (
 )
 """Least and greatest number of pixels of a shape that is measured: food to two markers that touch."""
 _WHITE_QUANTILE, _EDGE_QUANTILE = 90, 95
+_MARKER_SIZE = 0.5 * MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2
+_HOLE_QUANTILE, _LEAST_HOLE = 1, 0.9
+"""Percentile of the pixels inside a marker that is the grey level of its holes; and its share of white, above
+which it has none."""
 _SIMILAR = 0.85
 """Share of the highest contrast from which a shape counts as white."""
 _NORMAL = NormalDist()
@@ -47,6 +53,7 @@ class ImageQuality(NamedTuple):
         noise: Standard deviation of the noise of single pixels, grey levels.
         contrast: Brightness of white shapes as a multiple of the floor's around them; None without white shapes.
         blur: Standard deviation in pixels of the blur of their borders; None without white shapes.
+        print: Brightness of the holes in markers as a share of their white; None without holes.
     """
 
     floor: float
@@ -54,16 +61,19 @@ class ImageQuality(NamedTuple):
     noise: float
     contrast: float | None
     blur: float | None
+    print: float | None = None
 
     def described(self, settings: TrackerSettings) -> str:
         """All figures with their limits, in one line."""
         contrast = "unknown" if self.contrast is None else f"{self.contrast:.2f}"
         blur = "unknown" if self.blur is None else f"{self.blur:.1f} px"
+        printed = "unknown" if self.print is None else f"{self.print:.2f}"
         low, high = FLOOR_LIMITS
         return (
             f"contrast {contrast} (at least {settings.contrast * _CONTRAST_RESERVE:.2f}), "
             f"blur {blur} (at most {BLUR_LIMIT:g}), floor {self.floor:.0f} ({low:g} to {high:g}), "
-            f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), saturated {100 * self.saturated:.1f} %"
+            f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), saturated {100 * self.saturated:.1f} %, "
+            f"print {printed} (at most {PRINT_LIMIT:g})"
         )
 
     def warnings(self, settings: TrackerSettings) -> dict[str, str]:
@@ -87,6 +97,9 @@ class ImageQuality(NamedTuple):
         if self.blur is not None and self.blur > BLUR_LIMIT:
             text = f"the blur is {self.blur:.1f} pixels, allowed: up to {BLUR_LIMIT:g}"
             yield "blur", f"out of focus: {text}; focus the lens"
+        elif self.print is not None and self.print > PRINT_LIMIT:
+            text = f"holes are {self.print:.2f} times as bright as white, allowed: up to {PRINT_LIMIT:g}"
+            yield "print", f"pale print: {text}; print the markers black"
         if self.noise > NOISE_LIMIT:
             text = f"the noise is {self.noise:.0f} grey levels, allowed: up to {NOISE_LIMIT:g}"
             yield "noise", f"noisy: {text}; use more light, and less gain"
@@ -96,25 +109,30 @@ def measure_quality(frame: Frame) -> ImageQuality:
     """The quality of one frame; takes about as long as tracking it.
 
     Args:
-        frame: 480 x 640 grey levels.
+        frame: Grey levels, or colours, with about 5 mm a pixel, as `Tracker.reduced` makes them.
 
     Raises:
         ImportError: OpenCV is not installed.
-        ValueError: A frame of another shape or type.
+        ValueError: A frame of another type.
     """
     import cv2
 
+    frame = as_grey(frame)
     segmentation = Segmenter(_FAINT).segment(frame)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(segmentation.mask)
     areas = stats[1:, cv2.CC_STAT_AREA]
     shapes: list[tuple[float, float]] = []
+    prints: list[float] = []
     for i in (np.flatnonzero((areas >= _SIZES[0]) & (areas <= _SIZES[1])) + 1).tolist():
         left, top, width, height, _ = stats[i].tolist()
         # With a margin for the border's whole profile.
         rows = slice(max(0, top - 4), top + height + 4)
         columns = slice(max(0, left - 4), left + width + 4)
         floor = segmentation.floor_at(left + width // 2, top + height // 2)
-        shapes.append(white_and_blur(frame[rows, columns], labels[rows, columns] == i, max(floor, 1)))
+        inside = labels[rows, columns] == i
+        shapes.append(white_and_blur(frame[rows, columns], inside, max(floor, 1)))
+        if areas[i - 1] >= _MARKER_SIZE:
+            prints += _prints(frame[rows, columns], inside)
     highest = max((contrast for contrast, _ in shapes), default=0.0)
     white = [shape for shape in shapes if shape[0] >= _SIMILAR * highest]
     return ImageQuality(
@@ -123,7 +141,22 @@ def measure_quality(frame: Frame) -> ImageQuality:
         _noise(frame),
         float(np.median([contrast for contrast, _ in white])) if white else None,
         float(np.median([blur for _, blur in white])) if white else None,
+        float(np.median(prints)) if prints else None,
     )
+
+
+def _prints(grey: Frame, inside: NDArray[np.bool_]) -> list[float]:
+    """Brightness of the holes in a white shape as a share of its white: one number, or none without holes."""
+    import cv2
+
+    white = float(np.percentile(grey[inside], _WHITE_QUANTILE))
+    contours, _ = cv2.findContours(inside.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    whole = cv2.drawContours(np.zeros(inside.shape, np.uint8), contours, -1, 1, cv2.FILLED)
+    inner = grey[cv2.erode(whole, np.ones((5, 5), np.uint8)) > 0]
+    if not inner.size:
+        return []
+    darkest = float(np.percentile(inner, _HOLE_QUANTILE))
+    return [darkest / white] if darkest < _LEAST_HOLE * white else []
 
 
 def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tuple[float, float]:

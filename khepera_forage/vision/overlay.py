@@ -64,9 +64,18 @@ def draw_scene(
     return picture
 
 
-def caption(region: Region) -> str:
-    """What is written beside a region: its label, its kind, and whether it is lost."""
-    kind = f"{region.holes} hole{'s' * (region.holes > 1)}" if region.holes else "food"
+def caption(region: Region, markers: str = "holes") -> str:
+    """What is written beside a region: its label, its kind, and whether it is lost.
+
+    Args:
+        region: The region.
+        markers: The kind of markers, as in `TrackerSettings`.
+    """
+    kind = "food"
+    if region.holes:
+        kind = f"{region.holes} hole{'s' * (region.holes > 1)}"
+        if markers != "holes":
+            kind = f"{'tag' if markers == 'tags' else 'marker'} {region.holes}"
     return f"{region.label}: {kind}{'' if region.found else ', lost'}"
 
 
@@ -102,7 +111,9 @@ class _Overlay:
         import cv2
 
         size = _TEXT_SIZE + _TEXT_GROWTH * (self._enlargement - 1)
-        (_, height), _ = cv2.getTextSize(caption(region), cv2.FONT_HERSHEY_SIMPLEX, size, self._thickness)
+        (_, height), _ = cv2.getTextSize(
+            caption(region, self._settings.markers), cv2.FONT_HERSHEY_SIMPLEX, size, self._thickness
+        )
         places = [self._frame_point(region, *corner) for corner in self._outline(region)]
         left = min(u for u, _ in places) * self._enlargement
         top, bottom = (end(v for _, v in places) * self._enlargement for end in (min, max))
@@ -110,7 +121,7 @@ class _Overlay:
         baseline = top - gap if region.holes else bottom + gap + height
         cv2.putText(
             self._picture,
-            caption(region),
+            caption(region, self._settings.markers),
             (round(left), round(baseline)),
             cv2.FONT_HERSHEY_SIMPLEX,
             size,
@@ -123,7 +134,10 @@ class _Overlay:
         """Corners in the region's own frame (region pixels, x forward)."""
         settings = self._settings
         if region.holes > 0:
-            a, b = settings.marker_length / MM_PER_PIXEL / 2, settings.marker_width / MM_PER_PIXEL / 2
+            length, width = settings.marker_length, settings.marker_width
+            if settings.markers == "tags":
+                length = width = settings.tag_size
+            a, b = length / MM_PER_PIXEL / 2, width / MM_PER_PIXEL / 2
             return [(a, b), (-a, b), (-a, -b), (a, -b)]
         radius = settings.food_radius / MM_PER_PIXEL
         angles = (2 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS))

@@ -28,7 +28,7 @@ black shape, so that blur and a low threshold do not join them. docs/tracker.md 
 """
 GRID_SIDE = 16.0
 """Side in mm of a hole of the markers for many robots."""
-GRID_PLACES = tuple((x, y) for x in (35.0, 0.0, -35.0) for y in (18.0, -18.0))
+GRID_PLACES = tuple((x, y) for x in (33.0, 0.0, -33.0) for y in (15.0, -15.0))
 """Places in mm of the 16 mm holes of the markers for many robots: columns from the front, each from left to right."""
 
 

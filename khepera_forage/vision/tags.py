@@ -20,12 +20,18 @@ DICTIONARY = "DICT_4X4_50"
 """Of `cv2.aruco`: 4 x 4 cells within a black border of one cell, ids 0 to 49."""
 CELLS = 6
 """Cells across a tag, with its border."""
+_SIDES = (60.0, 30.0, 15.0)
+"""Sides in pixels of floor tags that are searched before the picture is calibrated."""
+FLOOR_SIZE = 100.0
+"""Side in mm of a tag on the floor."""
 _LEAST_PIXELS = 13.0
 """Side in pixels of the smallest tag that is read."""
-_CABLE = 7.0
-"""Width in mm of the cables that the second pass removes."""
+_CABLE, _BLUR = 6.0, 2.5
+"""Width in mm of the cables that the second pass removes, and pixels that blur adds."""
 _SIZE_TOLERANCE = 0.2
 """Relative difference from its size at which a tag is refused."""
+_ALONE, _WINDOW = 7, 0.85
+"""Cells that differ between ids at most; and the window of OpenCV's adaptive threshold, in sides of a tag."""
 _MOVED = 3.0
 """mm of the floor by which tags appear elsewhere when the camera was moved."""
 _ROUND = 4
@@ -42,18 +48,26 @@ class TagFinder:
 
     Args:
         ids: Those in use; any other is ignored.
-        side: Pixels of the smallest tag's side.
+        side: Of the tags in pixels.
     """
 
     def __init__(self, ids: Sequence[int], side: float) -> None:
         import cv2
 
         whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-        self._ids = list(ids)
-        dictionary = cv2.aruco.Dictionary(whole.bytesList[self._ids], whole.markerSize, 1)
-        self._side = side
+        self._ids, self._side = list(ids), side
+        used = whole.bytesList[self._ids]
+        # The fewer ids are in use, the more wrong cells can be corrected.
+        least = min(
+            (
+                whole.getDistanceToId(whole.getBitsFromByteList(used[i : i + 1], 4), other)
+                for i in range(len(ids))
+                for other in self._ids[:i]
+            ),
+            default=_ALONE,
+        )
+        self._dictionary = cv2.aruco.Dictionary(used, whole.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
         self._detectors: dict[tuple[int, int], cv2.aruco.ArucoDetector] = {}
-        self._dictionary = dictionary
 
     def find(self, grey: Frame) -> list[tuple[int, Corners]]:
         """Id and corners of each tag in a picture, in pixels; the middle of the upper left pixel is (0.5, 0.5)."""
@@ -74,11 +88,10 @@ class TagFinder:
             parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
             parameters.minMarkerPerimeterRate = 0.6 * 4 * self._side / max(key)
             parameters.minDistanceToBorder = 1
-            # Windows of one and of three cells.
-            cell = max(3, 2 * round(self._side / CELLS / 2) + 1)
-            parameters.adaptiveThreshWinSizeMin = cell
-            parameters.adaptiveThreshWinSizeMax = 3 * cell
-            parameters.adaptiveThreshWinSizeStep = 2 * cell
+            parameters.errorCorrectionRate = 1.0
+            # One window of almost a tag.
+            window = max(3, round(_WINDOW * self._side) // 2 * 2 + 1)
+            parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
             self._detectors[key] = cv2.aruco.ArucoDetector(self._dictionary, parameters)
         return self._detectors[key]
 
@@ -99,32 +112,37 @@ class TagDetector:
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
         self._settings, self._calibration = settings, calibration
-        sizes = [settings.tag_size] * (settings.markers == "tags")
-        sizes += [settings.food_tag_size] * bool(settings.food_tags)
         scale = 1 / calibration.mm_per_pixel()
-        if min(sizes) * scale < _LEAST_PIXELS:
-            raise ValueError(
-                f"tags of {min(sizes):g} mm are {min(sizes) * scale:.0f} pixels wide in the camera's picture; allowed: "
-                f"at least {_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: print larger tags, or "
-                "use a higher resolution"
-            )
-        self._finder = TagFinder(settings.tag_ids, min(sizes) * scale)
-        self._kernel = np.ones((max(2, math.ceil(_CABLE * scale)),) * 2, np.uint8)
-        self.reach = (0.75 * max(sizes) + 12) / MM_PER_PIXEL
+        self._finders: list[tuple[TagFinder, Sequence[int], NDArray[np.uint8]]] = []
+        for ids, size in (
+            (settings.numbers if settings.markers == "tags" else (), settings.tag_size),
+            (settings.food_tags, settings.food_tag_size),
+        ):
+            if not ids:
+                continue
+            if size * scale < _LEAST_PIXELS:
+                raise ValueError(
+                    f"tags of {size:g} mm are {size * scale:.0f} pixels wide in the picture; allowed: at least "
+                    f"{_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: use larger tags, or a "
+                    "higher resolution"
+                )
+            self._finders.append((TagFinder(ids, size * scale), ids, _closing_kernel(size, scale)))
+        self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
 
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
         """The tags in a frame, and warnings by the name of their cause."""
         import cv2
 
         found = dict[int, list[Corners]]()
-        for tag, corners in self._finder.find(grey):
-            found.setdefault(tag, []).append(corners)
-        if len(found) < len(self._settings.tag_ids):
-            # Closing removes dark cables that cross a tag.
-            closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, self._kernel)
-            for tag, corners in self._finder.find(closed):  # type: ignore[arg-type] # uint8
-                if tag not in found:
-                    found[tag] = [corners]
+        for finder, ids, kernel in self._finders:
+            for tag, corners in finder.find(grey):
+                found.setdefault(tag, []).append(corners)
+            if not found.keys() >= set(ids):
+                # Closing removes dark cables that cross a tag.
+                closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
+                for tag, corners in finder.find(closed):  # type: ignore[arg-type] # uint8
+                    if tag not in found:
+                        found[tag] = [corners]
         warnings, detections = {}, []
         for tag, places in found.items():
             if len(places) > 1:
@@ -189,7 +207,7 @@ class FloorTags:
 
     def __init__(self, calibration: Calibration) -> None:
         self._calibration = calibration
-        self._finder = TagFinder(sorted(calibration.tags), _LEAST_PIXELS)
+        self._finder = TagFinder(sorted(calibration.tags), FLOOR_SIZE / calibration.mm_per_pixel())
         self._next = 0
 
     def check(self, grey: Frame) -> dict[str, str]:
@@ -214,7 +232,7 @@ class FloorTags:
     def _shift(self, grey: Frame, tag: int) -> list[float]:
         """Distance in mm of a tag from its place, if it is seen near there."""
         u, v = self._calibration.tags[tag]
-        reach = math.ceil(_NEAR * 100.0 / self._calibration.mm_per_pixel(u, v))
+        reach = math.ceil(_NEAR * FLOOR_SIZE / self._calibration.mm_per_pixel(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
         part = grey[top : math.floor(v) + reach, left : math.floor(u) + reach]
         found = [c for i, c in self._finder.find(np.ascontiguousarray(part)) if i == tag]
@@ -225,6 +243,38 @@ class FloorTags:
         x, y = self._calibration.to_region(u, v)
         there = self._calibration.to_region(*self._calibration.tags[tag])
         return MM_PER_PIXEL * math.dist((x, y), there)
+
+
+def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
+    """Corners of the tags on the floor, of any size in the picture.
+
+    Raises:
+        ValueError: A tag is seen twice.
+    """
+    found: dict[int, Corners] = {}
+    for side in _SIDES:
+        seen = TagFinder(ids, side).find(grey)
+        for tag, corners in seen:
+            if sum(other == tag for other, _ in seen) > 1:
+                raise ValueError(f"tag {tag} is seen twice; allowed: each id once on the floor")
+            found.setdefault(tag, corners)
+    return found
+
+
+def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:
+    """The kernel that removes cables from tags: wider than a cable, no wider than a cell.
+
+    Args:
+        size: Of a tag in mm.
+        scale: Pixels per mm.
+    """
+    import cv2
+
+    # Odd: an even kernel shifts the picture.
+    width = math.ceil(_CABLE * scale + _BLUR) // 2 * 2 + 1
+    while width > max(size * scale / CELLS, 3):
+        width -= 2
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))  # type: ignore[return-value] # uint8
 
 
 def middle(corners: Corners) -> tuple[float, float]:

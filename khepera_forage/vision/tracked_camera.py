@@ -11,6 +11,10 @@ from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import FrameSource
 
 _LOG = logging.getLogger(__name__)
+_URGENT = ("camera moved", "tag twice", "tag size")
+"""Warnings of the tracker that are logged at once."""
+_LASTING = 5
+"""Frames after which the others are logged: half a second of rounds."""
 _CHECK_INTERVAL = 300
 """Frames from one check of the picture's quality to the next: half a minute of rounds."""
 
@@ -19,7 +23,8 @@ class TrackedCamera:
     """A `Camera` that reports the regions which a `Tracker` finds in the frames of a `FrameSource`.
 
     The scene is empty before the first `reset` or `expose`. The first frame after a reset, and one frame every half
-    minute, is checked by `measure_quality`; what is beyond its limit is logged as a warning, once.
+    minute, is checked by `measure_quality`; what is beyond its limit is logged as a warning, once. What the tracker is
+    uncertain about is logged once in an episode.
 
     A context manager: leaving it closes the source.
 
@@ -35,6 +40,8 @@ class TrackedCamera:
         self._age = 0.0
         self._until_check = 0
         self._warned: set[str] = set()
+        self._lasted: dict[str, int] = {}
+        self._logged: set[str] = set()
 
     def reset(self) -> None:
         """Forget all tracks, and take the first frame.
@@ -44,6 +51,7 @@ class TrackedCamera:
         """
         self._tracker.reset()
         self._until_check = 0
+        self._lasted, self._logged = {}, set()
         self.expose()
 
     def expose(self) -> None:
@@ -54,10 +62,11 @@ class TrackedCamera:
         """
         self._frame, self._age = self._source.newest()
         self._tracker.update(self._frame)
+        self._log_troubles()
         self._until_check -= 1
         if self._until_check < 0:
             self._until_check = _CHECK_INTERVAL
-            self._check_quality(self._frame)
+            self._log_quality(self._frame)
 
     def look(self) -> Scene:
         """The scene of the last frame; empty before the first."""
@@ -70,7 +79,7 @@ class TrackedCamera:
 
     @property
     def frame(self) -> NDArray[np.uint8]:
-        """The tracker's last frame, 480 x 640 grey levels.
+        """The tracker's last frame, grey levels.
 
         Raises:
             RuntimeError: No frame was taken yet.
@@ -94,9 +103,19 @@ class TrackedCamera:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _check_quality(self, frame: NDArray[np.uint8]) -> None:
-        found = measure_quality(frame).warnings(self._tracker.settings)
+    def _log_quality(self, frame: NDArray[np.uint8]) -> None:
+        """Log what is beyond its limit and was not at the last check."""
+        found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
         for name, text in found.items():
             if name not in self._warned:
                 _LOG.warning("camera picture %s", text)
         self._warned = set(found)
+
+    def _log_troubles(self) -> None:
+        """Log what the tracker is uncertain about, once in an episode, if it lasts or needs the user."""
+        found = self._tracker.warnings
+        self._lasted = {name: self._lasted.get(name, 0) + 1 for name in found}
+        for name, text in found.items():
+            if name not in self._logged and (name in _URGENT or self._lasted[name] >= _LASTING):
+                _LOG.warning("camera: %s", text)
+                self._logged.add(name)

@@ -20,6 +20,11 @@ _NATIVE = (0.8, 1.25)
 _LEAST_SCALE = 0.55
 """Pixels of a frame per region pixel below which markers with holes cannot be read."""
 
+_AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
+"""Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
+least share of dark places around a white part of a tag."""
+_CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
+
 
 class Tracker:
     """Detects markers and food in frames, and tracks them.
@@ -53,7 +58,8 @@ class Tracker:
 
     Args:
         settings: Sizes, thresholds, patience, and whether to track by features; None for the defaults.
-        calibration: From the picture to the floor; None for `Calibration.identity()`, for frames of any size.
+        calibration: From the picture to the floor; None for `Calibration.identity()` at the size of the
+            first frame.
 
     Raises:
         ImportError: OpenCV is not installed.
@@ -65,13 +71,15 @@ class Tracker:
     ) -> None:
         require("the tracker", "camera")
         self.settings = settings or TrackerSettings()
-        self._adapts = calibration is None
+        self._size_is_known = calibration is not None
         self._segmenter = Segmenter(self.settings.contrast)
         self._confirmation = Confirmation(by_place=self.settings.featureless)
         self._tracks = Tracks(by_place=self.settings.featureless)
         self._scene = Scene(())
         self._warnings: dict[str, str] = {}
-        self._prepare(calibration or Calibration.identity())
+        self.calibration = calibration or Calibration.identity()
+        if calibration is not None:
+            self._prepare(calibration)
 
     @property
     def scene(self) -> Scene:
@@ -115,7 +123,8 @@ class Tracker:
         """Forget every track; labels start at 0 again."""
         self._confirmation.reset()
         self._tracks.reset()
-        self._floor.reset()
+        if self._size_is_known:
+            self._floor.reset()
         self._scene = Scene(())
 
     def _prepare(self, calibration: Calibration) -> None:
@@ -137,6 +146,7 @@ class Tracker:
         if not _NATIVE[0] <= scale <= _NATIVE[1]:
             self._size = (max(16, round(width / scale)), max(16, round(height / scale)))
             calibration = calibration.for_size(*self._size)
+        self._picture = calibration
         pixels_per_mm = 1 / calibration.mm_per_pixel()
         self._detector = Detector(settings, calibration, pixels_per_mm)
         self._floor = FloorVisibility(settings, calibration)
@@ -145,23 +155,29 @@ class Tracker:
         """The frame as grey levels, of the calibration's size."""
         grey = as_grey(frame)
         size = (grey.shape[1], grey.shape[0])
-        if size != self.calibration.size:
-            if not self._adapts or min(size) < 16:
-                wide, high = self.calibration.size
-                raise ValueError(
-                    f"frame is {size[0]} x {size[1]}; allowed: {wide} x {high}, as calibrated: set the camera to this "
-                    "size, or calibrate again"
-                )
+        if not self._size_is_known and min(size) >= 16:
             self._prepare(Calibration.identity(size=size))
+            self._size_is_known = True
+        if size != self.calibration.size:
+            wide, high = self.calibration.size
+            raise ValueError(
+                f"frame is {size[0]} x {size[1]}; allowed: {wide} x {high}, as calibrated: set the camera to this "
+                "size, or calibrate again"
+            )
         return grey
 
-    def _segmented(self, grey: Frame) -> Segmentation:
+    def reduced(self, frame: Frame) -> Frame:
+        """The frame as grey levels of about 5 mm a pixel; errors as for `detect`."""
         import cv2
 
+        grey = self._checked(frame)
         if self._size != self.calibration.size:
             reduced = self._size[0] < self.calibration.size[0]
             grey = cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA if reduced else cv2.INTER_CUBIC)  # type: ignore[assignment]
-        return self._segmenter.segment(grey)
+        return grey
+
+    def _segmented(self, grey: Frame) -> Segmentation:
+        return self._segmenter.segment(self.reduced(grey))
 
     def _detect(self, grey: Frame, segmentation: Segmentation) -> list[Detection]:
         self._warnings = {}
@@ -179,6 +195,23 @@ class Tracker:
             near = self._tags.reach
             places = [(t.x, t.y) for t in tags] + [(r.x, r.y) for r in before]
             detections = [
-                d for d in detections if d.holes or all(math.dist((d.x, d.y), p) > near for p in places)
+                d
+                for d in detections
+                if d.holes
+                or (
+                    all(math.dist((d.x, d.y), p) > near for p in places)
+                    and self._is_on_floor(segmentation, d)
+                )
             ]
         return tags + detections
+
+    def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
+        """Whether food has floor around it, and not the black of a tag."""
+        reach = _AROUND * self.settings.food_radius / MM_PER_PIXEL
+        rows, columns = segmentation.frame.shape
+        dark = 0
+        for x, y in _CIRCLE:
+            u, v = self._picture.to_picture(food.x + reach * x, food.y + reach * y, self.settings.food_height)
+            column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
+            dark += segmentation.frame[row, column] < _DARK * segmentation.floor_at(column, row)
+        return dark < _MOST_DARK * len(_CIRCLE)

@@ -36,5 +36,5 @@ def why_unusable(frame: Frame, tracker: Tracker, strict: bool) -> str:
         return f"shows nothing: all grey levels are {darkest} to {brightest}"
     if is_well_exposed(frame) or not (strict or not any(found.holes for found in tracker.detect(frame))):
         return ""
-    warning = measure_quality(frame).warnings(tracker.settings).get("exposure", "")
+    warning = measure_quality(tracker.reduced(frame)).warnings(tracker.settings).get("exposure", "")
     return warning and f"is {warning}"

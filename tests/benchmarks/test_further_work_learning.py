@@ -13,8 +13,8 @@ from further_experiments.observed_training import ObservingTeacher
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
-from khepera_forage.policies.attribute_weights import WeightedImitator
-from khepera_forage.policies.nearest_neighbour.distance import distance
+from khepera_forage.policies.brute_force import WeightedImitator
+from khepera_forage.policies.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train

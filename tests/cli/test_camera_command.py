@@ -13,6 +13,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.lens import Lens
+from tests.vision.test_tags import floor_places, floor_scene
 
 CORNERS = ["0,0=0,2400", "640,0=3200,2400", "640,480=3200,0", "0,480=0,0"]
 
@@ -27,9 +28,23 @@ def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("task", "arguments"),
     [
-        ("calibrate", ("--source", "--points", "--places", "--camera", "--check", "--out", "--seed")),
+        (
+            "calibrate",
+            (
+                "--source",
+                "--size",
+                "--points",
+                "--places",
+                "--tags",
+                "--camera",
+                "--check",
+                "--out",
+                "--seed",
+            ),
+        ),
         ("preview", ("--source", "--calibration", "--frames", "--out", "--seed")),
-        ("markers", ("--out",)),
+        ("markers", ("--grid", "--out")),
+        ("tags", ("--robots", "--food", "--floor", "--size", "--food-size", "--out")),
     ],
 )
 def test_help_has_the_options(
@@ -236,6 +251,16 @@ def test_calibrate_from_clicks_in_a_window(
         ),
         (["calibrate", "--points", *CORNERS[:3], CORNERS[0]], "has the point"),
         (["calibrate", "--source", "virtual", "--places", "0,0", "1,0", "1,1", "0,1"], "needs a display"),
+        (["calibrate", "--source", "virtual", "--tags", "38=0,0", "38=1,0"], "--tags has 38 twice"),
+        (["calibrate", "--source", "virtual", "--tags", "0=0,0"], "--tags has '0=0,0'; allowed: id=x,y"),
+        (
+            ["calibrate", "--source", "virtual", "--tags", "38=0,0", "39=1,0", "40=1,1", "41=0,1"],
+            "0 of 4 floor tags are seen",
+        ),
+        (["preview", "--source", "virtual", "--size", "7"], "'7'; allowed: width x height in pixels"),
+        (["tags", "--robots", "1-60"], "tag is 50; allowed: ids 1 to 49"),
+        (["tags", "--out", "tags.svg"], "would have 7 pages; allowed: a name that ends in .pdf"),
+        (["markers", "--grid", "13"], "tracker numbers is [13]"),
         (["markers", "--out", "markers.doc"], "'markers.doc'; allowed: a name that ends in .svg, .png, .pdf"),
     ],
 )
@@ -256,3 +281,29 @@ def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["camera", "markers"]) == 0
     assert "print it at 100 %" in capsys.readouterr().out
     assert 'width="210mm"' in Path("markers.svg").read_text(encoding="utf-8")
+
+
+# ---------------------------------------------------------------- tags
+
+
+def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """From a film of the floor to a preview that notices that the camera was knocked."""
+    assert main(["camera", "tags", "--robots", "1-2", "--floor", "38"]) == 0
+    assert "tags.pdf: 2 pages of A4; print at 100 %" in capsys.readouterr().out
+    assert Path("tags.pdf").read_bytes().startswith(b"%PDF")
+    for name, shift in (("before", (20.0, 10.0)), ("after", (20.0, 50.0))):
+        writer = cv2.VideoWriter(f"{name}.avi", cv2.VideoWriter.fourcc(*"MJPG"), 10, (848, 480), False)
+        frame = floor_scene(848, 480, shift).frame()
+        for _ in range(10):
+            writer.write(frame)
+        writer.release()
+    tags = [f"{tag}={x},{y}" for tag, (x, y, _) in floor_places(3200 * 480 / 848).items()]
+    assert main(["camera", "calibrate", "--source", "before.avi", "--tags", *tags, "--out", "c.toml"]) == 0
+    assert "size = [848, 480]" in Path("c.toml").read_text(encoding="utf-8")
+    for name, moved in (("before", False), ("after", True)):
+        capsys.readouterr()
+        command = ["camera", "preview", "--source", f"{name}.avi", "--calibration", "c.toml", "--frames", "2"]
+        assert main([*command, "--out", "picture.png"]) == 0
+        assert ("the camera has moved since its calibration" in capsys.readouterr().out) is moved

@@ -6,11 +6,14 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from sklearn.tree import DecisionTreeClassifier
 
+from khepera_forage import as_policy, recall, recall_env
 from khepera_forage.cli.dataset import FOLDER_VARIABLE, add_arguments, food_in_training
 from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import MEANINGS, Origin, data_card
+from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.task.decisions import Decisions
@@ -54,6 +57,26 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
     names: dict[str, object] = {}
     exec(block, names)
     assert names["episodes"] == parts
+
+
+@pytest.mark.usefixtures("minari")
+def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -> None:
+    assert main(["dataset", "--alone", "--episodes", "5", "--out", "data"]) == 0
+    from khepera_forage.experience.minari import from_minari
+
+    dataset = import_module("minari").load_dataset("khepera_forage/corridor-alone-v1")
+    parts = from_minari(dataset)
+    starts = {part.arrays()[0][0].tolist()[1] for part in parts}
+    assert len(starts) > 1, "random places"
+    for part, episode in zip(parts, dataset.iterate_episodes(), strict=True):
+        assert sum(episode.rewards) == pytest.approx(1 - len(part) / 500)
+    card = Path("data/khepera_forage/corridor-alone-v1/README.md").read_text(encoding="utf-8")
+    assert "Episodes of the teacher, which forages alone." in card
+    assert "--episodes 5 --seed 0 --alone`" in card
+    vectors, behaviours = arrays(parts)
+    learner = as_policy(DecisionTreeClassifier(random_state=0).fit(vectors, behaviours))
+    env = recall_env("corridor")
+    assert sum(recall(env, learner, seed).delivered for seed in range(10)) >= 9
 
 
 @pytest.mark.usefixtures("minari")

@@ -41,10 +41,73 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
     assert sorted(path.name for path in tmp_path.glob("*film*")) == ["film.gif", "film.mp4"]
 
 
+def test_film_of_a_training_shows_a_complete_attempt(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    film = ["--seed", "3", "--every", "100", "--out", str(tmp_path / "film.gif")]
+    assert main(["watch", "training", *film]) == 0
+    first, *_, last, frames = capsys.readouterr().out.splitlines()
+    assert first == "attempt 1: out of time after 600 rounds, not filmed"
+    rounds = int(last.removeprefix("complete after ").removesuffix(" rounds"))
+    assert frames.endswith(f": {-(-(rounds + 1) // 100)} frames")
+
+
+@pytest.fixture(scope="module")
+def experience(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("experience")
+    assert main(["train", "--episodes", "2", "--out", str(folder)]) == 0
+    (folder / "g1.lost-1.csv").write_text("not to be read")
+    return folder
+
+
+def recalled(out: Path, *arguments: str) -> list[RecallRow]:
+    assert main(["recall", "--episodes", "2", "--out", str(out), *arguments]) == 0
+    return read_rows(out, RecallRow)
+
+
+def test_recall_reads_a_folder_of_experience(experience: Path, tmp_path: Path) -> None:
+    files = [str(experience / f"g{n}.csv") for n in (1, 2)]
+    rows = recalled(tmp_path / "folder.csv", "--experience", str(experience))
+    assert rows == recalled(tmp_path / "files.csv", "--experience", *files)
+
+
+def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    rows = recalled(out, "--experience", str(experience), "--learner", "tree")
+    assert {(row.learner, row.noise) for row in rows} == {("tree", "laboratory")}
+    assert rows != recalled(out, "--experience", str(experience))
+    rows = recalled(out, "--foods", "3", "--noise", "none", "--arena", "rectangle")
+    assert {(row.learner, row.noise, row.foods) for row in rows} == {("teacher", "none", 3)}
+    still = recalled(out, "--noise", "placement")
+    assert still != recalled(out, "--noise", "wheels,tracking losses")
+    assert main(["watch", "recall", "--noise", "none", "--foods", "2", "--out", str(tmp_path / "f.gif")]) == 0
+
+
+@pytest.mark.parametrize(
+    ("learner", "message"),
+    [
+        ("ppo", "--learner is 'ppo'; allowed: imitator, k_nearest"),
+        ("nowhere:f", "--learner is 'nowhere:f': No module named 'nowhere'"),
+        ("sklearn.svm:LinearSVC", "LinearSVC has no predict_proba"),
+    ],
+)
+def test_recall_refuses_other_learners(
+    learner: str, message: str, experience: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["recall", "--experience", str(experience), "--learner", learner]) == 2
+    assert message in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["recall", "--experience", "nowhere.csv"], "nowhere.csv"),
+        (["recall", "--experience", "."], "has no g1.csv; allowed: experience files, or a folder of them"),
+        (["recall", "--noise", "wind"], "noise source 'wind' is unknown; allowed: wheels, infra-reds"),
+        (["recall", "--learner", "tree"], "--learner has no effect here; allowed: with --experience"),
+        (["recall", "--foods", "17"], "foods is 17; allowed: a whole number from 1 to 16"),
+        (["recall", "--lab", "virtual", "--noise", "none"], "--noise has no effect here; allowed: without"),
+        (["watch", "training", "--foods", "2"], "--foods has no effect here; allowed: with `watch recall`"),
         (["recall", "--episodes", "0"], "--episodes: '0'; allowed: a whole number from 1 to 100,000"),
         (["recall", "--food-type", "CHEESE"], "'CHEESE' is unknown; allowed: PICKABLE"),
         (["train", "--episodes", "-1"], "--episodes: '-1'; allowed: a whole number from 1 to"),

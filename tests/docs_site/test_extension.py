@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from site_extension.built_links import broken_links
 from site_extension.docstring_markup import to_rst
-from site_extension.generated_parts import filled_in
-from site_extension.repository import ROOT, module_name, page_of
+from site_extension.generated_parts import commands, filled_in, noise_table
+from site_extension.repository import DOCS, ROOT, module_name, page_of
 
 from khepera_forage.cli.main import SUBCOMMANDS
 from khepera_forage.noise import Noise
@@ -43,8 +43,8 @@ def test_fenced_code_keeps_its_backticks() -> None:
     [
         ("khepera_forage/noise.py", "source/khepera_forage/noise.py"),
         (
-            "khepera_forage/policies/nearest_neighbour/index.py",
-            "source/khepera_forage/policies/nearest_neighbour/index.py",
+            "khepera_forage/policies/index.py",
+            "source/khepera_forage/policies/index.py",
         ),
         ("khepera_forage/task", "source/khepera_forage/task/index"),
         ("tests/contracts", "source/tests/contracts/index"),
@@ -63,14 +63,26 @@ def test_module_name_of_package_is_that_of_its_folder() -> None:
     assert module_name(Path(ROOT / "khepera_forage/task/__init__.py")) == "khepera_forage.task"
 
 
+PARTS = [path for path in sorted(DOCS.rglob("*.md")) if "<!-- generated: " in path.read_text("utf-8")]
+
+
+@pytest.mark.parametrize("path", PARTS, ids=lambda path: path.stem)
+def test_generated_part_of_page_is_up_to_date(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert filled_in(text) == text, "run PYTHONPATH=docs python -m site_extension.generated_parts"
+
+
 def test_docstring_of_environment_is_filled_in() -> None:
-    part = filled_in("# Title\n\n<!-- generated: docstring khepera_forage.envs.training.TrainingEnv -->\n")
-    assert part.startswith("# Title\n\nA teacher forages and shouts")
+    begin = "<!-- generated: docstring khepera_forage.envs.training.TrainingEnv -->\n"
+    part = filled_in(f"# Title\n\n{begin}<!-- end -->\n")
+    assert part.startswith(f"# Title\n\n{begin}\nA teacher forages and shouts")
     assert "\n## Action space\n`Discrete(11)`" in part
+    assert part.endswith("\n\n<!-- end -->\n")
+    assert filled_in(part) == part
 
 
-def test_commands_are_filled_in_with_all_their_subcommands() -> None:
-    part = filled_in("<!-- generated: commands -->")
+def test_help_of_commands_has_all_their_subcommands() -> None:
+    part = commands()
     assert [f"## khepera-forage {command.name}" for command in SUBCOMMANDS] == [
         line for line in part.splitlines() if line.startswith("## ")
     ]
@@ -79,14 +91,14 @@ def test_commands_are_filled_in_with_all_their_subcommands() -> None:
 
 
 def test_noise_is_filled_in_with_sizes_and_sources() -> None:
-    part = filled_in("<!-- generated: noise -->")
+    part = noise_table("")
     assert "| `wheel_slip` | 0.05 | Standard deviation of each wheel's travel, as a share of it" in part
     assert len(part.splitlines()) == 2 + len(fields(Noise))
 
 
 def test_unknown_generated_part_is_an_error() -> None:
     with pytest.raises(KeyError, match="weather"):
-        filled_in("<!-- generated: weather -->")
+        filled_in("<!-- generated: weather -->\n<!-- end -->")
 
 
 def test_broken_links_of_a_site_are_found(tmp_path: Path) -> None:

@@ -132,3 +132,17 @@ def test_initial_distances_vary_between_seeds() -> None:
         for key, values in seen.items():
             values.add(int(observation[key][0]))
     assert all(len(values) > 8 for values in seen.values())
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        "gym.vector.AsyncVectorEnv([lambda: gym.make('khepera_forage:khepera_forage/Corridor-v1')], context='spawn')",
+        "gym.make_vec('khepera_forage:khepera_forage/Corridor-v1', vectorization_mode='async',"
+        " vector_kwargs={'context': 'spawn'})",
+    ],
+)
+def test_spawned_processes_import_the_package_by_the_name(make: str) -> None:
+    code = f"import gymnasium as gym; env = {make}; print(env.reset(seed=1)[0]['arms_height']); env.close()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[[215]]"

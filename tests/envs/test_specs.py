@@ -23,6 +23,7 @@ ARGUMENTS: list[dict[str, Any]] = [
     {"decisions": Decisions(next_to_food=22), "food_types": FoodType.PUSHABLE},
     {"food_types": {FoodType.PUSHABLE: 1.0, "poisonous": 1.0}},
     {"arena": BLOCKS},
+    {"robot": "toio", "food_types": "PUSHABLE"},
     {"arena": [BLOCKS, "corridor", HALL]},
     {"arena": ProceduralArenas("easy", "test", num_levels=3)},
     {"difficulty": SMALL, "split": "test", "num_levels": 3, "start_level": 1},

@@ -104,6 +104,16 @@ def test_custom_arena_is_read() -> None:
     assert len(arena.obstacles[0]) == 4
 
 
+def test_robots_may_carry_tags() -> None:
+    settings = parsed(
+        '[tracker]\nmarkers = "tags"\nfood_tags = [9]\n[camera]\nsource = 0\n'
+        '[[robots]]\nport = "a"\nholes = 7\noffset = [600, 600]\n[[robots]]\nport = "b"\nholes = 4\noffset = [600, 900]'
+    )
+    assert [robot.holes for robot in settings.robots] == [7, 4]
+    assert settings.tracker.numbers == (4, 7)
+    assert settings.tracker.tag_ids == (4, 7, 9)
+
+
 def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
     defaults = Decisions()
     set_up, period = set_up_of(defaults), defaults.round_duration
@@ -111,10 +121,10 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
     assert len(settings.robots) == 2
     # Uncommenting the optional keys changes nothing, except for calibration and obstacles.
     text = re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE)
-    text = re.sub(r"^(calibration|obstacles) .*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^(calibration|obstacles|size|rate|exposure|focus) .*\n", "", text, flags=re.MULTILINE)
     assert parsed(text, set_up=set_up, period=period) == settings
     keys = tomllib.loads(re.sub(r"^#(\w+ = )", r"\1", sample(), flags=re.MULTILINE))
-    assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)}
+    assert keys["tracker"].keys() == {field.name for field in fields(TrackerSettings)} - {"numbers"}
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
     assert load_settings(tmp_path / "lab.toml", defaults) == settings
 
@@ -141,7 +151,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset =", "ofset =", "robots[1].ofset is unknown (did you mean offset?); allowed: baud, holes, name, "
          "offset, port, timeout, type, watchdog"),
         ('port = "/dev/ttyUSB1"', 'prt = "b"', "robots[1].prt is unknown (did you mean port?); allowed: "),
-        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, oldest, "),
+        ("source = 0", "sorce = 0", "camera.sorce is unknown (did you mean source?); allowed: calibration, exposure, "),
         ("[camera]", "[tolerance]\npositon = 9\n[camera]", "tolerance.positon is unknown (did you mean position?); "),
         ("[camera]", "[tracker]\nspeed = 9\n[camera]", "tracker.speed is unknown"),
         ("source = 0", "", "camera.source is missing"),

@@ -1,4 +1,4 @@
-"""The imitator over many vectors: every tie, against brute force in whole numbers, and the cost of one more."""
+"""The imitator over many vectors: every tie, against brute force in whole numbers."""
 
 import pickle
 from collections import Counter
@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from khepera_forage.policies import NearestNeighbourImitator
-from khepera_forage.policies.nearest_neighbour.index import FEW
 from khepera_forage.task.states import Behaviour
 
 Rows = NDArray[np.int64]
@@ -88,31 +87,8 @@ def test_learning_one_by_one_equals_learning_at_once() -> None:
     assert [again.neighbours(query) for query in queries] == [whole.neighbours(query) for query in queries]
 
 
-def test_one_more_vector_inserts_one_entry_and_rebuilds_nothing() -> None:
-    rng = np.random.default_rng(2)
-    rows, heard = vectors(rng, 5_000, 139, list(range(215, 256))), rng.integers(0, 9, 5_000)
-    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
-    imitator.neighbours(rows[0])
-    index = imitator._index
-    memory = index.memory
-    assert memory is not None
-    before = [list(values) for values in memory]
-    imitator.partial_fit([[1, 70, 1, 215, 20]], [9])  # a class that was not there
-    assert index is imitator._index
-    assert index.memory is memory
-    after = dict(zip(memory._fields, memory, strict=True))
-    for name, values in zip(memory._fields, before, strict=True):
-        if name in ("food", "label", "times"):
-            place = next(
-                (k for k, (a, b) in enumerate(zip(values, after[name], strict=False)) if a != b), len(values)
-            )
-            assert after[name] == [*values[:place], after[name][place], *values[place:]]
-        assert len(after[name]) <= len(values) + 1
-    assert imitator.neighbours((1, 70, 1, 215, 20)).confidence_levels()[Behaviour.RELEASE_FOOD] > 0
-
-
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 2**32), st.sampled_from([1, FEW, FEW + 1, 2_000]), st.sampled_from([8, 139]))
+@given(st.integers(0, 2**32), st.sampled_from([1, 2_000]), st.sampled_from([8, 139]))
 def test_vectors_added_later_equal_vectors_fitted_at_once(seed: int, count: int, spread: int) -> None:
     rng = np.random.default_rng(seed)
     rows, heard = vectors(rng, 300 + count, spread, [215, 219, 255]), rng.integers(0, 10, 300 + count)

@@ -9,15 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.policies import NearestNeighbourImitator
-from khepera_forage.policies.nearest_neighbour.brute_force import distinct_vectors
-from khepera_forage.policies.nearest_neighbour.memories import (
+from khepera_forage.policies.memories import (
     BEHAVIOURS,
     NO_MEMORIES,
     memories_of,
-    merged,
-    unpacked,
 )
-from khepera_forage.policies.nearest_neighbour.votes import draw_label, nearest_votes
+from khepera_forage.policies.votes import draw_label, nearest_votes
 from khepera_forage.task.states import StateVector
 
 _vector = st.tuples(
@@ -98,33 +95,6 @@ def test_memory_is_the_same_alone_and_among_many() -> None:
         assert (getattr(many, name)[first:] == getattr(alone, name)).all()
     assert (many.columns[plane:] - column == alone.columns).all()
     assert (many.vectors[column:] - vector == alone.vectors).all()
-
-
-@settings(max_examples=40)
-@given(st.integers(0, 2**32), st.sampled_from([0, 1, 200, 2_000]))
-def test_unpacked_memory_has_every_vector_once_with_its_count(seed: int, count: int) -> None:
-    rng = np.random.default_rng(seed)
-    rows = rng.integers((0, 0, 0, 215, 0), (2, 6, 4, 218, 6), (count, 5))
-    labels = rng.integers(0, 3, count)
-    vectors, heard, times = (values.tolist() for values in unpacked(merged(rows, labels)))
-    counted = {(*row, label): n for row, label, n in zip(vectors, heard, times, strict=True)}
-    assert len(counted) == len(times)
-    assert counted == Counter(
-        (*row, label) for row, label in zip(rows.tolist(), labels.tolist(), strict=True)
-    )
-
-
-@settings(max_examples=40)
-@given(st.integers(0, 2**32), st.sampled_from([0, 1, 2_000]))
-def test_distinct_vectors_count_every_row(seed: int, count: int) -> None:
-    rng = np.random.default_rng(seed)
-    rows, labels = rng.integers(-6, 6, (count, 3)) / 4, rng.integers(0, 3, count)
-    vectors, heard, times = (values.tolist() for values in distinct_vectors(rows, labels, 3).unpacked())
-    counted = {(*row, label): n for row, label, n in zip(vectors, heard, times, strict=True)}
-    assert len(counted) == len(times)
-    assert counted == Counter(
-        (*row, label) for row, label in zip(rows.tolist(), labels.tolist(), strict=True)
-    )
 
 
 def test_no_memories_are_empty() -> None:

@@ -22,8 +22,10 @@ def drive():
     print("driving", flush=True)
 def drive_and_receive():
     drive()
+    fleet = Fleet(robots)
     while True:
-        Fleet(robots).receive()
+        fleet.transmit()
+        fleet.receive()
 """
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK
 from khepera_forage.robots.epuck.driver import SerialEPuck
-from khepera_forage.robots.epuck.protocol import E_PUCK
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request, TextLine

@@ -5,10 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import PULSES_PER_UNIT
-from khepera_forage.robots.virtual import position_control
-from khepera_forage.robots.virtual.position_control import WheelPositionController
+from khepera_forage.robots.virtual.firmware import POSITION_TOLERANCE, WheelPositionController
 
-TOLERANCE = position_control.TOLERANCE * PULSES_PER_UNIT
+TOLERANCE = POSITION_TOLERANCE * PULSES_PER_UNIT
 
 
 def driven(

@@ -9,8 +9,7 @@ pytest.importorskip("toio")
 
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.toio.driver import ToioRobot
-from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose
+from khepera_forage.robots.toio.driver import SIMPLE_MAT, CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
@@ -51,6 +50,21 @@ def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: Stepped
         assert robot.pose.x == pytest.approx(200 + 6 * 8.0, rel=0.05)
         assert robot.sense().left_pulses == pytest.approx((robot.pose.x - 200) / 0.08, abs=30)
         assert (robot.sense().arm, robot.sense().jaw, robot.sense().object_presence) == (255, 200, 0)
+
+
+@pytest.mark.parametrize(("left", "right"), [(1, -1), (2, 2), (-3, 3)])
+def test_slow_speeds_are_short_motions(stepped: SteppedTable, left: int, right: int) -> None:
+    """A wheel does not turn slower than 4.8 speed units."""
+    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
+    with ToioRobot("virtual:a") as robot:
+        for _ in range(20):
+            robot.drive(Motors(left, right, 255, 200))
+            robot.transmit()
+            stepped.advance(0.1)
+        robot.receive()
+        senses = robot.sense()
+    assert senses.left_pulses == pytest.approx(left * 200, abs=110)
+    assert senses.right_pulses == pytest.approx(right * 200, abs=110)
 
 
 @pytest.mark.parametrize(("period", "longest"), [(0.1, 0.3), (0.5, 1.0)])

@@ -52,6 +52,7 @@ def test_noise_is_measured(noise: float) -> None:
         ({"white": 215.0, "floor": 150.0}, "contrast", r"tracker's contrast is 1\.4; set it to 1\.[12]"),
         ({"blur": 2.0}, "blur", "focus the lens"),
         ({"grain": 20.0}, "noise", "more light"),
+        ({"black": 150.0}, "print", r"holes are 0\.[67]\d times as bright as white.*print the markers black"),
     ],
 )
 def test_warning_names_the_setting_to_change(changes: dict[str, float], name: str, advice: str) -> None:

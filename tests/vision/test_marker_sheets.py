@@ -8,14 +8,22 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from khepera_forage.vision.rendering.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, save_marker_sheet, svg
+from khepera_forage.vision.rendering.marker_sheets import (
+    DPI,
+    PAGE_HEIGHT,
+    PAGE_WIDTH,
+    marker_pages,
+    save_pages,
+    svg,
+    tag_pages,
+)
 from khepera_forage.vision.tracker import Tracker
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_svg_rectangles_have_their_true_size() -> None:
-    root = ElementTree.fromstring(svg().partition("\n")[2])
+    root = ElementTree.fromstring(svg(marker_pages()[0]).partition("\n")[2])
     assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
     assert root.get("viewBox") == "0 0 210 297", "one unit is one mm"
     sizes = [
@@ -30,7 +38,7 @@ def test_svg_rectangles_have_their_true_size() -> None:
 
 @pytest.mark.parametrize("kind", ["png", "pdf"])
 def test_png_and_pdf_are_an_a4_page(tmp_path: Path, kind: str) -> None:
-    path = save_marker_sheet(tmp_path / f"markers.{kind}")
+    path = save_pages(tmp_path / f"markers.{kind}", marker_pages())
     if kind == "pdf":
         data = path.read_bytes()
         assert data.startswith(b"%PDF")
@@ -45,7 +53,7 @@ def test_png_and_pdf_are_an_a4_page(tmp_path: Path, kind: str) -> None:
 
 def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
     """The printed page, cut along the frames, on a grey floor, at 5 mm per pixel."""
-    with Image.open(save_marker_sheet(tmp_path / "markers.png")) as image:
+    with Image.open(save_pages(tmp_path / "markers.png", marker_pages())) as image:
         page = np.asarray(image.convert("L"))
     scale = DPI / 25.4
     floor = np.full((480 * 8, 640 * 8), 105, np.uint8)
@@ -68,4 +76,35 @@ def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
 
 def test_other_suffix_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"allowed: a name that ends in \.svg, \.png, \.pdf"):
-        save_marker_sheet(tmp_path / "markers.txt")
+        save_pages(tmp_path / "markers.txt", marker_pages())
+    with pytest.raises(ValueError, match=r"would have 6 pages; allowed: a name that ends in \.pdf"):
+        save_pages(tmp_path / "markers.svg", marker_pages(range(1, 13), grid=True))
+
+
+def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
+    """OpenCV finds them on the page, with corners where they should be."""
+    (page,) = tag_pages((1, 7), (), (), 80.0, 24.0)
+    with Image.open(save_pages(tmp_path / "tags.png", [page])) as image:
+        picture = cv2.resize(
+            np.asarray(image.convert("L")), None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA
+        )
+    corners, ids, _ = cv2.aruco.ArucoDetector(
+        cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    ).detectMarkers(picture)
+    assert sorted(ids.ravel().tolist()) == [1, 7]
+    for c in corners:
+        sides = np.hypot(*(np.roll(c[0], 1, axis=0) - c[0]).T) * 25.4 / (DPI / 4)
+        assert sides == pytest.approx(80.0, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("ids", "size", "message"),
+    [
+        ((3, 3), 80.0, "tag 3 is given twice"),
+        ((50,), 80.0, "tag is 50; allowed: ids 1 to 49"),
+        ((1,), 300.0, r"size of a robot's tag is 300 mm; allowed: 10 to 170 mm"),
+    ],
+)
+def test_impossible_tags_are_refused(ids: tuple[int, ...], size: float, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        tag_pages(ids, (), (), size, 24.0)

@@ -14,8 +14,7 @@ from khepera_forage.cli.camera.preview import described
 from khepera_forage.cli.camera.source import add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
 from khepera_forage.extras import require
-from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.lens import DEFAULT_SIZE
 
 if TYPE_CHECKING:
     from khepera_forage.vision.calibration import Calibration
@@ -50,6 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="four or more places on the floor in mm, which you then click in a window in this order; twelve all over "
         "the picture calibrate the lens, too",
     )
+    given.add_argument(
+        "--tags",
+        nargs="+",
+        metavar="ID=X,Y",
+        help="four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
+        "to click, and the camera is watched from then on",
+    )
     parser.add_argument(
         "--camera",
         metavar="X,Y,HEIGHT",
@@ -76,16 +82,25 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.camera:
         x, y, height = _numbers("--camera", arguments.camera, 3)
         camera = (x, y, height)
-    source = open_source(arguments, paced=False) if arguments.places or arguments.check else None
+    by_camera = arguments.places or arguments.tags or arguments.check
+    source = open_source(arguments, paced=False) if by_camera else None
     try:
-        if arguments.places:
+        size = arguments.size or DEFAULT_SIZE
+        if source is not None:
+            height, width = source.newest()[0].shape
+            size = (width, height)
+        if arguments.tags:
+            assert source is not None
+            fit, picture, floor = _fit_to_tags(source, arguments.tags, camera, size)
+        elif arguments.places:
             floor = [_point("--places", text) for text in arguments.places]
             _check_count("--places", len(floor))
             assert source is not None
             picture = _clicked_points(source, floor)
         else:
             picture, floor = _points(arguments.points)
-        fit = fit_calibration(picture, floor, camera)
+        if not arguments.tags:
+            fit = fit_calibration(picture, floor, camera, size)
         calibration = fit.calibration
         _print_errors(fit, picture, floor)
         if arguments.check:
@@ -97,6 +112,30 @@ def run(arguments: argparse.Namespace) -> int:
     calibration.save(arguments.out)
     print(f"written to {arguments.out}")
     return 0
+
+
+def _fit_to_tags(
+    source: "FrameSource",
+    texts: Sequence[str],
+    camera: tuple[float, float, float] | None,
+    size: tuple[int, int],
+) -> tuple["CalibrationFit", list[Point], list[Point]]:
+    """The fit to the tags in one frame, with the pixel of each tag's middle and its place."""
+    from khepera_forage.vision.calibration_fit import fit_to_tags
+    from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags
+
+    places: dict[int, Point] = {}
+    for text in texts:
+        tag, equals, mm = text.partition("=")
+        if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
+            raise ValueError(f"--tags has {text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
+        if int(tag) in places:
+            raise ValueError(f"--tags has {tag} twice; allowed: each tag once")
+        places[int(tag)] = _point("--tags", mm)
+    _check_count("--tags", len(places))
+    fit = fit_to_tags(find_floor_tags(source.newest()[0], sorted(places)), places, FLOOR_SIZE, camera, size)
+    seen = fit.calibration.tags
+    return fit, list(seen.values()), [places[tag] for tag in seen]
 
 
 def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
@@ -130,8 +169,7 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
             f"the points enclose {100 * fit.coverage:.0f} % of the picture: outside of them the error is unknown and "
             "can be much larger; add points near the corners"
         )
-    middle = calibration.jacobian(PICTURE_WIDTH / 2, PICTURE_HEIGHT / 2)
-    print(f"a pixel in the middle is {MM_PER_PIXEL * math.sqrt(middle.area):.2f} mm wide")
+    print(f"a pixel in the middle is {calibration.mm_per_pixel():.2f} mm wide")
 
 
 def _summary(errors: Sequence[float]) -> str:
@@ -150,7 +188,8 @@ def _print_regions(source: "FrameSource", calibration: "Calibration") -> None:
 def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
     """The pixel that the user clicks for each place on the floor."""
     title = "khepera-forage camera calibrate"
-    window = PictureWindow.open(title, int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+    height, width = source.newest()[0].shape
+    window = PictureWindow.open(title, width, height)
     if window is None:
         raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
     points: list[Point] = []

@@ -24,6 +24,12 @@ SUBCOMMANDS = (
         markers.add_arguments,
         markers.run,
     ),
+    Subcommand(
+        "tags",
+        "write pages with tags for robots, food and the floor at true size, to print",
+        markers.add_tag_arguments,
+        markers.run_tags,
+    ),
 )
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.cli.camera.markers import ids
 from khepera_forage.cli.camera.source import VIRTUAL, add_source_arguments, open_source
 from khepera_forage.cli.camera.window import PictureWindow
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 if TYPE_CHECKING:
     from khepera_forage.vision.tracker import Tracker
@@ -35,6 +35,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calibration", type=given_path, metavar="FILE", help="calibration file, from `calibrate`"
     )
+    parser.add_argument(
+        "--markers", choices=("holes", "grid", "tags"), default="holes", help="what robots carry (holes)"
+    )
+    parser.add_argument(
+        "--numbers",
+        type=ids,
+        metavar="NUMBERS",
+        help="markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)",
+    )
+    parser.add_argument("--food-tags", type=ids, default=(), metavar="IDS", help="tags on food (none)")
     parser.add_argument(
         "--frames",
         type=whole_number(1),
@@ -61,14 +71,19 @@ def run(arguments: argparse.Namespace) -> int:
     if out is not None and out.suffix.lower() not in FORMATS:
         raise ValueError(f"--out is {str(out)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
     frames = _FILM_FRAMES if arguments.frames is None and out is not None else arguments.frames
-    source = open_source(arguments, paced=out is None)
-
     from khepera_forage.vision.calibration import Calibration
     from khepera_forage.vision.tracker import Tracker
+    from khepera_forage.vision.tracker_settings import TrackerSettings
 
+    calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
+    settings = TrackerSettings(
+        markers=arguments.markers,
+        numbers=arguments.numbers or _numbers(arguments.markers),
+        food_tags=arguments.food_tags,
+    )
+    source = open_source(arguments, out is None, None if calibration is None else calibration.size)
     try:
-        calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
-        preview = _Preview(source, Tracker(calibration=calibration), frames)
+        preview = _Preview(source, Tracker(settings, calibration), frames)
         if out is not None:
             _save(preview, out, arguments.source == VIRTUAL)
         else:
@@ -107,19 +122,32 @@ class _Preview:
             now = time.monotonic()
             if now - printed >= 1 or seen == self._frames:
                 rate = since_print / max(now - printed, 1e-9)
-                print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
-                quality = measure_quality(frame)
+                print(
+                    f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old"
+                )
+                quality = measure_quality(tracker.reduced(frame))
                 print(f"picture: {quality.described(tracker.settings)}")
-                for text in quality.warnings(tracker.settings).values():
+                for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
                     print(f"warning: {text}")
                 printed, since_print = now, 0
         self.rate = seen / max(time.monotonic() - began, 1e-9)
 
 
+def _numbers(markers: str) -> tuple[int, ...]:
+    """The numbers in use, if none are given."""
+    return {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}[markers]
+
+
 def _show(preview: _Preview) -> None:
-    window = PictureWindow.open("khepera-forage camera", int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+    window: PictureWindow | None = None
+    opened = False
     try:
         for picture in preview:
+            if not opened:
+                window, opened = (
+                    PictureWindow.open("khepera-forage camera", picture.shape[1], picture.shape[0]),
+                    True,
+                )
             if window is not None:
                 window.show(picture)
                 if window.closed:
@@ -141,13 +169,14 @@ def _save(preview: _Preview, out: Path, simulated: bool) -> None:
     print(f"{out}: {len(pictures)} {'picture' if len(pictures) == 1 else 'pictures'}")
 
 
-def described(scene: Scene) -> str:
+def described(scene: Scene, markers: str = "holes") -> str:
     """One line of text: the kind, position in mm and orientation of each region."""
     if not scene.regions:
         return "nothing seen"
     words = []
     for region in scene.regions:
-        what = f"{region.holes}-hole marker" if region.holes else "food"
+        marker = f"{region.holes}-hole marker" if markers == "holes" else f"marker {region.holes}"
+        what = marker if region.holes else "food"
         where = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
         facing = f" {region.orientation} deg" if region.holes else ""
         words.append(f"{what} {where}{facing}{'' if region.found else ' lost'}")

@@ -20,15 +20,34 @@ def add_source_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="number of a device, film file, URL, or `virtual` for rendered pictures of a simulated training (0)",
     )
+    parser.add_argument("--size", type=_size, metavar="WxH", help="pixels of the camera's frames (640x480)")
+    for name, what in (
+        ("rate", "frames a second"),
+        ("exposure", "exposure, off automatic"),
+        ("focus", "focus, off automatic"),
+    ):
+        parser.add_argument(
+            f"--{name}", type=float, metavar="N", help=f"{what}, of a device (its own setting)"
+        )
     add_seed_argument(parser, "seed of the virtual camera")
 
 
-def open_source(arguments: argparse.Namespace, paced: bool) -> "FrameSource":
+def _size(text: str) -> tuple[int, int]:
+    width, times, height = text.lower().partition("x")
+    if not (times and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: width x height in pixels, such as 1280x720")
+    return int(width), int(height)
+
+
+def open_source(
+    arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None
+) -> "FrameSource":
     """Open the picture source of `--source`.
 
     Args:
         arguments: With `source` and `seed`.
-        paced: Whether a virtual camera delivers frames in real time.
+        paced: Whether a virtual camera delivers frames in real time, and a file plays at its own speed.
+        size: Of the frames, unless `--size` is given.
 
     Raises:
         OSError: The source cannot be opened.
@@ -39,6 +58,7 @@ def open_source(arguments: argparse.Namespace, paced: bool) -> "FrameSource":
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 
         return RenderedTraining(arguments.seed, paced=paced)
-    from khepera_forage.vision.video import VideoSource
+    from khepera_forage.vision.video import VideoSettings, VideoSource
 
-    return VideoSource(arguments.source)
+    settings = VideoSettings(arguments.size or size, arguments.rate, arguments.exposure, arguments.focus)
+    return VideoSource(arguments.source, settings=settings, paced=paced)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from khepera_forage.cli.robot.move import wait_for_rest
 from khepera_forage.cli.robot.port import add_port_arguments, open_robot
-from khepera_forage.robots.epuck.protocol import INFRA_RED
+from khepera_forage.robots.epuck.driver import INFRA_RED
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,

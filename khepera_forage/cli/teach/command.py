@@ -19,7 +19,7 @@ from khepera_forage.cli.arguments import (
 )
 from khepera_forage.cli.teach.human_teacher import HumanTeacher
 from khepera_forage.cli.teach.keys import LETTERS, QuitRequest, RestartRequest
-from khepera_forage.cli.training_plan import PlannedFile, planned_files, require_new
+from khepera_forage.cli.train import PlannedFile, planned_files, require_new
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience

@@ -1,11 +1,49 @@
-"""The driver of a real e-puck2, over Bluetooth or USB."""
+"""The driver of a real e-puck2, over Bluetooth or USB, and the e-puck's commands ("sercom").
 
-from khepera_forage.robots.epuck import protocol
+The letters D, E, N and O mean what they mean on a Khepera; the counters are Q, and there is no turret.
+"""
+
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, Motors, Senses
 from khepera_forage.robots.model import E_PUCK, KHEPERA_ORDER
 from khepera_forage.robots.proximity import MAX_READING
-from khepera_forage.robots.serial.protocol import Request
+from khepera_forage.robots.serial.protocol import Command, Protocol, Range, Request, Text
 from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
+
+SPEED = Range(-1100, 1100)
+"""Steps per second."""
+INFRA_RED = Range(-4095, 4095)
+"""Reflected minus ambient light: about 0 without an obstacle."""
+COUNTER = Range(-(2**15), 2**16 - 1)
+"""16 bits, which wrap."""
+
+PROTOCOL = Protocol(
+    commands={
+        "B": Command((Range(0, 2),), (), "body light: off, on, toggle"),
+        "D": Command((SPEED,) * 2, (), "set the speeds, left and right"),
+        "E": Command((), (SPEED,) * 2, "speeds as commanded"),
+        "L": Command((Range(0, 8), Range(0, 2)), (), "switch a light, 8 for all: off, on, toggle"),
+        "N": Command((), (INFRA_RED,) * 8, "proximity, clockwise from the front right"),
+        "O": Command((), (Range(0, 4095),) * 8, "ambient light, in the same order"),
+        "P": Command((COUNTER,) * 2, (), "set the step counters"),
+        "Q": Command((), (COUNTER,) * 2, "read the step counters"),
+        "S": Command((), (), "stop, and switch all lights off"),
+        "V": Command(
+            (),
+            (Text(r"Version [ -+\--~]+", "a version"),),
+            "version; a line with that of the hardware follows",
+        ),
+    },
+    # As in the firmware of the e-puck1.
+    banner=("WELCOME to the SerCom protocol on e-Puck", 'the EPFL education robot type "H" for help'),
+    identity=Request("V"),
+    queries=tuple(Request(letter) for letter in "EQONV"),
+    baud_rates=(115200,),
+    stop_bits=1,
+    remark="HW version",
+    end=b"\r",
+    hint="is this the port of an e-puck2, switched on, with its selector in position 3 (Bluetooth) or 8 (USB)?",
+)
+
 
 _FULL_READING = 4096
 TOUCHED = 300
@@ -22,7 +60,7 @@ class SerialEPuck(SerialRobot):
     """
 
     model = E_PUCK
-    protocol = protocol.E_PUCK
+    protocol = PROTOCOL
     default_baud = 115200
     motion_commands = ("D",)
     lamps = (8,)

@@ -6,7 +6,7 @@ simulated gripper stays raised, where it touches nothing.
 
 from collections.abc import Callable
 
-from khepera_forage.robots.epuck.protocol import E_PUCK as PROTOCOL
+from khepera_forage.robots.epuck.driver import PROTOCOL
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, PULSE
 from khepera_forage.robots.model import E_PUCK
 from khepera_forage.robots.serial.protocol import NOT_FOUND_TEXT, wrap_counter

@@ -1,4 +1,4 @@
-"""The driver of a toio cube, on Sony's library toio-py.
+"""The driver of a toio cube, on Sony's library toio-py, and the printed mat on which cubes drive.
 
 Requires the extra `toio`; it is imported when a cube is opened, not before.
 """
@@ -23,10 +23,62 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.model import TOIO
 from khepera_forage.robots.real_robot import RealRobot
-from khepera_forage.robots.toio.mat import SIMPLE_MAT, CubePose, Mat
 
 if TYPE_CHECKING:
     from toio.device_interface import CubeInterface
+
+
+from typing import NamedTuple
+
+MM_PER_UNIT = 560 / 411
+"""Millimetres of the mat for one unit of its positions (toio-sdk-for-unity)."""
+_PLAN = MM_PER_UNIT / TOIO.scale
+
+
+class CubePose(NamedTuple):
+    """A place on the plan: x and y in mm, x to the right and y up; heading in radians, counter-clockwise from x."""
+
+    x: float
+    y: float
+    heading: float
+
+
+class Mat(NamedTuple):
+    """A mat.
+
+    The plan's origin is the mat's lower left corner.
+
+    Attributes:
+        left: Smallest x of its positions.
+        right: Largest x.
+        top: Smallest y: on a mat, y points down.
+        bottom: Largest y.
+    """
+
+    left: int
+    right: int
+    top: int
+    bottom: int
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height on the plan, in mm."""
+        return (self.right - self.left) * _PLAN, (self.bottom - self.top) * _PLAN
+
+    def to_plan(self, x: float, y: float, angle: float) -> CubePose:
+        """Convert a position of the mat, whose angle is in degrees clockwise from x."""
+        heading = math.remainder(-math.radians(angle), math.tau)
+        return CubePose((x - self.left) * _PLAN, (self.bottom - y) * _PLAN, heading)
+
+    def to_mat(self, pose: CubePose) -> tuple[int, int, int]:
+        """Convert a place on the plan."""
+        angle = round(math.degrees(-pose.heading)) % 360
+        return round(self.left + pose.x / _PLAN), round(self.bottom - pose.y / _PLAN), angle
+
+
+SIMPLE_MAT = Mat(98, 402, 142, 358)
+"""The A3 sheet that comes with each cube: 414 x 294 mm, on the plan 712 x 506 mm. Both corridors fit."""
+
 
 T = TypeVar("T")
 
@@ -48,6 +100,8 @@ _FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
 """Light for one second, white."""
 _LOOK_AHEAD = 8.0
 """mm on the plan in which a wall before the cube stops it."""
+_ALONG = 1.0
+"""mm by which a cube may come nearer to a wall: it drives along it."""
 _POSITION, _POSITION_MISSED = 0x01, 0x03
 """First bytes of a notification."""
 
@@ -69,7 +123,7 @@ class ToioRobot(RealRobot):
         pose: Its last place on the plan.
         on_mat: Whether it sees the mat.
         clearance: Distance in mm from a place on the plan to the nearest wall, negative behind it; None without walls.
-            A mat has no walls, so that the driver itself keeps the cube within them: it turns, and does not advance.
+            A mat has no walls, so that the driver itself keeps the cube within them: it turns it along the wall.
 
     Raises:
         ValueError: A speed that is not allowed.
@@ -93,7 +147,7 @@ class ToioRobot(RealRobot):
         self.on_mat = False
         self.clearance: Callable[[float, float], float] | None = None
         self._mat = mat
-        self._duration = max(COMMAND_DURATION, round(2000 * period))
+        self._period = period
         self._cube: Any = None
         self._notifications = 0
         self._travel = (0.0, 0.0)
@@ -193,10 +247,21 @@ class ToioRobot(RealRobot):
             if forward and self.clearance is not None:
                 x, y, heading = self.pose
                 ahead = math.copysign(_LOOK_AHEAD, forward)
-                after = self.clearance(x + ahead * math.cos(heading), y + ahead * math.sin(heading))
-                if after < min(RADIUS, self.clearance(x, y)):
-                    left, right = left - forward, right - forward
-            self._write_motors(left, right, self._duration)
+                here = self.clearance(x, y)
+                after, to_right, to_left = (
+                    self.clearance(x + ahead * math.cos(heading + turn), y + ahead * math.sin(heading + turn))
+                    for turn in (0.0, -0.5, 0.5)
+                )
+                if after < min(RADIUS, here) - _ALONG:
+                    # A wall would turn it along: to the side with more room.
+                    turn = math.copysign(abs(forward), to_left - to_right)
+                    left, right = -turn, turn
+            # Wheels do not turn slower than the slowest speed: turn for a part of the round.
+            part = min(1.0, max(abs(left), abs(right)) * self.model.unit / SLOWEST_UNIT)
+            if 0.0 < part < 1.0:
+                self._write_motors(left / part, right / part, 10 * max(1, round(100 * self._period * part)))
+            else:
+                self._write_motors(left, right, max(COMMAND_DURATION, round(2000 * self._period)))
 
     def _receive(self) -> None:
         self._wait_for_position(_MAX_SILENCE if self.on_mat else _OFF_MAT)

@@ -17,8 +17,7 @@ from toio.toio_uuid import ToioUuid
 
 from khepera_forage.robots.khepera import SPEED_UNIT
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT
-from khepera_forage.robots.toio.mat import CubePose, Mat
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT, CubePose, Mat
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""

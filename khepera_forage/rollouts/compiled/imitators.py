@@ -1,4 +1,4 @@
-"""The imitators' search and vote (section 4.6), compiled from the functions of `policies.nearest_neighbour`."""
+"""The imitators' search and vote (section 4.6), compiled from the functions of `policies.votes`."""
 
 from bisect import bisect_left
 from typing import Any
@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, overload, rule
-from khepera_forage.policies.nearest_neighbour.distance import rounded_distance, scaled_distance
-from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, Memories, plane_key
-from khepera_forage.policies.nearest_neighbour.votes import clear, draw_label, nearest_votes, search_plane
+from khepera_forage.policies.distance import rounded_distance, scaled_distance
+from khepera_forage.policies.memories import BEHAVIOURS, Memories, plane_key
+from khepera_forage.policies.votes import clear, draw_label, nearest_votes, search_plane
 
 __all__ = ["clear", "confidence_levels", "draw_label", "nearest_votes"]
 
@@ -42,7 +42,7 @@ def confidence_levels(
     """Confidence levels (4.6.2) of every imitator for every state vector, without foraging.
 
     Args:
-        memories: From `policies.nearest_neighbour.memories.memories_of`.
+        memories: From `policies.memories.memories_of`.
         vectors: State vectors in the last axis, of any shape before it.
         diagonal: Of the arena foraged in, pixels.
         arithmetic: The decision `distance_arithmetic` as a number.

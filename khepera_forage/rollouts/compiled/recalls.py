@@ -19,7 +19,7 @@ from khepera_forage.envs.compiled.step import begin, carry_out, command_behaviou
 from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
-from khepera_forage.policies.nearest_neighbour.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
+from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
 from khepera_forage.sim.draws import DRAW_POLICY, draw, upper
@@ -163,7 +163,7 @@ class Recalls:
         """Run recalls; earlier runs do not change their results.
 
         Args:
-            memories: What the imitators have learned, from `policies.nearest_neighbour.memories.memories_of`; None
+            memories: What the imitators have learned, from `policies.memories.memories_of`; None
                 without imitators.
             memory_of_episode: The policy of each recall: the number of a memory, `TEACHER`, or `UNIFORM`.
             seed: Recall i is the one that an environment on the backend "compiled" has after `reset(seed=seed + i)`.

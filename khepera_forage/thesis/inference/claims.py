@@ -14,7 +14,7 @@ from khepera_forage.study import Arguments, Rows, collect
 from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
-from khepera_forage.thesis.inference.posterior import Floats, sample
+from khepera_forage.thesis.inference.posterior import Floats
 from khepera_forage.thesis.inference.prior import Laboratory, laboratory_text
 from khepera_forage.thesis.jobs import compiled_jobs, job_counts
 
@@ -121,7 +121,7 @@ def measured(
     count = min(QUICK_LABORATORIES if given.quick else LABORATORIES, len(laboratories))
     rng = np.random.default_rng(given.seed)
     prior = rng.choice(len(laboratories), count, replace=False).tolist()
-    inferred = sample(weights, count, rng).tolist()
+    inferred = rng.choice(len(laboratories), count, p=weights / weights.sum()).tolist()
     replications = QUICK_REPLICATIONS if given.quick else REPLICATIONS
     units = [
         LaboratoryUnit(given.seed, number, laboratories[number], replications)

@@ -131,37 +131,23 @@ def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, floa
     return float(ordered[first[best]]), float(ends[best])
 
 
-def rank(values: Floats, weights: Floats, value: float, percent: float = 100.0) -> float:
+def rank(values: Floats, weights: Floats, value: float) -> float:
     """Percent of the weight that lies below a value; equal values count half.
 
     Args:
         values: One a set; nan is left out.
         weights: One a set.
         value: To be ranked.
-        percent: Rank above all values.
     """
     known = np.isfinite(values)
     values, weights = values[known], weights[known]
     below = weights[values < value - 1e-9].sum() + 0.5 * weights[np.abs(values - value) <= 1e-9].sum()
-    return float(percent * below / weights.sum()) if weights.sum() > 0 else float("nan")
+    return float(100.0 * below / weights.sum()) if weights.sum() > 0 else float("nan")
 
 
 def effective_number(weights: Floats) -> float:
     """How many sets of equal weight are as many (Kish's effective sample size)."""
     return float(weights.sum() ** 2 / (weights**2).sum())
-
-
-def sample(weights: Floats, count: int, rng: Generator) -> NDArray[np.intp]:
-    """Numbers of sets, drawn by weight, with systematic sampling: each set about as often as its weight says.
-
-    Args:
-        weights: One a set.
-        count: Draws.
-        rng: Draws the offset and the order.
-    """
-    points = (np.arange(count) + rng.random()) / count * weights.sum()
-    drawn = np.searchsorted(np.cumsum(weights), points, side="right")
-    return rng.permutation(np.minimum(drawn, len(weights) - 1))
 
 
 class SetForest:

@@ -117,26 +117,23 @@ class Prior:
         """
         problem = ""
         for _ in range(_TRIES):
-            values = {name: draw_value(part, rng) for name, part in self.decisions.items()}
-            sizes = {name: draw_value(part, rng) for name, part in self.noise.items()}
+            values = {name: _value(part, rng) for name, part in self.decisions.items()}
+            sizes = {name: _value(part, rng) for name, part in self.noise.items()}
             try:
-                return Laboratory(possible_decisions(values), replace(Noise.laboratory(), **sizes))
+                return Laboratory(_decisions(values), replace(Noise.laboratory(), **sizes))
             except ValueError as error:
                 problem = str(error)
         raise ValueError(f"none of {_TRIES} draws of this prior is possible; the last one: {problem}")
 
 
-def possible_decisions(values: Mapping[str, Any]) -> Decisions:
+def _decisions(values: Mapping[str, Any]) -> Decisions:
     """Decisions with these values, rounded if they are counts.
 
-    Args:
-        values: By the name of the field; other fields are as in version 0.1.
-
     Raises:
-        ValueError: A rule between decisions is broken: start, food and home do not fit the arenas, or the robot would
-            move slowly faster than it searches.
+        ValueError: Start, food and home do not fit the arenas, or the robot would move slowly faster than it searches.
     """
-    decisions = Decisions.from_changes(_whole_counts(values), Decisions.v0_1())
+    whole = {name: round(value) if FIELDS[name].kind is int else value for name, value in values.items()}
+    decisions = Decisions.from_changes(whole, Decisions.v0_1())
     for name in THESIS_ARENAS:
         checked_arena(name, decisions)
     if decisions.slow_speed > decisions.search_speed:
@@ -144,17 +141,11 @@ def possible_decisions(values: Mapping[str, Any]) -> Decisions:
     return decisions
 
 
-def draw_value(part: Range | Shares, rng: Generator) -> Any:
+def _value(part: Range | Shares, rng: Generator) -> Any:
     """A random value of one field."""
     if isinstance(part, Range):
         return float(rng.uniform(part.least, part.most))
-    chosen = rng.choice(len(part.of), p=list(part.of.values()))
-    return list(part.of)[chosen]
-
-
-def _whole_counts(values: Mapping[str, Any]) -> dict[str, Any]:
-    counts = {name for name, field in FIELDS.items() if field.kind is int}
-    return {name: round(value) if name in counts else value for name, value in values.items()}
+    return list(part.of)[rng.choice(len(part.of), p=list(part.of.values()))]
 
 
 PRIOR = Prior(

@@ -82,7 +82,11 @@ class MarkerDetector:
             (GRID_HOLES, GRID_SIDE) if settings.markers == "grid" else (MARKER_HOLES, HOLE_SIDE)
         )
         self._pattern = HolePattern(
-            {number: arrangements[number] for number in settings.numbers},
+            {
+                n: holes
+                for n, holes in arrangements.items()
+                if n in settings.numbers or settings.markers == "tags"
+            },
             settings.hole_side * side / HOLE_SIDE,
             settings.marker_length,
             settings.marker_width,

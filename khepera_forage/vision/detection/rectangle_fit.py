@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.detection.cable_along_side import places_beyond_ends, sides_along_cables
 from khepera_forage.vision.detection.segmentation import Frame
 
 _POINTS = 13
@@ -48,6 +47,18 @@ _LEAST_SHARE = 0.35
 """Share of all points that must lie on the rectangle."""
 _LEAST_ON_SIDE = 3
 """Points from which a side counts as seen; three sides must be."""
+
+_BEYOND_ENDS = (5.0, 6.0, 7.0)
+"""Region pixels beyond the end of a side where the floor is looked at: beyond the black frame and its blur, even of a
+marker that appears 15 % too large."""
+_ASIDE = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)
+"""Region pixels from the line of the side, outwards, where a cable is looked for: with it, cables that make an angle of
+up to 10 degrees with the side are found."""
+_CABLE_DEVIATION = 0.1
+"""Share of the floor's brightness by which a cable differs from it: a grey one, 4 mm wide and blurred, differs by 0.15
+to 0.2, and floor with its texture, noise and light by up to 0.09."""
+_OPPOSITE = [1, 0, 3, 2]
+"""Number of the side that is opposite to each: front, back, left, right."""
 
 
 class Rectangle(NamedTuple):
@@ -88,7 +99,7 @@ class RectangleFit:
         sides = np.repeat(np.arange(4), _POINTS)
         self._offsets = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
         samples = places[:, None, :] + normals[:, None, :] * self._offsets[:, None]
-        self._places = np.concatenate((samples.reshape(-1, 2), places_beyond_ends(length, width)))
+        self._places = np.concatenate((samples.reshape(-1, 2), _places_beyond_ends(length, width)))
         # Outward shift of each point with the centre, the turn, and the size: blur, exposure and paper move all sides
         # about equally.
         levers = normals[:, 1] * places[:, 0] - normals[:, 0] * places[:, 1]
@@ -131,7 +142,7 @@ class RectangleFit:
         first = edges[: self._points]
         # A border of which little is hidden needs only its first candidates, and only one choice of trusted points.
         points = self._points
-        shown = ~np.repeat(sides_along_cables(levels[border:], floor), _POINTS)
+        shown = ~np.repeat(_sides_along_cables(levels[border:], floor), _POINTS)
         solution = self._clear_solution(edges[:points], visible[:points], shown)
         if solution is not None:
             return _rectangle(solution, clear=True)
@@ -241,3 +252,36 @@ class RectangleFit:
 def _rectangle(solution: NDArray[np.float64], clear: bool) -> Rectangle:
     a, b, turn = solution[:3].tolist()
     return Rectangle((a, b), turn, clear)
+
+
+def _places_beyond_ends(length: float, width: float) -> NDArray[np.float64]:
+    """Where to look for cables.
+
+    Args:
+        length: Of the rectangle: its extent along x, region pixels.
+        width: Its extent along y.
+
+    Returns:
+        x and y from its centre, for front, back, left and right side; shape (places, 2).
+    """
+    a, b = length / 2, width / 2
+    ends = [(end, aside, beyond) for end in (1, -1) for aside in _ASIDE for beyond in _BEYOND_ENDS]
+    across = [(sign * (a + aside), end * (b + beyond)) for sign in (1, -1) for end, aside, beyond in ends]
+    along = [(end * (a + beyond), sign * (b + aside)) for sign in (1, -1) for end, aside, beyond in ends]
+    return np.array(across + along)
+
+
+def _sides_along_cables(levels: NDArray[np.float64], floor: float) -> NDArray[np.bool_]:
+    """For each side, whether a cable lies along it, which goes on beyond both of its ends.
+
+    Such a cable covers only a fraction of a pixel of the white, and looks like the black frame.
+
+    Of two opposite sides one is needed to measure the marker: if something lies along both, neither is given.
+
+    Args:
+        levels: Grey levels at `_places_beyond_ends`.
+        floor: Grey level of the floor.
+    """
+    means = levels.reshape(4, 2, len(_ASIDE), len(_BEYOND_ENDS)).mean(axis=3)
+    seen: NDArray[np.bool_] = (np.abs(means - floor) > _CABLE_DEVIATION * floor).any(axis=2).all(axis=1)
+    return seen & ~seen[_OPPOSITE]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.canvas import Box, ImagePose, box_corners, to_pixels
-from khepera_forage.vision.rendering.slow_noise import SlowNoise
+from khepera_forage.vision.rendering.light import SlowNoise
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _PERIOD = 7.0

@@ -1,13 +1,14 @@
-"""A page with both markers at true size, to print, cut out and put on real robots."""
+"""Pages with markers and tags at true size, to print and cut out."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.tags import CELLS, DICTIONARY, FLOOR_SIZE
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -55,55 +56,147 @@ class TextLine(NamedTuple):
 Element = Rectangle | Line | TextLine
 
 
-def elements() -> Iterator[Element]:
-    """Everything on the page, lowest first."""
-    yield TextLine(
-        _MIDDLE, 10, 3.2, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:"
-    )
-    for number, holes in enumerate(sorted(MARKER_HOLES)):
-        yield from _marker(holes, _MIDDLE, _FIRST_MARKER + number * _SPACING)
-    foot = PAGE_HEIGHT - 36
-    yield Line(_MIDDLE - _SCALE_LINE / 2, foot, _MIDDLE + _SCALE_LINE / 2, foot)
+Page = list[Element]
+"""Everything on a page, lowest first."""
+
+
+def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Page]:
+    """Pages with two markers each.
+
+    Args:
+        numbers: Of the markers.
+        grid: Whether they are those of the table of twelve.
+    """
+    pages = []
+    for first in range(0, len(numbers), 2):
+        page: Page = [
+            TextLine(
+                _MIDDLE, 10, 3.2, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:"
+            )
+        ]
+        for place, number in enumerate(numbers[first : first + 2]):
+            page += _marker(number, grid, _MIDDLE, _FIRST_MARKER + place * _SPACING)
+        foot = PAGE_HEIGHT - 36
+        page += _ruler(foot, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
+        page.append(
+            TextLine(
+                _MIDDLE,
+                foot + 13,
+                3.2,
+                "Cut along the outer edge of the frame. Mount it level over the gripper,",
+            )
+        )
+        page.append(
+            TextLine(
+                _MIDDLE,
+                foot + 18,
+                3.2,
+                "its middle over the middle of the robot, its arrow towards the gripper.",
+            )
+        )
+        pages.append(page)
+    return pages
+
+
+def tag_pages(
+    robots: Sequence[int], food: Sequence[int], floor: Sequence[int], robot_size: float, food_size: float
+) -> list[Page]:
+    """Pages with the tags of robots, food and floor.
+
+    Args:
+        robots: Their ids.
+        food: Their ids.
+        floor: Their ids.
+        robot_size: Side of a robot's tag in mm.
+        food_size: Side of a food object's tag in mm.
+
+    Raises:
+        ValueError: An id twice, or one that no tag has, or a size that does not fit on a page.
+    """
+    ids = [*robots, *food, *floor]
+    for i, tag in enumerate(ids):
+        if tag in ids[:i]:
+            raise ValueError(f"tag {tag} is given twice; allowed: each id once")
+        if not 1 <= tag <= 49:
+            raise ValueError(f"tag is {tag}; allowed: ids 1 to 49")
+    pages = []
+    for kind, group, size in (
+        ("robot", robots, robot_size),
+        ("food", food, food_size),
+        ("floor", floor, FLOOR_SIZE),
+    ):
+        if not 10 <= size <= 170:
+            raise ValueError(f"size of a {kind}'s tag is {size:g} mm; allowed: 10 to 170 mm")
+        step = size + 2 * max(5.5, size / 10)
+        columns, rows = int(200 // step), max(1, int(262 // (step + 7)))
+        for first in range(0, len(group), columns * rows):
+            page: Page = [
+                TextLine(_MIDDLE, 7, 3.2, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")
+            ]
+            page += _ruler(12, f"this line is 100 mm long, and a black square {size:g} mm wide.")
+            for place, tag in enumerate(group[first : first + columns * rows]):
+                x = _MIDDLE + (place % columns - (columns - 1) / 2) * step
+                y = 22 + (place // columns) * (step + 7) + step / 2
+                page += _tag(tag, size, step, x, y)
+                front = ", top is front" if kind == "robot" else ""
+                page.append(TextLine(x, y + step / 2 + 4, 3.2, f"{kind} {tag}{front}"))
+            pages.append(page)
+    return pages
+
+
+def _ruler(y: float, text: str) -> Iterator[Element]:
+    """A line of known length, and what it shows."""
+    yield Line(_MIDDLE - _SCALE_LINE / 2, y, _MIDDLE + _SCALE_LINE / 2, y)
     for end in (-1, 1):
         x = _MIDDLE + end * _SCALE_LINE / 2
-        yield Line(x, foot - 2, x, foot + 2)
-    yield TextLine(_MIDDLE, foot + 6, 3.2, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
-    yield TextLine(
-        _MIDDLE,
-        foot + 13,
-        3.2,
-        "Cut along the outer edge of the frame. Mount it level over the gripper,",
-    )
-    yield TextLine(
-        _MIDDLE, foot + 18, 3.2, "its middle over the middle of the robot, its arrow towards the gripper."
-    )
+        yield Line(x, y - 2, x, y + 2)
+    yield TextLine(_MIDDLE, y + 6, 3.2, text)
 
 
-def _marker(holes: int, x: float, y: float) -> Iterator[Element]:
+def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Element]:
+    """A tag centred at (x, y) on the page, and the edges of its white margin, to cut along."""
+    require("tags", "camera")
+    import cv2
+
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    cells = cv2.aruco.generateImageMarker(dictionary, tag, CELLS)
+    cell, left, top = size / CELLS, x - size / 2, y - size / 2
+    yield Rectangle(left, top, size, size, True)
+    for row, column in zip(*cells.nonzero(), strict=True):
+        yield Rectangle(left + column * cell, top + row * cell, cell, cell, False)
+    for dx, dy in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
+        corner = (x + dx * outer / 2, y + dy * outer / 2)
+        yield Line(*corner, corner[0] - dx * 3, corner[1])
+        yield Line(*corner, corner[0], corner[1] - dy * 3)
+
+
+def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     """One marker centred at (x, y) on the page, its front to the right."""
     for grow, black in ((MARKER_FRAME, True), (0.0, False)):
         length, width = MARKER_LENGTH + 2 * grow, MARKER_WIDTH + 2 * grow
         yield Rectangle(x - length / 2, y - width / 2, length, width, black)
-    for forward, left in MARKER_HOLES[holes]:
-        yield Rectangle(x + forward - HOLE_SIDE / 2, y - left - HOLE_SIDE / 2, HOLE_SIDE, HOLE_SIDE, True)
+    arrangements: Mapping[int, Sequence[tuple[float, float]]] = GRID_HOLES if grid else MARKER_HOLES
+    side = GRID_SIDE if grid else HOLE_SIDE
+    for forward, left in arrangements[number]:
+        yield Rectangle(x + forward - side / 2, y - left - side / 2, side, side, True)
     front = x + MARKER_LENGTH / 2 + MARKER_FRAME + 3
     yield Line(front, y, front + 12, y)
     for side in (-1, 1):
         yield Line(front + 12, y, front + 8, y + side * 3)
     yield TextLine(front + 7, y + 9, 3.2, "front")
-    name = "1 hole" if holes == 1 else f"{holes} holes"
+    name = f"marker {number}" if grid else "1 hole" if number == 1 else f"{number} holes"
     yield TextLine(x, y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, 4.2, name)
 
 
-def svg() -> str:
-    """The page as an SVG document whose lengths are in mm."""
+def svg(page: Page) -> str:
+    """A page as an SVG document whose lengths are in mm."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{PAGE_WIDTH:g}mm" height="{PAGE_HEIGHT:g}mm" '
         f'viewBox="0 0 {PAGE_WIDTH:g} {PAGE_HEIGHT:g}" shape-rendering="crispEdges">',
         '<rect width="100%" height="100%" fill="white"/>',
     ]
-    for element in elements():
+    for element in page:
         if isinstance(element, Rectangle):
             x, y, width, height, black = element
             fill = "black" if black else "white"
@@ -121,8 +214,8 @@ def svg() -> str:
     return "\n".join([*lines, "</svg>", ""])
 
 
-def save_marker_sheet(path: str | os.PathLike[str]) -> Path:
-    """Write the page as SVG, PNG or PDF, depending on the suffix of the path.
+def save_pages(path: str | os.PathLike[str], pages: Sequence[Page]) -> Path:
+    """Write pages as SVG, PNG or PDF, depending on the suffix of the path; several pages only as PDF.
 
     Returns:
         The path.
@@ -135,24 +228,28 @@ def save_marker_sheet(path: str | os.PathLike[str]) -> Path:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(f"page of markers {str(path)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
+    if len(pages) > 1 and suffix != ".pdf":
+        raise ValueError(f"{str(path)!r} would have {len(pages)} pages; allowed: a name that ends in .pdf")
     if suffix == ".svg":
-        path.write_text(svg(), encoding="utf-8")
+        path.write_text(svg(pages[0]), encoding="utf-8")
     elif suffix == ".png":
-        _image().save(path, dpi=(DPI, DPI))
+        _image(pages[0]).save(path, dpi=(DPI, DPI))
     else:
-        _image().save(path, resolution=DPI)
+        dpi = DPI if len(pages) == 1 else DPI // 2
+        first, *others = (_image(page, dpi) for page in pages)
+        first.save(path, resolution=dpi, save_all=True, append_images=others)
     return path
 
 
-def _image() -> "Image":
-    """The page as a grey image."""
+def _image(page: Page, dpi: int = DPI) -> "Image":
+    """A page as a grey image."""
     require("a PNG or PDF", "render", otherwise="; SVG works without")
     from PIL import Image, ImageDraw, ImageFont
 
-    scale = DPI / 25.4
+    scale = dpi / 25.4
     image = Image.new("L", (round(PAGE_WIDTH * scale), round(PAGE_HEIGHT * scale)), 255)
     drawing = ImageDraw.Draw(image)
-    for element in elements():
+    for element in page:
         if isinstance(element, Rectangle):
             x, y, width, height, black = element
             # Pillow fills the last pixel too.

@@ -124,16 +124,6 @@ def merged(
     )
 
 
-def unpacked(memory: FlatMemories[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The state vectors of a single memory, shape (n, 5), the label of each, and how often it was heard."""
-    _, keys, columns, home, starts, food, labels, times = (np.array(values, np.int64) for values in memory)
-    sizes = np.diff(starts)
-    keys = np.repeat(np.repeat(keys, np.diff(columns)), sizes)
-    kind, arm = keys // ARMS, keys % ARMS
-    vectors = np.column_stack((kind // FOOD_TYPES, np.repeat(home, sizes), kind % FOOD_TYPES, arm, food))
-    return vectors, labels, times
-
-
 def _last_bits(numbers: NDArray[np.int64], bits: int) -> NDArray[np.int64]:
     return numbers & (1 << bits) - 1
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from khepera_forage.cli.arena.findings import Findings, Paths
+from khepera_forage.cli.arena import Findings, Paths
 from khepera_forage.envs.rendering import palette
 from khepera_forage.figures import OURS, SMALL, THESIS, new_figure, save
 from khepera_forage.geometry import polygon

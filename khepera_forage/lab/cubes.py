@@ -1,13 +1,13 @@
-"""An operator that needs nobody: toio cubes drive to their places by themselves."""
+"""Toio cubes in a laboratory: an operator that needs nobody, and the mat as a camera."""
 
 import math
 import time
 from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
-from khepera_forage.robots.khepera import SPEED_UNIT
-from khepera_forage.robots.toio.driver import COMMAND_DURATION, ToioRobot
-from khepera_forage.robots.toio.mat import CubePose
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, SPEED_UNIT
+from khepera_forage.robots.toio.driver import COMMAND_DURATION, CubePose, ToioRobot
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
 _FAST, _SLOW = 8, 5
 """Speed units of a wheel on the way, and near the place."""
@@ -130,3 +130,64 @@ class CubeOperator:
                 away = side * (_AROUND - abs(aside)) / max(ahead, _AROUND / 2)
                 return ux - uy * away, uy + ux * away
         return dx, dy
+
+
+_AREA = MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2
+_PERIMETER = 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL
+
+
+class MatCamera:
+    """A `LabCamera` whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
+
+    A cube that was lifted off the mat, or has left it, keeps its last place and counts as lost, like a region that the
+    tracker does not find.
+
+    Args:
+        robots: The robots.
+        holes: Number of holes of each robot's marker.
+        foods: The cubes that are food.
+    """
+
+    def __init__(self, robots: Sequence[ToioRobot], holes: Sequence[int], foods: Sequence[ToioRobot]) -> None:
+        self._cubes = [*zip(robots, holes, strict=True), *((food, 0) for food in foods)]
+        self._foods = foods
+        self._scene = Scene(())
+
+    def begin_round(self) -> None:
+        """Nothing to do: places are taken in `expose`."""
+
+    def forget(self) -> None:
+        """Nothing to do: a cube's place does not follow from earlier ones."""
+
+    def reset(self) -> None:
+        """As `expose`."""
+        self.expose()
+
+    def expose(self) -> None:
+        """Take the place of every cube.
+
+        Raises:
+            RobotLost: A cube that is food does not reply.
+        """
+        for food in self._foods:
+            food.receive()
+        self._scene = Scene(
+            tuple(_region(label, cube, holes) for label, (cube, holes) in enumerate(self._cubes))
+        )
+
+    def look(self) -> Scene:
+        """The places of the last `expose`."""
+        return self._scene
+
+    def close(self) -> None:
+        """Stop and disconnect the food; a second call does nothing."""
+        for food in self._foods:
+            food.close()
+
+
+def _region(label: int, cube: ToioRobot, holes: int) -> Region:
+    x, y, heading = cube.pose
+    degrees = round(math.degrees(heading)) % 360 if holes else 0
+    place = x / MM_PER_PIXEL, y / MM_PER_PIXEL
+    compactness = _PERIMETER**2 / _AREA
+    return Region(label, *place, holes, degrees, cube.on_mat, False, *place, _AREA, _PERIMETER, compactness)

@@ -1,1 +1,0 @@
-"""`khepera-forage arena`: list, draw and write arenas."""

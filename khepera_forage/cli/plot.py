@@ -1,0 +1,185 @@
+"""`khepera-forage plot`: draw recalls, trainings and comparisons from the files that other commands write."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from khepera_forage.cli.arguments import add_out_argument
+from khepera_forage.estimates import Estimate, wilson
+from khepera_forage.extras import require
+from khepera_forage.files import utf8
+from khepera_forage.option_values import given_path
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from khepera_forage.comparison.results import Curve, Results, Shown
+
+FILES = "rows of `recall`, attempts.csv of `train`, rows.csv or results.json of `compare`"
+OUTCOMES = {"complete": "o", "out of time": "X", "separated": "s"}
+"""Markers of attempts at a training; others, such as a lost robot, are drawn last."""
+_LINE = 0.34
+"""Inches: height of a line of a figure."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("files", nargs="+", type=given_path, metavar="FILE", help=f"of one kind: {FILES}")
+    add_out_argument(parser, "plot.png", "picture, whose name ends in .png")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw the files.
+
+    Raises:
+        ValueError: As for `drawn`, or the picture has another ending.
+        OSError: A file cannot be read or written.
+        ImportError: matplotlib is not installed.
+    """
+    require("khepera-forage plot", "plots")
+    if arguments.out.suffix.lower() != ".png":
+        raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .png")
+    from khepera_forage.figures import save
+
+    save(drawn(arguments.files), arguments.out)
+    print(f"{arguments.out}: {', '.join(map(str, arguments.files))}")
+    return 0
+
+
+def drawn(paths: Sequence[Path]) -> "Figure":
+    """The figure of some files.
+
+    Raises:
+        ValueError: A file holds none of these, or the files are of different kinds.
+        OSError: A file cannot be read.
+    """
+    contents = [_read(path) for path in paths]
+    kinds = {draw: path for path, (draw, _) in zip(paths, contents, strict=True)}
+    if len(kinds) > 1:
+        files = " and ".join(map(str, kinds.values()))
+        raise ValueError(f"{files} are of different kinds; allowed: one kind")
+    (draw,) = kinds
+    figure: Figure = draw(paths, [content for _, content in contents])
+    return figure
+
+
+def _read(path: Path) -> tuple[Any, Any]:
+    """What draws a file, and its content.
+
+    Raises:
+        ValueError: It is of no known kind, or empty.
+    """
+    from khepera_forage.comparison.learning import RecallBatch
+    from khepera_forage.comparison.results import read_results
+
+    if path.suffix == ".json":
+        return _comparison, read_results(str(path))
+    header = utf8(path.read_bytes()).partition(b"\n")[0].decode(errors="replace").strip()
+    for kind, draw in ((RecallRow, _recalls), (TrainingRow, _trainings), (RecallBatch, _comparison)):
+        if header == ",".join(field.name for field in fields(kind)):
+            if rows := read_rows(path, kind):
+                return draw, rows if draw is not _comparison else _results(rows)
+            raise ValueError(f"{path} has no rows; allowed: at least one")
+    raise ValueError(f"{path}: its first line is {header[:60]!r}; allowed: {FILES}")
+
+
+def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Figure":
+    """The share of the food that each learner delivers, and the score of every recall."""
+    from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, levels, new_figure
+
+    groups: dict[str, list[RecallRow]] = {}
+    for path, rows in zip(paths, contents, strict=True):
+        for row in rows:
+            label = f"{row.learner}, {row.arena}" + (f" ({path.stem})" if len(paths) > 1 else "")
+            groups.setdefault(label, []).append(row)
+    figure = new_figure(WIDTH, 1.2 + _LINE * len(groups))
+    food, score = figure.subplots(1, 2)
+    shares = {
+        label: wilson(sum(row.delivered for row in rows), sum(row.foods for row in rows))
+        for label, rows in groups.items()
+    }
+    levels(food, {k: [Estimate(*(100 * v for v in s))] for k, s in shares.items()}, "food delivered (%)")
+    food.set_xlim(-3, 103)
+    for place, rows in enumerate(reversed(list(groups.values()))):
+        score.plot([row.score for row in rows], [place] * len(rows), "|", ms=12, color=GREY)
+        score.plot(np.mean([row.score for row in rows]), place, "o", ms=7, mec="white", color=OURS)
+    score.set_yticks([])
+    score.set_ylim(food.get_ylim())
+    score.set_xlabel("score (%): every recall, and the mean")
+    grid(score, "x")
+    figure.suptitle("Recalls: food with Wilson's 95 % intervals, and score", fontsize=SMALL + 2)
+    return figure
+
+
+def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> "Figure":
+    """The rounds of every attempt at each experience file, by outcome."""
+    from khepera_forage.figures import COLOURS, SMALL, WIDTH, entry, grid, legend, new_figure
+
+    groups: dict[str, list[TrainingRow]] = {}
+    for path, rows in zip(paths, contents, strict=True):
+        for row in rows:
+            folder = f"{path.parent.name or path.stem}/" if len(paths) > 1 else ""
+            groups.setdefault(f"{folder}g{row.file}", []).append(row)
+    reasons = {row.reason or "complete" for rows in groups.values() for row in rows}
+    markers = OUTCOMES | dict.fromkeys(sorted(reasons - OUTCOMES.keys()), "^")
+    colours = dict(zip(markers, COLOURS, strict=False))
+    figure = new_figure(WIDTH, 1.6 + _LINE * len(groups))
+    axes = figure.subplots()
+    for place, rows in enumerate(reversed(list(groups.values()))):
+        end = 0
+        for row in rows:
+            outcome = row.reason or "complete"
+            axes.plot([end, end + row.rounds], [place, place], color=colours[outcome], lw=3)
+            end += row.rounds
+            axes.plot(end, place, markers[outcome], color=colours[outcome], ms=8, mec="white", zorder=3)
+    for outcome, marker in markers.items():
+        if outcome in reasons:
+            entry(axes, outcome, colours[outcome], marker, "-")
+    axes.set_yticks(range(len(groups)), list(groups)[::-1], fontsize=SMALL)
+    axes.set_ylim(-0.6, len(groups) - 0.4)
+    axes.set_xlim(left=0)
+    axes.set_xlabel("rounds of all attempts at an experience file")
+    grid(axes, "x")
+    legend(figure, axes)
+    figure.suptitle("Training: attempts and how they ended", fontsize=SMALL + 2)
+    return figure
+
+
+def _results(rows: Sequence[Any]) -> "Results":
+    """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
+    from khepera_forage.comparison.learning import all_learners, settings_of
+    from khepera_forage.comparison.results import ReadLearner, Results, curves
+    from khepera_forage.policies.learners import Needs
+
+    learners = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows} | {
+        name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in all_learners().items()
+    }
+    return Results("", learners, curves(rows, 0))
+
+
+def _comparison(paths: Sequence[Path], contents: "Sequence[Results]") -> "Figure":
+    """The learning curves of comparisons, each with the name of its folder if there are several."""
+    from dataclasses import replace
+
+    from khepera_forage.comparison.page import STYLES, figure
+    from khepera_forage.comparison.results import beside
+
+    shown: list[Curve] = []
+    learners: dict[str, Shown] = {}
+    for path, content in zip(paths, contents, strict=True):
+        if len(paths) > 1:
+            origin = path.resolve().parent.name
+            found, known = beside([], {}, replace(content, origin=origin))
+        else:
+            found, known = list(content.curves), dict(content.learners)
+        shown += [curve for curve in found if curve.arena in STYLES]
+        learners |= known
+    if not shown:
+        raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")
+    return figure(shown, learners)

@@ -1,0 +1,148 @@
+"""Frames of tags and markers at any resolution, drawn by OpenCV alone: no code of the package draws them."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
+from khepera_forage.vision.tags import DICTIONARY
+
+Pose = tuple[float, float, float]
+"""x and y in mm, heading in radians."""
+Picture = NDArray[np.uint8]
+_PER_MM = 4
+"""Pixels per mm of the sheets that are drawn into the picture."""
+
+
+def tag_sheet(tag: int, side: float) -> Picture:
+    """A tag with a white margin of one cell, its top upwards."""
+    cell = round(side * _PER_MM / 6)
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    sheet = cv2.aruco.generateImageMarker(dictionary, tag, 6 * cell)
+    return np.pad(np.where(sheet > 0, 225, 25).astype(np.uint8), cell, constant_values=225)
+
+
+def grid_sheet(number: int, thesis: bool = False) -> Picture:
+    """A marker of the table of twelve, or one of the thesis's two, its front upwards."""
+    holes, side = (MARKER_HOLES[number], HOLE_SIDE) if thesis else (GRID_HOLES[number], GRID_SIDE)
+    sheet = np.full((136 * _PER_MM, 96 * _PER_MM), 25, np.uint8)
+    sheet[8 * _PER_MM : -8 * _PER_MM, 8 * _PER_MM : -8 * _PER_MM] = 225
+    for x, y in holes:
+        row, column = round((68 - x) * _PER_MM), round((48 - y) * _PER_MM)
+        half = round(side / 2 * _PER_MM)
+        sheet[row - half : row + half, column - half : column + half] = 25
+    return sheet
+
+
+class Scene:
+    """A picture of the floor under a pinhole camera, with sheets and cables on it.
+
+    Args:
+        width: Of the picture in pixels.
+        height: Of the picture in pixels.
+        wide: mm of the floor across the picture.
+        seed: Of the noise.
+        shift: Moves the camera by some mm.
+        turn: Turns the camera by some radians.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        wide: float = 3200.0,
+        seed: int = 0,
+        shift: tuple[float, float] = (0.0, 0.0),
+        turn: float = 0.0,
+    ) -> None:
+        self.width, self.height, self.scale = width, height, width / wide
+        self.rng = np.random.default_rng(seed)
+        self.picture = np.full((height, width), 105.0, np.float32)
+        cos, sin = math.cos(turn) * self.scale, math.sin(turn) * self.scale
+        # From mm to pixels: the floor's y is up.
+        self.matrix = np.array(
+            [[cos, -sin, -shift[0] * self.scale], [-sin, -cos, height + shift[1] * self.scale], [0, 0, 1.0]]
+        )
+
+    def pixel(self, x: float, y: float) -> tuple[float, float]:
+        u, v, _ = self.matrix @ (x, y, 1.0)
+        return float(u), float(v)
+
+    def put(self, sheet: Picture, pose: Pose, height: float | None = None) -> None:
+        """Lay a sheet with its top in the direction of the heading."""
+        rows, columns = sheet.shape
+        mm = 1 / _PER_MM if height is None else height / rows
+        x, y, heading = pose
+        ahead = np.array((math.cos(heading), math.sin(heading))) * mm
+        right = np.array((math.sin(heading), -math.cos(heading))) * mm
+        # From pixels of the sheet, whose middles have whole numbers, to mm.
+        corner = np.array((x, y)) + ahead * (rows / 2 - 0.5) - right * (columns / 2 - 0.5)
+        to_floor = np.array([[right[0], -ahead[0], corner[0]], [right[1], -ahead[1], corner[1]], [0, 0, 1.0]])
+        warp = self.matrix @ to_floor
+        warp[:2, 2] -= 0.5
+        # Enlarged eightfold around the sheet, then averaged.
+        fine = 8
+        corners = (warp @ np.array([[0, columns, columns, 0], [0, 0, rows, rows], [1, 1, 1, 1.0]]))[:2]
+        left, top = np.maximum(np.floor(corners.min(axis=1)).astype(int) - 2, 0).tolist()
+        right_end, bottom = (np.ceil(corners.max(axis=1)).astype(int) + 3).tolist()
+        right_end, bottom = min(right_end, self.width), min(bottom, self.height)
+        near = np.array(
+            [[fine, 0, (fine - 1) / 2 - left * fine], [0, fine, (fine - 1) / 2 - top * fine], [0, 0, 1.0]]
+        )
+        size = ((right_end - left) * fine, (bottom - top) * fine)
+        drawn = cv2.warpPerspective(sheet, near @ warp, size, flags=cv2.INTER_LINEAR)
+        mask = cv2.warpPerspective(np.full_like(sheet, 255), near @ warp, size, flags=cv2.INTER_NEAREST)
+        small = (right_end - left, bottom - top)
+        share = cv2.resize(mask, small, interpolation=cv2.INTER_AREA) / np.float32(255)
+        grey = cv2.resize(
+            np.where(mask > 0, drawn, 0).astype(np.float32), small, interpolation=cv2.INTER_AREA
+        )
+        part = self.picture[top:bottom, left:right_end]
+        part[:] = part * (1 - share) + grey
+
+    def cable(self, x: float, y: float, angle: float, width: float) -> None:
+        """A dark cable through a place, 160 mm long to either side."""
+        along = 160 * np.array((math.cos(angle), math.sin(angle)))
+        ends = [self.pixel(x + sign * along[0], y + sign * along[1]) for sign in (-1, 1)]
+        points = [tuple(round((c - 0.5) * 16) for c in end) for end in ends]
+        mask = np.zeros((self.height, self.width), np.uint8)
+        thick = max(1, round(width * self.scale))
+        cv2.line(mask, points[0], points[1], 255, thick, cv2.LINE_AA, 4)
+        self.picture += (55 - self.picture) * (mask / np.float32(255))
+
+    def frame(self, blur: float = 0.7, noise: float = 2.5) -> Picture:
+        """What the camera delivers."""
+        soft = cv2.GaussianBlur(self.picture, (0, 0), blur)
+        grain = self.rng.standard_normal(soft.shape, np.float32) * np.float32(noise)
+        frame: Picture = (soft + grain).clip(0, 255).astype(np.uint8)
+        return frame
+
+
+def places(count: int, rng: np.random.Generator, wide: float, high: float, apart: float) -> list[Pose]:
+    """Poses in the cells of a grid, so that nothing touches."""
+    columns = int(wide // apart)
+    cells = rng.permutation(columns * int(high // apart))[:count]
+    return [
+        (
+            float((cell % columns + 0.5) * apart + rng.uniform(-15, 15)),
+            float((cell // columns + 0.5) * apart + rng.uniform(-15, 15)),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
+        for cell in cells.tolist()
+    ]
+
+
+def errors(
+    poses: Mapping[int, Pose], found: Sequence[tuple[int, float, float, int]]
+) -> list[tuple[float, float]]:
+    """Errors in mm and degrees of found numbers, x, y (region pixels) and orientations."""
+    return [
+        (
+            math.dist((5 * x, 5 * y), poses[number][:2]),
+            abs(math.remainder(degrees - math.degrees(poses[number][2]), 360)),
+        )
+        for number, x, y, degrees in found
+    ]

@@ -1,0 +1,206 @@
+"""Tags and markers of the table of twelve, at the resolutions of webcams; calibrations by tags on the floor."""
+
+import math
+
+import numpy as np
+import pytest
+
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration_fit import fit_to_tags
+from khepera_forage.vision.shapes import GRID_HOLES
+from khepera_forage.vision.tags import find_floor_tags
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.tracker_settings import TrackerSettings
+from tests.vision.tag_scenes import Picture, Pose, Scene, errors, grid_sheet, places, tag_sheet
+
+ROBOTS = (1, 2, 5, 7, 11, 17)
+TAGS = TrackerSettings(markers="tags", numbers=ROBOTS, tag_size=100.0)
+
+
+def measured(poses: dict[int, Pose], found: list[Detection]) -> list[tuple[float, float]]:
+    assert {d.holes for d in found} <= poses.keys()
+    return errors(poses, [(d.holes, d.x, d.y, d.orientation) for d in found])
+
+
+@pytest.mark.parametrize(("width", "height"), [(848, 480), (1280, 720), (1920, 1080)])
+def test_tags_are_found_exactly(width: int, height: int) -> None:
+    rng, tracker = np.random.default_rng(1), Tracker(TAGS)
+    found = []
+    for seed in range(2):
+        scene = Scene(width, height, seed=seed)
+        poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, 3200, 3200 * height / width, 300), strict=True))
+        for tag, pose in poses.items():
+            scene.put(tag_sheet(tag, 100.0), pose)
+        scene.put(tag_sheet(30, 100.0), (3050.0, 150.0, 1.0))  # of another laboratory
+        found += measured(poses, tracker.detect(scene.frame()))
+    assert len(found) == 2 * len(ROBOTS)
+    assert max(error for error, _ in found) < 1.5
+    assert max(degrees for _, degrees in found) < 3
+    assert float(np.median([error for error, _ in found])) < 0.4
+
+
+def test_tags_under_a_cable_are_found_at_1280_x_960() -> None:
+    rng, width = np.random.default_rng(2), 2400.0
+    mm = width / 1280
+    floor = ((0.0, 960 * mm), (width, 960 * mm), (width, 0.0), (0.0, 0.0))
+    tracker = Tracker(
+        TAGS, Calibration(((0.0, 0.0), (1280.0, 0.0), (1280.0, 960.0), (0.0, 960.0)), floor, size=(1280, 960))
+    )
+    found = []
+    for seed in range(4):
+        scene = Scene(1280, 960, width, seed)
+        poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, width, 960 * mm, 300), strict=True))
+        for tag, (x, y, heading) in poses.items():
+            scene.put(tag_sheet(tag, 100.0), (x, y, heading))
+            scene.cable(x + rng.uniform(-30, 30), y + rng.uniform(-30, 30), rng.uniform(0, math.pi), 6.0)
+        found += measured(poses, tracker.detect(scene.frame()))
+    assert len(found) >= 0.9 * 4 * len(ROBOTS)
+    assert max(error for error, _ in found) < 2.5
+
+
+@pytest.mark.parametrize(("width", "height"), [(640, 480), (848, 480), (1280, 720)])
+def test_twelve_markers_are_found_and_never_mistaken(width: int, height: int) -> None:
+    rng = np.random.default_rng(2)
+    tracker = Tracker(TrackerSettings(markers="grid", numbers=tuple(GRID_HOLES)))
+    for seed in range(2):
+        scene = Scene(width, height, seed=seed)
+        poses = dict(zip(GRID_HOLES, places(12, rng, 3200, 3200 * height / width, 300), strict=True))
+        for number, pose in poses.items():
+            scene.put(grid_sheet(number), pose)
+        found = measured(poses, tracker.detect(scene.frame()))
+        assert len(found) == 12
+        assert max(error for error, _ in found) < 1
+        assert max(degrees for _, degrees in found) < 2
+
+
+def test_one_hidden_hole_never_makes_another_marker() -> None:
+    for number, holes in GRID_HOLES.items():
+        others = [frozenset(other) for n, other in GRID_HOLES.items() if n != number]
+        turned = [frozenset((-x, -y) for x, y in other) for other in (*others, frozenset(holes))]
+        for other in (*others, *turned):
+            assert len(frozenset(holes) ^ other) >= 2
+
+
+def test_tagged_food_is_food_and_tags_contain_none() -> None:
+    settings = TrackerSettings(
+        markers="tags", numbers=(3,), food_tags=(20,), food_tag_size=26.0, tag_size=100.0
+    )
+    scene = Scene(1920, 1080)
+    scene.put(tag_sheet(3, 100.0), (1000.0, 900.0, 0.5))
+    scene.put(tag_sheet(4, 100.0), (2000.0, 900.0, 0.5))  # not in use
+    scene.put(tag_sheet(20, 26.0), (500.0, 400.0, 0.0))
+    found = sorted(Tracker(settings).detect(scene.frame()), key=lambda d: d.holes)
+    assert [(d.holes, round(5 * d.x), round(5 * d.y)) for d in found] == [(0, 500, 400), (3, 1000, 900)]
+
+
+def tag_twice() -> Picture:
+    scene = Scene(1280, 720)
+    scene.put(tag_sheet(5, 100.0), (500.0, 500.0, 0.0))
+    scene.put(tag_sheet(5, 100.0), (1500.0, 1000.0, 0.0))
+    return scene.frame()
+
+
+def test_tag_that_is_seen_twice_is_not_reported() -> None:
+    tracker = Tracker(TAGS)
+    assert tracker.detect(tag_twice()) == []
+    assert "tag 5 is seen twice, at (" in tracker.warnings["tag twice"]
+    with pytest.raises(ValueError, match="tag 5 is seen twice; allowed: each id once"):
+        find_floor_tags(tag_twice(), (5, 6))
+
+
+def test_tag_of_another_size_is_named() -> None:
+    scene, tracker = Scene(1280, 720), Tracker(TAGS)
+    scene.put(tag_sheet(5, 70.0), (500.0, 500.0, 0.0))
+    assert tracker.detect(scene.frame()) == []
+    assert tracker.warnings["tag size"].startswith("tag 5 at (500, 500) mm measures 6")
+
+
+def test_tag_that_is_too_small_for_the_camera_is_refused() -> None:
+    settings = TrackerSettings(markers="tags", numbers=(1,), tag_size=40.0)
+    with pytest.raises(
+        ValueError, match=r"tags of 40 mm are 8 pixels wide .* at least 13 pixels, here 65 mm"
+    ):
+        Tracker(settings, Calibration.identity())
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"markers": "qr"}, "tracker markers is 'qr'; allowed: holes, grid, tags"),
+        ({"numbers": (1, 3)}, r"tracker numbers is \[1, 3\]; allowed with markers 'holes'.*1 to 2"),
+        ({"numbers": ()}, "at least one number"),
+        ({"markers": "tags", "numbers": (1, 2), "food_tags": (2,)}, "food_tags has 2, as numbers"),
+    ],
+)
+def test_impossible_numbers_are_refused(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        TrackerSettings(**settings)  # type: ignore[arg-type] # wrong on purpose
+
+
+# ---------------------------------------------------------------- tags on the floor
+
+
+def floor_places(height: float) -> dict[int, Pose]:
+    """Twelve tags all over the floor, each turned a little."""
+    rng = np.random.default_rng(0)
+    return {
+        38 + i: (
+            250 + 900 * (i % 4) + float(rng.uniform(-20, 20)),
+            250 + (height - 500) / 2 * (i // 4) + float(rng.uniform(-20, 20)),
+            float(rng.uniform(-0.2, 0.2)) + math.pi / 2,
+        )
+        for i in range(12)
+    }
+
+
+def floor_scene(
+    width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03
+) -> Scene:
+    scene = Scene(width, height, shift=shift, turn=turn)
+    for tag, pose in floor_places(3200 * height / width).items():
+        scene.put(tag_sheet(tag, 100.0), pose)
+    return scene
+
+
+@pytest.mark.parametrize(("width", "height"), [(640, 480), (1280, 720)])
+def test_floor_tags_calibrate_to_a_millimetre(width: int, height: int) -> None:
+    scene = floor_scene(width, height)
+    middles = {tag: pose[:2] for tag, pose in floor_places(3200 * height / width).items()}
+    frame = scene.frame()
+    fit = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0, None, (width, height))
+    assert len(fit.calibration.tags) == 12
+    inverse = np.linalg.inv(scene.matrix)
+    for u in range(0, width + 1, width // 8):
+        for v in range(0, height + 1, height // 8):
+            x, y, _ = inverse @ (u, v, 1.0)
+            found = fit.calibration.to_region(u, v)
+            assert math.dist((5 * found[0], 5 * found[1]), (x, y)) < 1.5
+
+
+@pytest.mark.parametrize(
+    ("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)]
+)
+def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
+    shift: tuple[float, float], turn: float
+) -> None:
+    middles = {tag: pose[:2] for tag, pose in floor_places(2400.0).items()}
+    frame = floor_scene(640, 480).frame()
+    calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0).calibration
+    tracker = Tracker(calibration=Calibration.from_table(calibration.as_table()))
+    for _ in range(3):
+        tracker.update(frame)
+        assert "camera moved" not in tracker.warnings
+    covered = frame.copy()
+    covered[:300, :400] = 60  # somebody leans over the floor
+    tracker.update(covered)
+    assert "camera moved" not in tracker.warnings
+    tracker.update(floor_scene(640, 480, shift, turn).frame())
+    assert "the camera has moved since its calibration" in tracker.warnings["camera moved"]
+
+
+def test_too_few_floor_tags_are_refused() -> None:
+    with pytest.raises(
+        ValueError, match="0 of 4 floor tags are seen, without 1, 2, 3, 4; allowed: at least four"
+    ):
+        fit_to_tags({}, {tag: (100.0 * tag, 0.0) for tag in (1, 2, 3, 4)}, 100.0)

@@ -1,0 +1,143 @@
+"""Troubles of real pictures: what the tracker reports is right, or a warning names the cause."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.rendering.light import Light
+from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.tracker import Tracker
+from tests.vision.scene_renderer import Marker, heading_error, position_error
+from tests.vision.troubles import TROUBLES, Picture, brightened
+
+LABORATORY = CameraAppearance.laboratory()
+GLARE = (150.0, 4.0)
+"""Amplitude in grey levels and size in pixels of a lamp's reflection."""
+
+
+def troubled(name: str, marker: Marker, rng: np.random.Generator, picture: Picture) -> Picture:
+    return TROUBLES[name](picture, marker, rng) if name in TROUBLES else picture
+
+
+class Laboratory:
+    """Frames of a laboratory, with something done to the picture before lens and sensor."""
+
+    def __init__(
+        self, appearance: CameraAppearance = LABORATORY, walls: tuple[tuple[float, ...], ...] = ()
+    ) -> None:
+        self.rng = np.random.default_rng(5)
+        self.truth = Truth((), ())
+        self.renderer = FrameRenderer(lambda: self.truth, appearance, walls=walls)  # type: ignore[arg-type] # four each
+        self.renderer.reset(self.rng)
+        self.light = Light(appearance, self.rng)
+
+    def frame(
+        self,
+        markers: tuple[Marker, ...],
+        foods: tuple[tuple[float, float], ...] = (),
+        change: Callable[[Picture], Picture] = lambda picture: picture,
+    ) -> NDArray[np.uint8]:
+        self.truth = Truth(markers, foods)
+        return self.light.expose(change(self.renderer.picture()), 0.0)
+
+    def marker(self, holes: int) -> Marker:
+        x, y, heading = self.rng.uniform((300, 300, -math.pi), (2900, 2100, math.pi)).tolist()
+        return x, y, heading, holes
+
+
+@pytest.mark.parametrize(
+    ("name", "appearance", "least"),
+    [
+        ("none", LABORATORY, 24),
+        ("glare", LABORATORY, 0),
+        ("glare", replace(LABORATORY, white=255.0, floor=150.0), 0),
+        ("cover", LABORATORY, 4),
+        ("shadow", LABORATORY, 2),
+        ("two cables", LABORATORY, 17),
+        ("hand", LABORATORY, 12),
+        ("none", replace(LABORATORY, black=130.0, white=215.0), 24),
+    ],
+)
+def test_marker_in_trouble_is_right_or_a_warning_names_the_cause(
+    name: str, appearance: CameraAppearance, least: int
+) -> None:
+    """A found marker is within a pixel and 5 degrees; a lost one has a warning; no other marker appears."""
+    laboratory, tracker = Laboratory(appearance), Tracker()
+    right = wrong = 0
+    for i in range(24):
+        marker = laboratory.marker(1 + i % 2)
+        tracker.reset()
+        tracker.update(laboratory.frame((marker,)))
+        scene = tracker.update(
+            laboratory.frame((marker,), (), partial(troubled, name, marker, laboratory.rng))
+        )
+        (own,) = [r for r in scene.regions if r.holes == marker[3]]
+        assert [r for r in scene.regions if r.holes and r is not own] == [], "no phantom robot"
+        if own.found:
+            right += 1
+            wrong += position_error(own, *marker[:2]) > 1.0 or heading_error(own, marker[2]) > 5
+        else:
+            assert tracker.warnings.keys() & {"glare", "cover", "pale holes", "cables", "holes", "lost"}
+    assert wrong == 0
+    assert right >= least
+
+
+def test_one_frame_of_glare_leaves_no_phantom_robot() -> None:
+    laboratory, tracker = Laboratory(), Tracker()
+    markers = ((1000.0, 1000.0, 0.5, 1), (1630.0, 1200.0, 0.0, 2))
+    for i in range(12):
+        glare = (lambda p: brightened(p, 1660.0, 1200.0, *GLARE)) if i % 4 == 3 else (lambda p: p)
+        scene = tracker.update(laboratory.frame(markers, (), glare))
+        assert [r.holes for r in scene.regions] == [1, 2] or [r.holes for r in scene.regions] == [2, 1]
+        for region in scene.regions:
+            assert position_error(region, *markers[region.holes - 1][:2]) < 1
+
+
+def test_phantom_of_the_first_frame_is_dropped_within_ten_frames() -> None:
+    """A sheet like a marker passes through the first frame only."""
+    laboratory, tracker = Laboratory(), Tracker()
+    real, phantom = (1000.0, 1000.0, 0.5, 1), (2000.0, 1500.0, 0.0, 2)
+    assert len(tracker.update(laboratory.frame((real, phantom))).regions) == 2
+    for _ in range(10):
+        scene = tracker.update(laboratory.frame((real,)))
+    assert [r.holes for r in scene.regions] == [1]
+
+
+@pytest.mark.parametrize("size", [2.0, 2.5, 3.0, 4.0, 6.0])
+def test_reflection_on_the_floor_is_not_food(size: float) -> None:
+    laboratory, tracker = Laboratory(), Tracker()
+    marker, food = (800.0, 800.0, 1.0, 2), (1200.0, 500.0)
+    phantoms = 0
+    for _ in range(20):
+        x, y, amplitude = laboratory.rng.uniform((1600, 400, 60), (2800, 2000, 400)).tolist()
+        tracker.reset()
+        for _ in range(3):
+            frame = laboratory.frame(
+                (marker,), (food,), partial(brightened, x=x, y=y, amplitude=amplitude, size=size)
+            )
+            scene = tracker.update(frame)
+        found = [r for r in scene.regions if not r.holes and r.found]
+        assert any(position_error(r, *food) < 1 for r in found)
+        phantoms += len(found) - 1
+    assert phantoms <= 1
+
+
+@pytest.mark.parametrize("grey", [190.0, 225.0])
+@pytest.mark.parametrize("width", [10.0, 20.0, 60.0])
+def test_food_that_touches_a_bright_wall_is_found(width: float, grey: float) -> None:
+    walls = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0), (500.0, 1900.0, 2700.0, 1900.0))
+    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), walls), Tracker()
+    for _ in range(8):
+        place = (
+            float(laboratory.rng.uniform(700, 2600)),
+            500 + width / 2 + 17.5 + float(laboratory.rng.uniform(0, 6)),
+        )
+        (food,) = tracker.detect(laboratory.frame((), (place,)))
+        assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 1
