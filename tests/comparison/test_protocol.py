@@ -37,6 +37,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
+from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.wheels_recall import recall_wheels_env
 from khepera_forage.task.states import NUM_BEHAVIOURS, StateVector
 
@@ -54,7 +55,8 @@ class TeacherClassifier:
         return self
 
     def predict_proba(self, vectors: NDArray[Any]) -> NDArray[np.float64]:
-        chosen = [int(Teacher().act(StateVector(*row)._asdict())) for row in vectors.tolist()]
+        teacher = Teacher.of(recall_env("corridor"))
+        chosen = [int(teacher.act(StateVector(*row)._asdict())) for row in vectors.tolist()]
         return np.eye(NUM_BEHAVIOURS)[chosen]
 
 
