@@ -124,4 +124,6 @@ print(count)
     assert int(count) > 100
     assert refused
     for line in refused:
-        assert "pip install 'khepera-forage[" in line or "pygame" in line or "cv2" in line, line
+        assert "pip install 'khepera-forage[" in line or any(
+            name in line for name in ("pygame", "cv2", "toio")
+        ), line
