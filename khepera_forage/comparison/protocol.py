@@ -27,7 +27,6 @@ from khepera_forage.comparison.batch_recalls import (
 )
 from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size
 from khepera_forage.comparison.teachers import (
-    DIAGONAL,
     PLACES,
     Budget,
     demonstrate,
@@ -40,6 +39,7 @@ from khepera_forage.comparison.teachers import (
 )
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -274,7 +274,7 @@ class Learning(NamedTuple):
             case FromVectors():
                 training = self.training(number)
                 return len(training.vectors), recalls_after(
-                    self.learner, training, seeds, own % 2**31, DIAGONAL
+                    self.learner, training, seeds, own % 2**31, CORRIDOR_DIAGONAL
                 )
             case FromSteps():
                 size = Size(self.recalls, (), (), (self.amount,), TRACKS[self.track].places)

@@ -15,6 +15,7 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_settings import procedural_settings, training_rounds
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.layouts import random_layout
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.imitator import NearestNeighbourImitator
 from khepera_forage.policies.learners import FromVectors
 from khepera_forage.policies.memories import memories_of
@@ -27,8 +28,6 @@ from khepera_forage.task.placement import layout_key
 
 PLACES = 5
 """Numbers of a demonstration."""
-DIAGONAL = 138
-"""Of the corridor, in pixels."""
 ATTEMPTS = 20
 """Incomplete attempts at a training episode after which a demonstration is impossible."""
 Marks = NDArray[np.float64]
@@ -202,7 +201,9 @@ def _value(learner: FromVectors, marks: Marks, budget: Budget, seed: int) -> flo
     return float(
         np.mean(
             [
-                recalls_after(learner, training, {CORRIDOR: part}, seed, DIAGONAL)[CORRIDOR].delivered.mean()
+                recalls_after(learner, training, {CORRIDOR: part}, seed, CORRIDOR_DIAGONAL)[
+                    CORRIDOR
+                ].delivered.mean()
                 for training, part in zip(trainings, parts, strict=True)
             ]
         )

@@ -5,6 +5,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
+
 
 class ContiguousLabels:
     """Lets a classifier learn labels that are not 0, 1, 2, ...
@@ -74,12 +76,10 @@ def boosting(random_state: int = 0, **settings: Any) -> Any:
     return GradientBoostingClassifier(random_state=random_state, **settings)
 
 
-CORRIDOR_DIAGONAL = 138
-"""Pixels by which distances are scaled in every arena: a network learns places in pixels, not in diagonals."""
-
-
 def cloning(random_state: int = 0, **settings: Any) -> Any:
     """scikit-learn's multi-layer perceptron on encoded state vectors (`policies.features.encoded`), not fitted.
+
+    Distances are scaled by the corridor's diagonal in every arena: a network learns places in pixels, not in diagonals.
 
     Args:
         random_state: Seed of the first weights and of the order of the vectors.

@@ -56,6 +56,8 @@ def rounded_distance(
     return 0.0
 
 
+CORRIDOR_DIAGONAL = 138
+"""Of the thesis's corridor, in pixels."""
 PIXEL: int = scaled_distance(0, 0, 1, 0)
 """What a pixel of either distance contributes to a scaled distance."""
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from khepera_forage.policies.brute_force import ConfidenceClassifier, checked_classes
-from khepera_forage.policies.distance import checked_diagonal
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, checked_diagonal
 from khepera_forage.policies.index import NearestNeighbourIndex
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.policies.votes import Neighbours
@@ -26,7 +26,7 @@ CACHE_SIZE = 32768
 class _Cache(NamedTuple):
     """The neighbours of state vectors, and the parameters for which they hold."""
 
-    diagonal: int
+    diagonal: int | None
     threshold: float
     arithmetic: str
     parameters: tuple[int, Fraction, float]
@@ -54,7 +54,8 @@ class NearestNeighbourImitator(ConfidenceClassifier):
 
     Args:
         diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
-            in the rectangle. It can be changed after `fit`, with `set_params`.
+            in the rectangle. By default `recall` takes that of its environment, and everything else the corridor's. It
+            can be changed after `fit`, with `set_params`.
         threshold: At least 0. Above 0 it is the variant that section 4.6.1 tried "with poor results": every
             vector within the minimum distance plus `threshold` votes. It is taken for the decimal number it
             is written as: 0.1 is one tenth. The thesis's wording allows another reading, in which vectors are
@@ -73,7 +74,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
 
     def __init__(
         self,
-        diagonal: int = 138,
+        diagonal: int | None = None,
         threshold: float = 0.0,
         arithmetic: str = DEFAULT_DECISIONS.distance_arithmetic,
     ) -> None:
@@ -194,7 +195,8 @@ class NearestNeighbourImitator(ConfidenceClassifier):
 
     def _parameters(self) -> tuple[int, Fraction, float]:
         """The diagonal, the exact threshold and the arithmetic as a number, once they are found to be in range."""
-        diagonal, threshold = checked_diagonal(self.diagonal), self.threshold
+        diagonal = checked_diagonal(CORRIDOR_DIAGONAL if self.diagonal is None else self.diagonal)
+        threshold = self.threshold
         if not isinstance(threshold, Real) or not 0 <= threshold < math.inf:
             raise ValueError(f"threshold is {threshold!r}; allowed: a finite number, at least 0")
         decision = FIELDS["distance_arithmetic"]

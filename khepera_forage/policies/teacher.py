@@ -1,5 +1,6 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -88,16 +89,22 @@ class Teacher:
 
 
 def completed(policy: Policy, env: Any) -> Policy:
-    """A policy that knows what it needs of an environment: `Teacher()` becomes `Teacher.of(env)`, others stay.
+    """A policy that knows what it needs of an environment: others stay.
+
+    `Teacher()` becomes `Teacher.of(env)`. A `NearestNeighbourImitator` whose `diagonal` was not given has that of the
+    arena.
 
     Args:
         policy: Of a robot.
         env: One of ours, wrapped or not, after the reset, which chooses the arena.
     """
-    if not isinstance(policy, Teacher):
-        return policy
     env = env.unwrapped
-    return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)
+    if isinstance(policy, Teacher):
+        return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)
+    if getattr(policy, "diagonal", 0) is None:
+        policy = copy(policy)
+        policy.diagonal = getattr(env, "diagonal", None)  # type: ignore[attr-defined]
+    return policy
 
 
 def _applicable() -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
+from khepera_forage.policies import NearestNeighbourImitator, Neighbours, Teacher
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
@@ -52,6 +52,25 @@ def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
     assert labels.behaviours.tolist() == expected
     paired = TrainingEnv(noise="none", **given)
     assert train(paired, 1, teacher=Teacher())[0] == train(paired, 1)[0]
+
+
+def test_imitator_learns_the_diagonal_of_the_arena() -> None:
+    used = set()
+
+    class Spy(NearestNeighbourImitator):
+        def neighbours(self, observation: Any) -> Neighbours:
+            used.add(self.diagonal)
+            return super().neighbours(observation)
+
+    vectors, behaviours = train(TrainingEnv(), 1)[0].arrays()
+    for diagonal in (None, 138):
+        recall(recall_env("rectangle", limit=10), Spy(diagonal).fit(vectors, behaviours), seed=0)
+    assert used == {177, 138}
+    given = NearestNeighbourImitator().fit(vectors, behaviours)
+    assert (
+        given.predict_proba(vectors).tolist()
+        == given.set_params(diagonal=138).predict_proba(vectors).tolist()
+    )
 
 
 def test_recall_names_another_environment() -> None:
