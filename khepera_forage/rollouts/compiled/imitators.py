@@ -48,7 +48,7 @@ def confidence_levels(
         arithmetic: The decision `distance_arithmetic` as a number.
 
     Returns:
-        Shape (imitators, *shape of vectors without its last axis, 10).
+        Shape (imitators, ..., 10), with the axes of `vectors` before its last one in the middle.
     """
     flat = vectors.reshape(-1, vectors.shape[-1])
     votes = np.zeros((len(memories.planes) - 1, len(flat), BEHAVIOURS), np.int64)
