@@ -14,6 +14,8 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -115,10 +117,12 @@ def kernel(episodes: int, seed: int) -> float:
 
 def imitators(episodes: int, seed: int) -> float:
     """The same under imitators with ten training episodes each."""
-    from khepera_forage.policies.memories import memories_of
     from khepera_forage.rollouts.compiled.recalls import run_recalls
 
-    memories = memories_of(experience(IMITATORS, seed))
+    module = "khepera_forage.policies.memories"
+    if find_spec(module) is None:  # an older commit
+        module = "khepera_forage.policies.nearest_neighbour.memories"
+    memories = import_module(module).memories_of(experience(IMITATORS, seed))
     which = [episode % IMITATORS for episode in range(episodes)]
     return of_calls(lambda: run_recalls("corridor", memories, which, seed).steps.sum())
 
