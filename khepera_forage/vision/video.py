@@ -182,6 +182,8 @@ class VideoSource:
     def close(self) -> None:
         """Stop the thread and release the device; a second call does nothing."""
         self._closing.set()
+        with self._changed:
+            self._changed.notify_all()  # the thread may wait until a frame is taken
         if self._reader is not threading.current_thread():
             # If the driver hangs longer, the thread releases the device when its read returns.
             self._reader.join(_CLOSE_TIMEOUT)
