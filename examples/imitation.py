@@ -10,10 +10,10 @@ Writes `recalls.csv`, one row for each recall, and `food.png`. Takes a minute of
 Food delivered (%), as measured by the command above, with 95 % intervals over replications:
 
     training episodes    corridor             rectangle
-            1            38.0 [23.0, 55.0]    22.0 [11.5, 35.0]
-            3            71.0 [52.0, 88.0]    44.5 [26.5, 60.0]
-            5            80.0 [67.0, 92.0]    49.0 [29.0, 67.5]
-           10            75.0 [61.0, 88.0]    50.0 [31.0, 68.5]
+            1            39.0 [24.0, 56.0]    22.5 [10.5, 35.0]
+            3            58.0 [41.0, 76.0]    28.0 [13.5, 43.5]
+            5            56.0 [37.0, 76.0]    28.5 [11.5, 47.5]
+           10            57.0 [37.0, 75.0]    35.0 [20.5, 49.0]
 """
 
 from argparse import RawDescriptionHelpFormatter
