@@ -8,19 +8,19 @@ from collections.abc import Sequence
 from khepera_forage import __version__
 from khepera_forage.cli import (
     arena,
+    camera,
     compare,
     dataset,
     decisions,
     infer,
+    lab,
     plot,
     recall,
     reproduce,
+    robot,
     train,
     watch,
 )
-from khepera_forage.cli.camera import command as camera
-from khepera_forage.cli.lab import command as lab
-from khepera_forage.cli.robot import command as robot
 from khepera_forage.cli.subcommands import Subcommand, add_subcommands
 from khepera_forage.cli.teach import command as teach
 from khepera_forage.option_values import OneLineParser
