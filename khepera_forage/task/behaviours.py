@@ -37,7 +37,7 @@ hidden. A decision, because the thesis has no such robot:
 
 import math
 
-from khepera_forage.geometry.angles import arcsine, bearing_of, cosine_sine, turn_to
+from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, turn_to
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
