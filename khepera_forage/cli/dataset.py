@@ -119,6 +119,7 @@ def run(arguments: argparse.Namespace) -> int:
             recorded["episodes"] = raw
         else:
             recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
+            recorded["truncated"] = [episode.truncated for episode in raw]
     origin = Origin(
         _command(arguments, name), procedure, arguments.licence, arguments.author, seed, arguments.wheels
     )._replace(alone=arguments.alone)

@@ -94,7 +94,8 @@ An action is a behaviour (thesis, table 4.1). Those that occur:"""
         else "episodes = from_minari(dataset)  # or dataset.iterate_episodes()"
     )
     if not origin.wheels:
-        rewards += "\nThe last observation of each episode is repeated, and its last step terminates."
+        rewards += "\nThe last observation of each episode is repeated."
+    rewards += "\nThe last step of an episode terminates, or truncates where it was out of time."
     if not origin.alone:
         rewards += f"\n{STEERS}"
     return f"""# {dataset}

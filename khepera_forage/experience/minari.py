@@ -36,13 +36,14 @@ def to_minari(
     allow_other_decisions: bool = False,
     rewards: Sequence[ArrayLike] | None = None,
     episodes: Sequence[RawEpisode] | None = None,
+    truncated: Sequence[bool] | None = None,
     **about: Any,
 ) -> Any:
     """Write experience as a new Minari dataset, with one episode for each `Experience`.
 
     Values that experience does not contain are filled in: rewards are 0 unless they are given; the last observation is
     repeated, because Minari has one more observation than actions; the last step terminates, because incomplete
-    episodes are discarded (5.2). With `episodes` the dataset has raw data and motors in their place, as in
+    training episodes are discarded (5.2). With `episodes` the dataset has raw data and motors in their place, as in
     `CorridorWheels-v1`, of every round. The decisions of the training are metadata of every episode, which
     `from_minari` reads. Minari's
     `recover_environment()` returns an environment under the same decisions, or under the default ones if those of the
@@ -56,6 +57,7 @@ def to_minari(
         allow_other_decisions: Accept experience of different decisions in one dataset.
         rewards: Of each experience, one a vector, such as `RawEpisode.rewards_of_vectors`.
         episodes: What was recorded with each experience, from `rollouts.raw_episodes`.
+        truncated: Whether each episode was out of time, so that its last step truncates; by default as `episodes` say.
         **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
     Returns:
@@ -78,6 +80,8 @@ def to_minari(
             part.require_decisions(parts[0].decisions)
     decisions, *others = {part.decisions for part in parts}
     names = {part.arena for part in parts}
+    if truncated is None:
+        truncated = [False] * len(parts) if episodes is None else [episode.truncated for episode in episodes]
     env = dataset_environment(names, arena, None if others else decisions, wheels=episodes is not None)
     buffers = []
     for number, part in enumerate(parts):
@@ -88,6 +92,9 @@ def to_minari(
         )
         if episodes is None and rewards is not None:
             buffer["rewards"] = np.asarray(rewards[number], np.float64).tolist()
+        before = [False] * (len(buffer["rewards"]) - 1)
+        cut = bool(truncated[number])
+        buffer |= {"terminations": [*before, not cut], "truncations": [*before, cut]}
         buffers.append(minari.data_collector.EpisodeBuffer(id=number, **buffer))
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
@@ -174,13 +181,8 @@ def _raw_data_of(episode: RawEpisode) -> dict[str, Any]:
         "observations": episode.observations,
         "actions": episode.actions,
         "rewards": episode.rewards.tolist(),
-        **_ends(len(episode.actions)),
         "infos": {"heard": np.append(episode.heard, Behaviour.WAIT)},
     }
-
-
-def _ends(steps: int) -> dict[str, list[bool]]:
-    return {"terminations": [False] * (steps - 1) + [True], "truncations": [False] * steps}
 
 
 def _vectors_of(number: int, part: Experience, space: Any) -> dict[str, Any]:
@@ -197,7 +199,6 @@ def _vectors_of(number: int, part: Experience, space: Any) -> dict[str, Any]:
         "observations": shown,
         "actions": behaviours,
         "rewards": [0.0] * len(part),
-        **_ends(len(part)),
     }
 
 

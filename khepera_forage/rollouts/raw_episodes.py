@@ -24,12 +24,14 @@ class RawEpisode(NamedTuple):
         actions: Motors as applied, shape (n, 4): left, right, arm, jaw, each -1..1.
         rewards: Of each round.
         heard: The behaviour that the robot heard, or executed, in each round; 10 is silence.
+        truncated: Whether it was out of time.
     """
 
     observations: dict[str, NDArray[Any]]
     actions: NDArray[np.float32]
     rewards: NDArray[np.float64]
     heard: NDArray[np.int64]
+    truncated: bool = False
 
     @property
     def rewards_of_vectors(self) -> NDArray[np.float64]:
@@ -97,7 +99,7 @@ def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
         record.add(motors, float(reward), shown)
         done = terminated or truncated
     experience = Experience(vectors, record.heard, env.arena.name, seed, decisions=env.decisions)
-    return experience, record.episode()
+    return experience, record.episode()._replace(truncated=not terminated)
 
 
 def encoded_motors(motors: Motors) -> tuple[float, float, float, float]:

@@ -17,9 +17,11 @@ from khepera_forage.envs import backends
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.backends import EntryPoint
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience, ExperienceError
 from khepera_forage.experience.minari import from_minari, to_minari
 from khepera_forage.policies import NearestNeighbourImitator, Teacher, state_vector_of
+from khepera_forage.rollouts.raw_episodes import teacher_alone
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.procedural import LEVELS
 from khepera_forage.task.decisions import Decisions
@@ -287,3 +289,16 @@ def test_without_minari_the_error_says_what_to_install(monkeypatch: pytest.Monke
     monkeypatch.setitem(sys.modules, "minari", None)
     with pytest.raises(ImportError, match=r"pip install 'khepera-forage\[minari\]'"):
         to_minari([SOME], "khepera/none-v0")
+
+
+@pytest.mark.parametrize("wheels", [False, True])
+def test_an_episode_out_of_time_is_truncated(wheels: bool) -> None:
+    env = WheelsEnv(limit=10)
+    part, raw = teacher_alone(env, 0)
+    env.close()
+    given: dict[str, Any] = (
+        {"episodes": [raw]} if wheels else {"rewards": [raw.rewards_of_vectors], "truncated": [raw.truncated]}
+    )
+    (episode,) = to_minari([part], "cut-v0", **given, **ABOUT).iterate_episodes()
+    assert (len(episode.rewards), episode.terminations.any()) == (10, False)
+    assert episode.truncations.tolist() == [False] * 9 + [True]
