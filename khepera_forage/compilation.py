@@ -58,7 +58,7 @@ def rule(function: _F) -> _F:
     callers.
     """
     copy = functools.cache(functools.partial(_named, function))
-    options = _options | {"forceinline": True}
+    options = _options | {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     del options["nogil"]
     overload(function, options, strict=False)(lambda *types, **named: copy(f"{types}{named}"))
     return function
