@@ -1,7 +1,5 @@
 """The firmware: replies to every command, byte for byte, and its registers."""
 
-import threading
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -77,20 +75,6 @@ def test_any_bytes_get_a_reply_that_decodes(line: bytes) -> None:
 _FUZZED = make_stage()
 
 
-def test_registers_store_settings(stage: Stage) -> None:
-    stage.request("A,1,2,3")
-    stage.request("F,4,5,6")
-    assert stage.firmware.speed_gains == (1, 2, 3)
-    assert stage.firmware.position_gains == (4, 5, 6)
-    for action, on in ((1, True), (2, False), (2, True), (0, False)):
-        stage.request(f"L,1,{action}")
-        assert stage.firmware.leds == [False, on]
-    stage.request("W,170,32")
-    assert stage.numbers("R,32") == [170]
-    assert stage.numbers("R,33") == [0]
-    assert stage.numbers("I,2") == [0]
-
-
 def test_proximity_is_that_of_the_robot() -> None:
     stage = make_stage()
     stage.world.place(0, Pose(330.0, 567.0, 0.0))
@@ -99,26 +83,3 @@ def test_proximity_is_that_of_the_robot() -> None:
     assert values == list(stage.robot.sense().proximity)
     assert values[0] > 500, "the wall is on the left"
     assert values[5] == 0
-
-
-def test_firmware_serves_several_threads_while_the_world_advances(stage: Stage) -> None:
-    """Each thread writes its own register and reads it back while the world advances."""
-    wrong: list[str] = []
-
-    def exchange(address: int) -> None:
-        for value in range(200):
-            stage.request(f"W,{value},{address}")
-            stage.request("D,5,5")
-            if stage.numbers(f"R,{address}") != [value] or stage.numbers("E") not in ([0, 0], [5, 5]):
-                wrong.append(f"{address}: {value}")
-
-    threads = [threading.Thread(target=exchange, args=(address,)) for address in range(4)]
-    for thread in threads:
-        thread.start()
-    for _ in range(20):
-        with stage.lock:
-            stage.world.advance()
-            stage.firmware.tick()
-    for thread in threads:
-        thread.join()
-    assert not wrong

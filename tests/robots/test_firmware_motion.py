@@ -3,8 +3,12 @@
 import math
 
 import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.virtual.firmware import WheelPositionController
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from tests.robots.stage import Stage, make_stage
@@ -32,15 +36,6 @@ class TestSpeed:
         stage.request("P,20,-20")
         stage.rounds(1)
         assert stage.numbers("E") == [10, -10]
-
-    def test_wheels_arm_and_jaw_are_commanded_independently(self, stage: Stage) -> None:
-        stage.request("T,1,E,255")
-        stage.request("D,3,3")
-        stage.request("T,1,D,1")
-        stage.rounds(25)
-        assert stage.numbers("E") == [3, 3]
-        assert stage.numbers("T,1,H,1") == [255]
-        assert stage.numbers("T,1,H,0") == [0]
 
 
 class TestCounters:
@@ -112,32 +107,8 @@ class TestPositionControl:
         assert stage.numbers("H") == before
         assert stage.numbers("K")[1] == 0
 
-    def test_arm_moves_during_position_control(self, stage: Stage) -> None:
-        stage.request("C,1000,1000")
-        stage.request("T,1,E,255")
-        stage.rounds(40)
-        assert stage.numbers("T,1,H,1") == [255]
-        assert stage.numbers("K")[0] == 1
-
 
 class TestGripper:
-    def test_gripper_replies_before_its_motion_ends(self, stage: Stage) -> None:
-        assert stage.request("T,1,E,255") == "t,1,e"
-        assert stage.request("T,1,D,1") == "t,1,d"
-        assert (stage.numbers("T,1,H,1"), stage.numbers("T,1,H,0")) == ([215], [200])
-        stage.rounds(3)
-        assert 215 < stage.numbers("T,1,H,1")[0] < 255
-        assert 0 < stage.numbers("T,1,H,0")[0] < 200
-        stage.rounds(20)
-        assert (stage.numbers("T,1,H,1"), stage.numbers("T,1,H,0")) == ([255], [0])
-
-    def test_resistivity_is_high_while_empty_fingers_touch(self, stage: Stage) -> None:
-        """PYRO takes more than 20 for closed fingers."""
-        assert stage.numbers("T,1,F")[0] <= 20, "open and empty"
-        stage.request("T,1,D,1")
-        stage.rounds(20)
-        assert stage.numbers("T,1,F")[0] > 20
-
     def test_resistivity_of_wooden_food_is_that_of_open_fingers(self) -> None:
         stage = make_stage(food_ahead=57.0)
         stage.request("T,1,E,255")
@@ -197,13 +168,6 @@ class TestPowerOn:
         stage.rounds(5)
         assert stage.numbers("H") == [0, 0], "the wheels are stopped"
 
-    def test_power_on_stops_position_control(self, stage: Stage) -> None:
-        stage.request("C,3000,3000")
-        stage.rounds(5)
-        assert stage.firmware.power_on().startswith(b"ROM of")
-        stage.rounds(10)
-        assert stage.numbers("H") == [0, 0]
-
     def test_gripper_completes_its_motion_after_power_on(self, stage: Stage) -> None:
         stage.request("T,1,E,255")
         stage.rounds(2)
@@ -224,3 +188,22 @@ def test_attached_body_continues_the_motion(stage: Stage) -> None:
     stage.rounds(20)
     assert stage.numbers("H") == [2000, 2000]
     assert stage.numbers("T,1,H,1") == [255]
+
+
+@given(st.integers(-5000, 5000), st.integers(-5000, 5000), st.integers(1, 127), st.integers(1, 255))
+def test_wheel_reaches_its_target_within_its_profile_and_stays(
+    target: int, count: int, max_speed: int, acceleration: int
+) -> None:
+    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=target)
+    for _ in range(1500):
+        speed = wheel.next_speed(count)
+        assert abs(speed) <= max_speed
+        count += 10 * speed
+    assert wheel.reached(count)
+    assert wheel.next_speed(count) == 0
+
+
+@pytest.mark.parametrize(("max_speed", "acceleration"), [(0, 64), (20, 0)])
+def test_zero_speed_or_acceleration_means_no_motion(max_speed: int, acceleration: int) -> None:
+    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=1000)
+    assert [wheel.next_speed(0) for _ in range(20)] == [0] * 20

@@ -5,7 +5,6 @@ import select
 import socket
 import threading
 import time
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -14,10 +13,9 @@ import serial
 from khepera_forage.robots.serial.khepera_protocol import KHEPERA
 from khepera_forage.robots.serial.protocol import Reply
 from khepera_forage.robots.virtual.faults import FaultCounts
-from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.hosts import WAIT, connected_host, send_until_disconnected
-from tests.robots.stage import Stage, make_stage
+from tests.robots.stage import Stage
 
 pytestmark = pytest.mark.usefixtures("no_leaks")
 
@@ -145,19 +143,6 @@ def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) ->
         assert not Path(khepera.url).exists()
 
 
-def test_several_virtual_kheperas_run_in_parallel(tcp: int | None) -> None:
-    with ExitStack() as stack:
-        ports = [
-            stack.enter_context(VirtualKhepera(make_stage().firmware, tcp=tcp, baud=115200)) for _ in range(4)
-        ]
-        hosts = [stack.enter_context(connected_host(port)) for port in ports]
-        for number, host in enumerate(hosts):
-            host.write(f"G,{number},{number}\nH\n".encode())
-        for number, host in enumerate(hosts):
-            assert host.readline() == b"g\r\n"
-            assert KHEPERA.decode_reply(host.readline()) == Reply("H", (number, number))
-
-
 def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
     """Requests and the simulation run in different threads."""
     stop = threading.Event()
@@ -188,9 +173,3 @@ def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
         stop.set()
         world.join()
     assert last > 0
-
-
-def test_firmware_without_an_external_lock_is_served(stage: Stage) -> None:
-    with VirtualKhepera(Firmware(stage.robot), baud=None) as khepera, connected_host(khepera) as host:
-        host.write(b"K\n")
-        assert host.readline() == b"k,0,0,0,0,0,0\r\n"

@@ -1,14 +1,15 @@
 """Each fault of a virtual line: what the host receives, and what the robot does."""
 
 import time
+from difflib import SequenceMatcher
 
 import numpy as np
 import pytest
 import serial
 
 from khepera_forage.robots.serial.khepera_protocol import KHEPERA
-from khepera_forage.robots.serial.protocol import TextLine
-from khepera_forage.robots.virtual.faults import FaultCounts, Faults
+from khepera_forage.robots.serial.protocol import Reply, TextLine
+from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults, garbled, is_undetectable
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.hosts import SILENCE, WAIT, connected_host, send_until_disconnected
 from tests.robots.stage import Stage
@@ -163,3 +164,49 @@ def test_interrupted_line_loses_all_bytes_and_leaves_the_robot_driving(stage: St
         host.write(b"D,0,0\n")
         assert host.readline() == b"d\r\n"
         assert not stage.firmware.turning
+
+
+REPLY = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
+
+
+def test_faults_occur_at_their_rates() -> None:
+    faults = Faults(drop=0.05, delay=0.1, garble=0.15, duplicate=0.2, reset=0.02, unplug=0.01)
+    generator = rng()
+    drawn = [faults.draw(generator) for _ in range(20_000)]
+    for fault in FAULTS:
+        assert abs(drawn.count(fault) / len(drawn) - getattr(faults, fault)) < 0.01
+
+
+def test_faults_without_a_random_generator_are_rejected(stage: Stage) -> None:
+    with pytest.raises(ValueError, match="default_rng"):
+        VirtualKhepera(stage.firmware, faults=Faults(garble=0.1))
+    with VirtualKhepera(stage.firmware) as khepera, pytest.raises(ValueError, match="default_rng"):
+        khepera.faults = Faults(drop=0.1)
+
+
+@pytest.mark.parametrize(
+    ("rates", "message"),
+    [
+        ({"drop": -0.1}, "drop is -0.1"),
+        ({"reset": 1.5}, "reset is 1.5"),
+        ({"garble": float("nan")}, "garble is nan"),
+        ({"drop": 0.6, "delay": 0.6}, "add up to 1.2"),
+        ({"lateness": (1.0, 0.3)}, "lateness"),
+        ({"lateness": (-1.0, 0.3)}, "lateness"),
+    ],
+)
+def test_invalid_rates_are_rejected(rates: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Faults(**rates)  # type: ignore[arg-type]
+
+
+def test_garbled_replies_differ_in_at_most_three_bytes_and_some_are_undetectable() -> None:
+    generator, undetectable = rng(), 0
+    for _ in range(2000):
+        data = garbled(REPLY, generator)
+        matcher = SequenceMatcher(None, REPLY, data, autojunk=False)
+        assert sum(block.size for block in matcher.get_matching_blocks()) >= len(REPLY) - 6
+        assert abs(len(data) - len(REPLY)) <= 3
+        undetectable += is_undetectable(data, REPLY, KHEPERA)
+    assert 100 < undetectable < 1000
+    assert not is_undetectable(REPLY, REPLY, KHEPERA)
