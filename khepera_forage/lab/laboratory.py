@@ -15,11 +15,10 @@ from khepera_forage.lab.localisation import FoodLocator, find_marker, pose_of
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots import emergency_stop
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost, Senses
 from khepera_forage.robots.proximity import clean_readings, reported_readings
-from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.real_robot import RealRobot, stop_and_log
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
@@ -184,7 +183,7 @@ class Laboratory:
 
     def stop(self) -> None:
         """Stop the wheels of all robots; those that may still be moving are logged."""
-        emergency_stop.stop_and_log(self._fleet.robots, "at the end of the episode")
+        stop_and_log(self._fleet.robots, "at the end of the episode")
 
     def close(self) -> None:
         """Stop the robots and close all ports and the camera; a second call does nothing."""

@@ -1,17 +1,15 @@
 """The wheels are stopped after every exit path: a child process drives, the parent observes the robot."""
 
-import os
 import signal
 import subprocess
 import threading
 import time
 from collections.abc import Iterator
-from types import FrameType
 from typing import Any
 
 import pytest
 
-from khepera_forage.robots import emergency_stop
+from khepera_forage.robots.real_robot import stop_all
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rig import FORWARD, make_rig
@@ -121,35 +119,6 @@ def handlers() -> Iterator[dict[int, Any]]:
         signal.signal(number, handler)
 
 
-def test_handlers_are_installed_only_while_a_robot_is_open(handlers: dict[int, Any]) -> None:
-    with make_rig(2) as rig:
-        robots = [SerialKhepera(port.url) for port in rig.ports]
-        assert all(signal.getsignal(number) is not found for number, found in handlers.items())
-        robots[0].close()
-        assert all(signal.getsignal(number) is not found for number, found in handlers.items())
-        robots[1].close()
-        assert all(signal.getsignal(number) is found for number, found in handlers.items())
-
-
-def test_handler_that_calls_ours_is_not_removed(handlers: dict[int, Any]) -> None:
-    heard: list[int] = []
-    signal.signal(signal.SIGCONT, lambda number, frame: heard.append(1))
-    with make_rig(1) as rig:
-        robot = SerialKhepera(rig.url)
-        ours = signal.getsignal(signal.SIGCONT)
-
-        def later(number: int, frame: FrameType | None) -> None:
-            heard.append(2)
-            assert callable(ours)
-            ours(number, frame)
-
-        signal.signal(signal.SIGCONT, later)
-        robot.close()
-        assert signal.getsignal(signal.SIGCONT) is later
-        os.kill(os.getpid(), signal.SIGCONT)
-        assert heard == [2, 1]
-
-
 def test_robot_opened_in_another_thread_installs_no_handlers(handlers: dict[int, Any]) -> None:
     with make_rig(1) as rig:
         robots: list[SerialKhepera] = []
@@ -167,7 +136,7 @@ def test_failure_to_stop_one_robot_does_not_affect_others() -> None:
             each.drive(FORWARD)
             each.transmit()
         rig.ports[1].close()
-        failed = emergency_stop.stop_all((unstoppable, robot))
+        failed = stop_all((unstoppable, robot))
         assert rig.wheel_pulses(0) == (0, 0)
         assert [which for which, _ in failed] == [unstoppable]
         unstoppable.close()

@@ -41,12 +41,7 @@ class Range(NamedTuple):
 
 
 class Text(NamedTuple):
-    """A value that is not a number.
-
-    Attributes:
-        pattern: Regular expression of the allowed values.
-        example: For messages.
-    """
+    """A value that is not a number: a regular expression, and an example for messages."""
 
     pattern: str
     example: str
@@ -56,13 +51,7 @@ VERSION = Text(r"[0-9]{1,3}(\.[0-9]{1,3})?", "a version such as 5.02")
 
 
 class Command(NamedTuple):
-    """One command.
-
-    Attributes:
-        arguments: Ranges of the values in the request.
-        results: Ranges of the values in the reply.
-        meaning: Short description.
-    """
+    """One command: the ranges of the values in its request and in its reply, and a short description."""
 
     arguments: tuple[Range, ...]
     results: tuple[Range | Text, ...]
@@ -85,12 +74,7 @@ class Request(NamedTuple):
 
 
 class Reply(NamedTuple):
-    """The robot's message in response to a request.
-
-    Attributes:
-        command: The command of the request, in the same form.
-        values: Results: numbers, or strings such as "5.02".
-    """
+    """The reply to a request with the same command; its values are numbers, or strings such as "5.02"."""
 
     command: str
     values: tuple[int | str, ...] = ()
@@ -148,22 +132,17 @@ class Protocol:
         """Encode a request.
 
         Raises:
-            UnknownCommandError: The command is not in the table.
-            ArgumentError: Wrong number of values, or a value out of range or not a whole number.
+            ProtocolError: An unknown command, or values that it does not allow.
         """
         fields = _encoded(request.command, request.values, self._command(request.command).arguments)
         return ",".join([request.command, *fields]).encode() + self.end
 
     def decode_request(self, line: bytes) -> Request:
-        """Decode a request.
-
-        Args:
-            line: With or without its ending.
+        """Decode a request, with or without its ending.
 
         Raises:
-            UnknownCommandError: The command is not in the table.
-            ArgumentError: Wrong number of values, or a value out of range or not a whole number; an absent turret.
-            ProtocolError: The line is not printable ASCII.
+            ArgumentError: Values that the command does not allow, or an absent turret.
+            ProtocolError: An unknown command, or a line that is not printable ASCII.
         """
         name, fields = _split_command(_text(line))
         values = _decoded(name, fields, self._command(name).arguments)
@@ -173,9 +152,8 @@ class Protocol:
         """Encode a reply, terminated by CR LF.
 
         Raises:
-            UnknownCommandError: The command is not in the table, or is restart: the robot sends its banner instead.
-            ArgumentError: Wrong number of values, a value out of range or of the wrong type, or an error text that is
-                not printable ASCII.
+            ProtocolError: An unknown command, or values that it does not allow; restart, to which the robot replies
+                with its banner; an error text that is not printable ASCII.
         """
         if isinstance(reply, ErrorReply):
             if not _printable(reply.text):
@@ -187,13 +165,10 @@ class Protocol:
         return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
 
     def decode_reply(self, line: bytes) -> Reply | ErrorReply | TextLine:
-        """Decode a reply.
+        """Decode a reply, with or without its ending.
 
         A line that contains a word is decoded as text, even if it begins like a reply: if the power supply fails while
         the robot is sending a reply, the banner follows on the same line.
-
-        Args:
-            line: With or without its ending.
 
         Raises:
             ProtocolError: The line is not one that the robot sends.

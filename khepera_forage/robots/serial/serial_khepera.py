@@ -12,7 +12,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial import khepera_protocol
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 
 BARRIER_THRESHOLD = 100
 """The optical barrier reads more than this with an object in it (PYRO)."""
@@ -41,6 +41,7 @@ class SerialKhepera(SerialRobot):
     default_baud = 38400
     motion_commands = ("C", "D", "P")
     lamps = (0, 1)
+    counter_bits = 32
 
     def turn_wheels(self, left: int, right: int) -> None:
         """See `RealRobot`."""
@@ -50,7 +51,6 @@ class SerialKhepera(SerialRobot):
         self._arm = Reading(max_change=8, can_stall=False, phase=0)
         self._jaw = Reading(max_change=45, can_stall=True, phase=5)
         self._barrier = Reading(max_change=0, can_stall=False, phase=0)
-        self._counters = Counters(bits=32)
 
     def _requests(self, command: Motors) -> list[Request]:
         requests = [Request("D", (int(command.left), int(command.right)))]
@@ -60,16 +60,9 @@ class SerialKhepera(SerialRobot):
             requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
         return requests
 
-    def _note_sent(self, command: Motors) -> None:
-        self._arm.set_target(command.arm)
-        self._jaw.set_target(command.jaw)
-
-    def _forget_targets(self) -> None:
-        self._arm.set_target(None)
-        self._jaw.set_target(None)
-
-    def _on_restart(self) -> None:
-        self._counters.restarted()
+    def _note_sent(self, command: Motors | None) -> None:
+        self._arm.set_target(None if command is None else command.arm)
+        self._jaw.set_target(None if command is None else command.jaw)
 
     def _receive(self) -> None:
         self._begin_call()

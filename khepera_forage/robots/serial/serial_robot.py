@@ -71,6 +71,7 @@ class SerialRobot(RealRobot):
     """Requests that set the wheels in motion."""
     lamps: ClassVar[tuple[int, ...]]
     """Arguments of request L that switch all lamps."""
+    counter_bits: ClassVar[int]
 
     def __init__(
         self,
@@ -102,6 +103,7 @@ class SerialRobot(RealRobot):
             replace=lambda request: STOP if self._held and self._turns(request) else request,
             check=self._check,
         )
+        self._counters = Counters(self.counter_bits)
         self._prepare()
         self._open(self._begin_session)
         if watchdog:
@@ -147,7 +149,7 @@ class SerialRobot(RealRobot):
         return self._begin(lambda: self._request(request)).result().values
 
     def end_watchdog(self) -> None:
-        """End the watchdog: the wheels were stopped. A second call does nothing."""
+        """See `RealRobot`."""
         if self._watchdog is not None:
             self._watchdog.end()
 
@@ -161,11 +163,7 @@ class SerialRobot(RealRobot):
     # The methods below run in the robot's thread.
 
     def _begin_session(self) -> None:
-        """Check that a robot replies, stop its wheels, and measure the line.
-
-        The identity comes first: it is sent again if the robot rejects it because another program left an unfinished
-        request on the line.
-        """
+        """Check that a robot replies, stop its wheels, and measure the line."""
         try:
             self.stop_confirmed = self._line.measure(STOP, self._period)
         except RobotLost as lost:
@@ -208,7 +206,7 @@ class SerialRobot(RealRobot):
         """Record that the robot sent its banner."""
         self._must_restore = True
         self._restarts += 1
-        self._on_restart()
+        self._counters.restarted()
         if self._restarts > _MAX_RESTARTS:
             count, self._restarts = self._restarts, 0
             raise RobotLost(self.port, "restart", count, "it restarts again and again")
@@ -216,7 +214,7 @@ class SerialRobot(RealRobot):
     def _restore(self) -> None:
         if self._must_restore:
             held = self._held
-            self._forget_targets()
+            self._note_sent(None)
             if self._command is not None:
                 self._send_command(self._command, held)
             self._must_restore = False
@@ -263,7 +261,7 @@ class SerialRobot(RealRobot):
         self._begin_call()
         self._held = True
         if self._line.forget_ahead():
-            self._forget_targets()  # Their replies can no longer be told from others: send them again.
+            self._note_sent(None)  # Their replies can no longer be told from others: send them again.
         while True:
             try:
                 self._line.exchange([STOP], insist=True)
@@ -284,13 +282,9 @@ class SerialRobot(RealRobot):
         self._line.close()
 
     def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a round has time to send requests again.
+        """Whether a round that began then has time to send requests with short replies again.
 
         A round must not end too long after the last one, at most 0.5 s if the caller does not keep the period.
-
-        Args:
-            begin: When the round began.
-            requests: With short replies.
         """
         limit = begin + HOLD_AFTER
         if self._period is not None and begin <= self._last_round + self._period:
@@ -307,26 +301,14 @@ class SerialRobot(RealRobot):
         """The requests that transmit a command, the wheel speeds first."""
         raise NotImplementedError
 
-    def _note_sent(self, command: Motors) -> None:
-        """Record that a command was sent."""
-
-    def _forget_targets(self) -> None:
-        """Forget what was sent before: the next command must be sent completely."""
-
-    def _on_restart(self) -> None:
-        """Record that the robot restarted."""
+    def _note_sent(self, command: Motors | None) -> None:
+        """Record that a command was sent; None if what was sent is lost, and must be sent again completely."""
 
 
 class Counters:
     """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
 
     The counts between the last reading and a restart are lost: less than one round's worth.
-
-    Args:
-        bits: Of the robot's counters.
-
-    Attributes:
-        total: Counts of the left and the right wheel.
     """
 
     def __init__(self, bits: int) -> None:
