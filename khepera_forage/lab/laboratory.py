@@ -9,11 +9,16 @@ from typing import Self
 import numpy as np
 
 from khepera_forage.lab.clock import Clock, WallClock
-from khepera_forage.lab.cubes import CubeOperator
-from khepera_forage.lab.devices import Devices, LabCamera, OpenSource
-from khepera_forage.lab.localisation import FoodLocator, find_marker, pose_of
+from khepera_forage.lab.cubes import CubeOperator, MatCamera
+from khepera_forage.lab.devices import Devices, OpenSource
+from khepera_forage.lab.localisation import (
+    FoodLocator,
+    find_marker,
+    gripper_errors,
+    placement_errors,
+    pose_of,
+)
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
-from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost, Senses
@@ -23,6 +28,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30
@@ -87,7 +93,7 @@ class Laboratory:
         return self._fleet.robots
 
     @property
-    def camera(self) -> LabCamera:
+    def camera(self) -> TrackedCamera | MatCamera:
         """The camera with its tracker, or the mat of toio cubes; another one after a loss."""
         return self._devices.camera
 

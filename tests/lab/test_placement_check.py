@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from khepera_forage.lab.localisation import gripper_errors, placement_errors
 from khepera_forage.lab.operator import RobotMark
-from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import Tolerance
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
@@ -120,13 +120,6 @@ def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
     assert abs(counts[0] - counts[1]) <= 10
 
 
-def test_teacher_forages_under_the_default_decisions() -> None:
-    arena = checked_arena("corridor", Decisions())
-    with virtual_laboratory(arena, 1) as lab:
-        info = forage(BehavioursEnv(world=lab), {"start": (90, 100, 10), "foods": [(330, 125)]})
-    assert info["delivered"] == 1
-
-
 def test_training_leads_around_corners_as_in_the_simulation() -> None:
     """In the T-maze, food and home are in opposite arms."""
     devices: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none(), "timeout": 2.0}
@@ -203,16 +196,6 @@ def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
         for pose, truth in zip(lab.poses(), lab.simulation.poses(), strict=True):
             assert pose.x == pytest.approx(truth.x, abs=8)
         assert lab.food_places()[0].x > lab.arenas[0].foods[0].x + 20, "it was pushed"
-
-
-def test_close_closes_all_ports() -> None:
-    lab = virtual_laboratory("corridor", 2)
-    ports = list(lab.virtual_kheperas)
-    lab.close()
-    assert not any(port.connected for port in ports)
-    for robot in lab.robots:
-        with pytest.raises(ConnectionError):
-            robot.transmit()
 
 
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
