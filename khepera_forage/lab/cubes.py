@@ -50,7 +50,6 @@ class CubeOperator:
 
         Raises:
             OperatorGaveUp: A device is lost, which takes a person; or the cubes do not reach their places.
-            RobotLost: A cube does not reply.
         """
         if not request.robots and request.foods is None:
             raise OperatorGaveUp(f"this needs a person: {request.reason}")
@@ -61,25 +60,20 @@ class CubeOperator:
         for food in foods:
             food.receive()
         if request.foods is not None:
-            for cube, (x, y) in self._assigned(foods, request.foods):
+            if len(foods) < len(request.foods):
+                raise OperatorGaveUp(
+                    f"{len(foods)} food cubes for {len(request.foods)} places; allowed: one each"
+                )
+            free, nearest = list(foods), []
+            for place in request.foods:
+                distances = [math.dist(cube.pose[:2], place) for cube in free]
+                nearest.append(free.pop(distances.index(min(distances))))
+            for cube, (x, y) in zip(nearest, request.foods, strict=True):
                 self._drive(cube, CubePose(x, y, 0.0), None)
         for mark in request.robots:
             self._drive(
                 robots[mark.number], CubePose(mark.pose.x, mark.pose.y, mark.pose.heading), mark.pose.heading
             )
-
-    def _assigned(
-        self, foods: Sequence[ToioRobot], places: Sequence[tuple[float, float]]
-    ) -> list[tuple[ToioRobot, tuple[float, float]]]:
-        """The food cube for each place: the nearest that is free."""
-        free, assigned = list(foods), []
-        for place in places:
-            if not free:
-                raise OperatorGaveUp(f"{len(foods)} food cubes for {len(places)} places; allowed: one each")
-            cube = min(free, key=lambda cube: math.dist(cube.pose[:2], place))
-            free.remove(cube)
-            assigned.append((cube, place))
-        return assigned
 
     def _drive(self, cube: ToioRobot, place: CubePose, heading: float | None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
@@ -164,11 +158,7 @@ class MatCamera:
         self.expose()
 
     def expose(self) -> None:
-        """Take the place of every cube.
-
-        Raises:
-            RobotLost: A cube that is food does not reply.
-        """
+        """Take the place of every cube."""
         for food in self._foods:
             food.receive()
         self._scene = Scene(

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from typing import Self
 
 import numpy as np
@@ -21,7 +20,7 @@ from khepera_forage.lab.localisation import (
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.fleet import Fleet
-from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost, Senses
+from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
 from khepera_forage.robots.proximity import clean_readings, reported_readings
 from khepera_forage.robots.real_robot import RealRobot, stop_and_log
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -134,7 +133,7 @@ class Laboratory:
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
             for cube, arena in zip(self._devices.cubes, self.arenas, strict=False):
-                cube.clearance = partial(_clearance, arena)
+                cube.clearance = lambda x, y, arena=arena: arena.clearance(Point(x, y))
         self._ready = True
         self.clock.start()
 
@@ -247,7 +246,7 @@ class Laboratory:
                     self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
                 )
                 if new_episode:
-                    errors += gripper_errors(request.robots, self._senses(), self._grippers)
+                    errors += gripper_errors(request.robots, self.robots)
                 if not errors:
                     return
             request = request._replace(errors=errors)
@@ -258,13 +257,10 @@ class Laboratory:
             region = find_marker(scene, arena, holes)
             if region is not None:
                 self._poses[number] = pose_of(region)
-        self._senses()  # reads the robots that have not been read yet
+        for robot in self.robots:
+            robot.sense()  # reads those that have not been read yet
         self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
         self._note_surroundings()
-
-    @property
-    def _grippers(self) -> list[bool]:
-        return [robot.model.has_gripper for robot in self.robots]
 
     def _note_surroundings(self) -> None:
         """Tell robots with fewer sensors than a Khepera what the map shows."""
@@ -282,10 +278,3 @@ class Laboratory:
                 clean = clean_readings(pose.x, pose.y, cosine, sine, arena.segments, [*foods, *others])
                 readings = reported_readings(clean, False, 0.0, 0, (0.0,) * 8)
             robot.note_surroundings(ahead, readings)
-
-    def _senses(self) -> list[Senses]:
-        return [robot.sense() for robot in self.robots]
-
-
-def _clearance(arena: Arena, x: float, y: float) -> float:
-    return arena.clearance(Point(x, y))

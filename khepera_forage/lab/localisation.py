@@ -16,7 +16,7 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
     JAW_ROOT,
     RADIUS,
-    Senses,
+    Robot,
 )
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
@@ -28,27 +28,25 @@ _MARGIN = 20.0
 """mm by which a region may appear outside its arena. Assumption."""
 
 
-def position_of(region: Region) -> Point:
-    """A region's centre in mm."""
+def _position_of(region: Region) -> Point:
     return Point(region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL)
 
 
 def pose_of(region: Region) -> Pose:
     """A marker's pose in mm and radians, -pi..pi."""
     degrees = (region.orientation + 180) % 360 - 180
-    return Pose(*position_of(region), math.radians(degrees))
+    return Pose(*_position_of(region), math.radians(degrees))
 
 
-def is_in(arena: Arena, region: Region) -> bool:
-    """Whether a region lies in an arena."""
-    x, y = position_of(region)
+def _is_in(arena: Arena, region: Region) -> bool:
+    x, y = _position_of(region)
     x1, y1, x2, y2 = arena.bounds
     return x1 - _MARGIN <= x <= x2 + _MARGIN and y1 - _MARGIN <= y <= y2 + _MARGIN
 
 
 def find_marker(scene: Scene, arena: Arena, holes: int) -> Region | None:
     """The first region in an arena with a number of holes; None if there is none."""
-    return next((r for r in scene.regions if r.holes == holes and is_in(arena, r)), None)
+    return next((r for r in scene.regions if r.holes == holes and _is_in(arena, r)), None)
 
 
 _GRIP_CENTRE = JAW_ROOT + FINGER_LENGTH / 2
@@ -94,23 +92,18 @@ class FoodLocator:
         return None
 
     def update(self, scene: Scene, robots: Sequence[tuple[Pose, RealRobot]]) -> None:
-        """Update the positions after a round.
-
-        Args:
-            scene: Regions reported by the camera.
-            robots: The robots, and where each is.
-        """
+        """Update the positions after a round, from the camera's regions and from the robots and their places."""
         for number, (pose, robot) in enumerate(robots):
             if robot.model.has_gripper:
                 self._update_held(number, pose, robot)
-        food = [r for r in scene.regions if not r.holes and any(is_in(a, r) for a in self._arenas)]
+        food = [r for r in scene.regions if not r.holes and any(_is_in(a, r) for a in self._arenas)]
         labels = {region.label for region in food}
         self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}
         seen = set()
         for region in food:
             if not region.found:
                 continue
-            place = position_of(region)
+            place = _position_of(region)
             if region.label not in self._object_of_region:
                 nearest = self._nearest_free(place, set(self._object_of_region.values()))
                 if nearest is None:
@@ -144,7 +137,6 @@ class FoodLocator:
         self._foods[self._held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
 
     def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
-        """Number of the object nearest to a place, without those taken."""
         free = [k for k in range(len(self._foods)) if k not in taken]
         return min(free, key=lambda k: math.dist(place, self._foods[k][:2]), default=None)
 
@@ -179,20 +171,20 @@ def placement_errors(
     return tuple(errors)
 
 
-def gripper_errors(
-    robots: Sequence[RobotMark], senses: Sequence[Senses], has_gripper: Sequence[bool]
-) -> tuple[str, ...]:
+def gripper_errors(marks: Sequence[RobotMark], robots: Sequence[Robot]) -> tuple[str, ...]:
     """Grippers that are not raised and open, as at the start of every episode, one sentence each."""
+    states = [
+        (mark.name, robot.sense()) for mark, robot in zip(marks, robots, strict=True) if robot.has_gripper
+    ]
     return tuple(
-        f"robot {mark.name}: arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
-        for mark, own, gripper in zip(robots, senses, has_gripper, strict=True)
-        if gripper
-        and (abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE)
+        f"robot {name}: arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
+        for name, own in states
+        if abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE
     )
 
 
 def _robot_errors(scene: Scene, arena: Arena, mark: RobotMark, tolerance: Tolerance) -> list[str]:
-    markers = [r for r in scene.regions if r.holes and r.found and is_in(arena, r)]
+    markers = [r for r in scene.regions if r.holes and r.found and _is_in(arena, r)]
     others = [r for r in markers if r.holes != mark.holes]
     own = [r for r in markers if r.holes == mark.holes]
     errors = [
@@ -221,9 +213,9 @@ def _food_errors(
     scene: Scene, arenas: Sequence[Arena], foods: Sequence[Point], tolerance: Tolerance
 ) -> list[str]:
     seen = [
-        position_of(r)
+        _position_of(r)
         for r in scene.regions
-        if r.found and not r.holes and any(is_in(arena, r) for arena in arenas)
+        if r.found and not r.holes and any(_is_in(arena, r) for arena in arenas)
     ]
     plates = [
         Plate(x, y, math.cos(heading), math.sin(heading))

@@ -3,20 +3,13 @@
 import math
 import sys
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, TextIO
+from typing import NamedTuple, TextIO
 
 from khepera_forage.sim.arena import Point, Pose
 
 
 class RobotMark(NamedTuple):
-    """The place where a robot should stand.
-
-    Attributes:
-        number: Number of the robot in its world.
-        name: Name of the robot in the lab file.
-        holes: Number of holes of its marker.
-        pose: In mm and radians in the world's frame.
-    """
+    """The place where a robot should stand: number in its world, name in the lab file, holes of its marker, pose."""
 
     number: int
     name: str
@@ -44,16 +37,8 @@ class OperatorGaveUp(ConnectionAbortedError):  # noqa: N818 (an event, not a mis
     """The operator declines to continue."""
 
 
-class Operator(Protocol):
-    """A callable that carries out requests."""
-
-    def __call__(self, request: OperatorRequest, /) -> None:
-        """Place robots and food, then return; the laboratory checks the result by camera.
-
-        Raises:
-            OperatorGaveUp: The operator declines.
-        """
-        ...
+Operator = Callable[[OperatorRequest], None]
+"""Places robots and food, then returns, or raises `OperatorGaveUp`; the laboratory checks the result by camera."""
 
 
 class CommandLineOperator:

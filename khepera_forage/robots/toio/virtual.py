@@ -44,7 +44,7 @@ class Table:
     def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
         self.mat = mat
         self.unplugged: set[str] = set()
-        self._clock, self.interval = clock, interval
+        self.clock, self.interval = clock, interval
         self._now = clock()
         self._lock = threading.RLock()
         self._cubes: dict[str, VirtualCube] = {}
@@ -61,7 +61,7 @@ class Table:
     def advance(self) -> None:
         """Let the cubes drive until now."""
         with self._lock:
-            now = self._clock()
+            now = self.clock()
             while self._now + _STEP <= now:
                 self._now += _STEP
                 for cube in self._cubes.values():
@@ -86,22 +86,14 @@ class Table:
                 overlap = 2 * RADIUS - distance
                 if overlap > 0:
                     share = 0.5 if first.turning == second.turning else float(second.turning)
-                    first.shift(-dx / distance * overlap * share, -dy / distance * overlap * share)
-                    rest = 1.0 - share
-                    second.shift(dx / distance * overlap * rest, dy / distance * overlap * rest)
+                    for cube, part in ((first, -share), (second, 1.0 - share)):
+                        x, y, heading = cube.pose
+                        push = overlap * part / distance
+                        cube.pose = CubePose(x + push * dx, y + push * dy, heading)
 
 
 class VirtualCube(CubeInterface):
-    """One cube, as toio-py sees it.
-
-    Args:
-        table: Its table.
-        name: Its name.
-        pose: Where it stands, on the plan.
-
-    Attributes:
-        pose: Where it stands now.
-    """
+    """One cube, as toio-py sees it; `pose` is its place on the plan."""
 
     def __init__(self, table: Table, name: str, pose: CubePose) -> None:
         self.pose = pose
@@ -127,10 +119,6 @@ class VirtualCube(CubeInterface):
         turn, forward = (right - left) / _BASE, (left + right) / 2
         middle = heading + turn / 2
         self.pose = CubePose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
-
-    def shift(self, dx: float, dy: float) -> None:
-        """Move it."""
-        self.pose = self.pose._replace(x=self.pose.x + dx, y=self.pose.y + dy)
 
     async def __aenter__(self) -> "VirtualCube":
         await self.connect()
@@ -160,19 +148,14 @@ class VirtualCube(CubeInterface):
     async def write(
         self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
     ) -> None:
-        """Execute a motor command; everything else is accepted and has no effect.
-
-        Raises:
-            ConnectionError: It is not connected.
-        """
+        """Execute a motor command; everything else is accepted and has no effect."""
         if not self.is_connect():
             raise ConnectionError("the cube is not connected")
         if char_uuid == ToioUuid.Motor.value and data[0] in (1, 2):
             self._table.advance()
-            left, right = (_effective(data[i], data[i + 1]) for i in (2, 5))
             limited = data[0] == 2 and data[7] > 0
-            self._until = self._table._clock() + data[7] / 100 if limited else math.inf
-            self._units = left, right
+            self._until = self._table.clock() + data[7] / 100 if limited else math.inf
+            self._units = _effective(data[2], data[3]), _effective(data[5], data[6])
 
     async def register_notification_handler(self, char_uuid: UUID, notification_handler: Any) -> bool:
         """Send notifications to a function."""
