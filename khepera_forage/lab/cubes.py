@@ -46,11 +46,7 @@ class CubeOperator:
         self._repeats = 0
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Carry out a request.
-
-        Raises:
-            OperatorGaveUp: A device is lost, which takes a person; or the cubes do not reach their places.
-        """
+        """Carry out a request."""
         if not request.robots and request.foods is None:
             raise OperatorGaveUp(f"this needs a person: {request.reason}")
         self._repeats = self._repeats + 1 if request.errors else 0

@@ -54,11 +54,7 @@ class CommandLineOperator:
         self._out = out
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Show the request and wait for Enter.
-
-        Raises:
-            OperatorGaveUp: The answer is `q`, or there is no terminal.
-        """
+        """Show the request and wait for Enter."""
         print("\n".join(describe(request)), file=self._out or sys.stderr)
         try:
             answer = self._ask("Press Enter when it is done, or q to give up: ")

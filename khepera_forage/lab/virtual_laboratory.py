@@ -301,11 +301,7 @@ class VirtualOperator:
         self._rng, self._world_rng = rng, world_rng
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Carry out a request.
-
-        Raises:
-            OperatorGaveUp: The same request was repeated too often, or there is no room.
-        """
+        """Carry out a request."""
         self.requests.append(request)
         recent = self.requests[-self.max_repeats :]
         if len(recent) == self.max_repeats and all(r.errors and r[:3] == request[:3] for r in recent):

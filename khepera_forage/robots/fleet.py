@@ -43,11 +43,7 @@ class Fleet:
         self._run(RealRobot.begin_receive)
 
     def stop(self) -> None:
-        """Stop all wheels.
-
-        Raises:
-            RobotLost: One or more robots do not confirm; the others have been stopped.
-        """
+        """Stop all wheels."""
         _raise_any([error for _, error in stop_all(self.robots)])
 
     def stop_all(self) -> None:

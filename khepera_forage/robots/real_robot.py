@@ -100,7 +100,8 @@ class Task(Generic[T]):
 class RealRobot(ABC):
     """A `Robot` behind a connection; `transmit` and `receive` exchange the data of one round.
 
-    All methods are thread-safe. The wheels are stopped on every exit path. After a suspension
+    All methods are thread-safe, and any that exchanges data raises `RobotLost` if the robot does not reply. The wheels
+    are stopped on every exit path. After a suspension
     (Ctrl-Z) they remain stopped, and the next request raises `RobotSuspended` once.
 
     Args:
@@ -163,28 +164,16 @@ class RealRobot(ABC):
         return self._command
 
     def flash(self) -> None:
-        """Switch its lamps on for a moment, so that a person sees which robot this is.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Switch its lamps on for a moment, so that a person sees which robot this is."""
         self._begin(self._flash).result()
 
     def turn_wheels(self, left: int, right: int) -> None:
-        """Turn the wheels at speeds in speed units, and move nothing else.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Turn the wheels at speeds in speed units, and move nothing else."""
         self.drive(Motors(left, right, ARM_DOWN, JAW_OPEN))
         self.transmit()
 
     def sense(self) -> Senses:
-        """The senses of the last `receive`; calls it if there was none.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """The senses of the last `receive`; calls it if there was none."""
         if self._senses is None:
             self.receive()
         assert self._senses is not None
@@ -208,27 +197,15 @@ class RealRobot(ABC):
         self._food_ahead, self._proximity = food_ahead, proximity
 
     def transmit(self) -> None:
-        """Send the last command.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Send the last command."""
         self.begin_transmit().result()
 
     def receive(self) -> None:
-        """Read the sensors.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Read the sensors."""
         self.begin_receive().result()
 
     def stop(self) -> None:
-        """Stop the wheels, before any other request; arm and jaw still move to their last targets.
-
-        Raises:
-            RobotLost: The robot does not confirm.
-        """
+        """Stop the wheels, before any other request; arm and jaw still move to their last targets."""
         self.begin_stop().result(_STOP_TIMEOUT)
 
     def close(self, stop: bool = True) -> None:

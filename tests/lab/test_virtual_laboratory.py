@@ -167,20 +167,6 @@ def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
         assert len(recorded) >= result.rounds - 5
 
 
-def test_training_with_several_learners() -> None:
-    with virtual_laboratory("corridor", 4) as lab:
-        assert lab.markers == (1, 2, 2, 2)
-        assert [robot.name for robot in lab.settings.robots] == [
-            "teacher",
-            "learner_0",
-            "learner_1",
-            "learner_2",
-        ]
-        env = TrainingEnv(num_learners=3, max_cycles=60, world=lab, noise=Noise.none())
-        result = training.attempt(env, 2, lambda v, b: None)
-        assert result.rounds > 50
-
-
 def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
     with virtual_laboratory("corridor", 2, V0_1, robot="e-puck2", noise=Noise.none()) as lab:
         starts = tuple(arena.start for arena in lab.arenas)

@@ -2,10 +2,7 @@
 
 import signal
 import subprocess
-import threading
 import time
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
@@ -53,18 +50,6 @@ def test_signal_stops_the_robots(name: str, body: str) -> None:
         assert ("KeyboardInterrupt" in errors) == (name == "SIGINT")
 
 
-def test_signal_of_another_purpose_does_not_stop_the_robots() -> None:
-    timer = "import signal\nsignal.signal(signal.SIGALRM, lambda number, frame: print('alarm', flush=True))"
-    with make_rig(1) as rig:
-        child = start_driver([rig.url], "drive(); time.sleep(60)", before=timer)
-        child.send_signal(signal.SIGALRM)
-        assert child.stdout is not None
-        assert child.stdout.readline() == "alarm\n"
-        assert rig.wheel_pulses() == (50, 50)
-        child.kill()
-        child.communicate()
-
-
 def test_replaced_signal_handler_is_called() -> None:
     install = "import signal, sys\nsignal.signal(signal.SIGTERM, lambda number, frame: sys.exit(7))"
     with make_rig(1) as rig:
@@ -108,25 +93,6 @@ def test_forked_child_does_not_stop_the_robots() -> None:
         assert child.stdout.readline() == "(0, 0)\n"
         assert rig.wheel_pulses() == (50, 50)
         child.communicate("\n", timeout=20)
-
-
-@pytest.fixture
-def handlers() -> Iterator[dict[int, Any]]:
-    """The signal handlers of this process, restored after the test."""
-    found: dict[int, Any] = {n: signal.getsignal(n) for n in (signal.SIGTSTP, signal.SIGCONT)}
-    yield found
-    for number, handler in found.items():
-        signal.signal(number, handler)
-
-
-def test_robot_opened_in_another_thread_installs_no_handlers(handlers: dict[int, Any]) -> None:
-    with make_rig(1) as rig:
-        robots: list[SerialKhepera] = []
-        thread = threading.Thread(target=lambda: robots.append(SerialKhepera(rig.url)))
-        thread.start()
-        thread.join()
-        assert all(signal.getsignal(number) is found for number, found in handlers.items())
-        robots[0].close()
 
 
 def test_failure_to_stop_one_robot_does_not_affect_others() -> None:

@@ -27,11 +27,6 @@ class TestSpeed:
         stage.rounds(5)
         assert stage.numbers("H") == [1500, 3000]
 
-    def test_simulated_wheels_are_limited_to_their_maximum_speed(self, stage: Stage) -> None:
-        assert stage.request("D,127,-127") == "d"
-        stage.rounds(1)
-        assert stage.numbers("E") == [20, -20]
-
     def test_pwm_sets_a_speed(self, stage: Stage) -> None:
         stage.request("P,20,-20")
         stage.rounds(1)
@@ -65,27 +60,6 @@ class TestPositionControl:
         assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
         assert stage.numbers("E") == [0, 0]
 
-    def test_robot_turns_on_the_spot(self, stage: Stage) -> None:
-        quarter = round(math.pi / 2 * 53 / 2 / 0.08)
-        stage.request(f"C,{-quarter},{quarter}")
-        stage.rounds(40)
-        assert abs(stage.world.poses()[0].heading - math.pi / 2) < 0.03
-
-    def test_profile_limits_the_speed(self, stage: Stage) -> None:
-        stage.request("J,4,64,4,64")
-        stage.request("C,2000,2000")
-        speeds = []
-        for _ in range(20):
-            stage.rounds(1)
-            speeds += stage.numbers("E")
-        assert max(speeds) == 4
-
-    def test_target_is_relative_to_the_set_counter(self, stage: Stage) -> None:
-        stage.request("G,5000,5000")
-        stage.request("C,4000,4000")
-        stage.rounds(40)
-        assert math.dist(stage.world.poses()[0][:2], (120.0, 300.0)) < 1.0
-
     def test_setting_the_counters_during_a_motion_moves_the_target(self, stage: Stage) -> None:
         stage.request("C,3000,3000")
         stage.rounds(4)
@@ -118,11 +92,6 @@ class TestGripper:
         assert stage.numbers("T,1,H,0")[0] > 100
         assert stage.numbers("T,1,F")[0] <= 20
 
-    def test_arm_targets_are_limited_to_its_travel(self, stage: Stage) -> None:
-        assert stage.request("T,1,E,0") == "t,1,e"
-        stage.rounds(20)
-        assert stage.numbers("T,1,H,1") == [215]
-
     def test_food_is_detected_gripped_and_carried(self) -> None:
         stage = make_stage(food_ahead=57.0)
         assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
@@ -139,16 +108,6 @@ class TestGripper:
         food = stage.world.food_places()[0]
         assert food.lifted
         assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
-
-    def test_firmware_started_with_held_food_keeps_it(self) -> None:
-        stage = make_stage(food_ahead=57.0)
-        for line, rounds in (("T,1,E,255", 12), ("T,1,D,1", 8), ("T,1,E,215", 12)):
-            stage.request(line)
-            stage.rounds(rounds)
-        again = stage._replace(firmware=type(stage.firmware)(stage.robot, stage.lock))
-        again.request("D,2,2")
-        again.rounds(10)
-        assert again.world.food_places()[0].lifted
 
 
 class TestPowerOn:
@@ -167,15 +126,6 @@ class TestPowerOn:
         assert stage.numbers("E") == [0, 0]
         stage.rounds(5)
         assert stage.numbers("H") == [0, 0], "the wheels are stopped"
-
-    def test_gripper_completes_its_motion_after_power_on(self, stage: Stage) -> None:
-        stage.request("T,1,E,255")
-        stage.rounds(2)
-        stage.firmware.power_on()
-        stage.rounds(20)
-        stage.request("D,1,1")
-        stage.rounds(20)
-        assert stage.numbers("T,1,H,1") == [255]
 
 
 def test_attached_body_continues_the_motion(stage: Stage) -> None:

@@ -11,7 +11,6 @@ from khepera_forage.robots.serial.protocol import (
     Reply,
     Request,
     TextLine,
-    UnknownCommandError,
 )
 
 INVALID_NUMBERS = (
@@ -82,20 +81,6 @@ def test_versions_that_are_not_dotted_decimals_are_rejected(version: str) -> Non
         KHEPERA.decode_reply(f"b,{version},5.01".encode())
     with pytest.raises(ArgumentError):
         KHEPERA.encode_reply(Reply("B", (version, "5.01")))
-
-
-@pytest.mark.parametrize(
-    "line", [b"M", b"Q", b"Z,1", b"d,5,5", b"n", b"restar", b"RESTART", b"T,1,C", b"T,1,d", b"T,1,"]
-)
-def test_unknown_commands_are_rejected(line: bytes) -> None:
-    with pytest.raises(UnknownCommandError):
-        KHEPERA.decode_request(line)
-
-
-@pytest.mark.parametrize("line", [b"T", b"T,", b"T,1", b"T,2,B", b"T,01,B", b"T,,B"])
-def test_absent_turrets_are_rejected(line: bytes) -> None:
-    with pytest.raises(ArgumentError, match="turret"):
-        KHEPERA.decode_request(line)
 
 
 @pytest.mark.parametrize("line", [b"", b"\n", b"D,5,5\x00", b"\xffD,5,5", b"D\n,5,5", b"D,5,5\n\n"])

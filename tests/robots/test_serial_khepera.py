@@ -63,39 +63,12 @@ def test_round_sends_only_necessary_requests() -> None:
         assert "T,1,H,0" in second
 
 
-def test_senses_change_only_in_receive() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        before = robot.sense()
-        robot.drive(FORWARD)
-        robot.transmit()
-        rig.advance()
-        assert robot.sense() == before
-        robot.receive()
-        assert robot.sense().left_pulses == before.left_pulses + 50
-
-
-def test_positions_out_of_range_are_limited() -> None:
-    with ScriptedRobot(NumberedReplies({})) as scripted, SerialKhepera(scripted.url, baud=115200) as robot:
-        senses = robot.sense()
-        assert senses.arm == 215, "the scripted robot reports less than 100"
-        assert 0 <= senses.jaw <= 200
-        assert senses.object_presence == 0
-
-
 def test_opening_stops_wheels_that_another_program_left_turning() -> None:
     with make_rig() as rig:
         rig.firmwares[0].handle(b"D,5,5")
         assert rig.wheel_pulses() == (50, 50)
         with SerialKhepera(rig.url):
             assert rig.is_stopped()
-
-
-def test_opening_survives_an_unfinished_request_of_another_program() -> None:
-    with make_rig() as rig:
-        with open(rig.url, "wb", buffering=0) as port:
-            port.write(b"D,5")
-        with SerialKhepera(rig.url) as robot:
-            assert robot.sense() == rig.robots[0].sense()
 
 
 def test_stop_stops_the_wheels_but_not_the_gripper() -> None:
@@ -167,16 +140,6 @@ def test_close_stops_the_robot_and_releases_the_port() -> None:
             with pytest.raises(ConnectionError, match="is closed"):
                 robot.transmit()
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
-
-
-def test_exception_inside_with_stops_the_robot() -> None:
-    with make_rig() as rig:
-        try:
-            with SerialKhepera(rig.url) as robot:
-                run_rounds(rig, robot, FORWARD, 2)
-                raise KeyError
-        except KeyError:
-            assert rig.is_stopped()
 
 
 def test_opening_without_a_robot_raises_and_ends_the_thread() -> None:

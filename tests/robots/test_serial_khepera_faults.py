@@ -65,20 +65,6 @@ def test_unplugged_robot_is_lost_at_once(caplog: pytest.LogCaptureFixture) -> No
     assert "may still be moving" in caplog.text
 
 
-def test_unplugged_robot_that_had_confirmed_its_stop_is_not_reported_as_moving(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    with make_rig() as rig:
-        robot = SerialKhepera(rig.url)
-        run_rounds(rig, robot, FORWARD)
-        robot.stop()
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed"):
-            robot.receive()
-        robot.close()
-    assert caplog.text == ""
-
-
 ROUNDS = 150
 RATES = {
     "drop": Faults(drop=0.02),
@@ -129,3 +115,17 @@ def test_senses_are_correct_under_faults(name: str) -> None:
         if "reset" not in name and name != "all":
             assert robot.sense() == rig.robots[0].sense()
     assert rig.is_stopped()
+
+
+def test_unplugged_robot_that_had_confirmed_its_stop_is_not_reported_as_moving(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    with make_rig() as rig:
+        robot = SerialKhepera(rig.url)
+        run_rounds(rig, robot, FORWARD)
+        robot.stop()
+        rig.ports[0].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="the port failed"):
+            robot.receive()
+        robot.close()
+    assert caplog.text == ""

@@ -6,7 +6,6 @@ import subprocess
 
 import pytest
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.real_robot import RobotSuspended
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -93,15 +92,3 @@ def test_motion_by_a_single_request_ends_with_a_suspension() -> None:
         robot.request("D", 0, 0)
         os.kill(os.getpid(), signal.SIGCONT)
         robot.request("H")
-
-
-def test_fleet_reports_all_suspended_robots() -> None:
-    with make_rig(2) as rig, Fleet([SerialKhepera(port.url) for port in rig.ports]) as fleet:
-        for robot in fleet.robots:
-            robot.drive(FORWARD)
-        fleet.transmit()
-        os.kill(os.getpid(), signal.SIGCONT)
-        with pytest.raises(ConnectionError, match=r"also lost: .*: the program was suspended"):
-            fleet.receive()
-        assert rig.is_stopped()
-        fleet.receive()

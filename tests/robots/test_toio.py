@@ -1,8 +1,5 @@
 """The driver of toio cubes, on virtual cubes below toio-py."""
 
-import itertools
-import time
-
 import pytest
 
 pytest.importorskip("toio")
@@ -140,17 +137,3 @@ def test_cube_that_is_not_found_is_reported_in_one_message(stepped: SteppedTable
         RobotLost, match=r"^virtual:a: it cannot be connected: the cube does not advertise itself$"
     ):
         ToioRobot("virtual:a")
-
-
-def test_real_time_table_advances_by_itself() -> None:
-    use_table(Table(SIMPLE_MAT))
-    with ToioRobot("virtual:a") as robot:
-        before = robot.pose.x
-        for _ in itertools.repeat(None, 200):
-            robot.drive(Motors(8, 8, 215, 200))
-            robot.transmit()
-            robot.receive()
-            if robot.pose.x > before + 10:
-                return
-            time.sleep(0.01)
-        pytest.fail("it does not move")

@@ -38,14 +38,6 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
         assert khepera.fault_counts == FaultCounts(replies=7)
 
 
-def test_request_may_arrive_in_pieces(stage: Stage, tcp: int | None) -> None:
-    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
-        for piece in (b"D", b",5", b",", b"-5", b"\n"):
-            host.write(piece)
-            time.sleep(0.01)
-        assert host.readline() == b"d\r\n"
-
-
 def test_bytes_are_not_translated(stage: Stage, tcp: int | None) -> None:
     """No echo, no translation, no interrupt characters."""
     with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
@@ -89,13 +81,6 @@ def test_second_tcp_host_is_disconnected(stage: Stage) -> None:
             assert second.recv(1) == b""
         host.write(b"E\n")
         assert host.readline() == b"e,0,0\r\n"
-
-
-def test_tcp_port_in_use_is_reported(stage: Stage) -> None:
-    with VirtualKhepera(stage.firmware, tcp=0) as khepera:
-        taken = int(khepera.url.rpartition(":")[2])
-        with pytest.raises(OSError, match=r"[Aa]ddress"):
-            VirtualKhepera(stage.firmware, tcp=taken)
 
 
 def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:

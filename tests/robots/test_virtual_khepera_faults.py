@@ -54,17 +54,6 @@ def test_delayed_reply_arrives_after_the_next_request(stage: Stage) -> None:
         assert khepera.fault_counts.delay == 1
 
 
-def test_duplicate_reply_arrives_twice(stage: Stage, tcp: int | None) -> None:
-    with (
-        VirtualKhepera(
-            stage.firmware, tcp=tcp, baud=None, faults=Faults(duplicate=1.0), rng=rng()
-        ) as khepera,
-        connected_host(khepera) as host,
-    ):
-        host.write(b"E\n")
-        assert [host.readline(), host.readline()] == [b"e,0,0\r\n"] * 2
-
-
 def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
     with (
         VirtualKhepera(stage.firmware, baud=None, faults=Faults(garble=1.0), rng=rng()) as khepera,
@@ -145,25 +134,6 @@ def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
             runs.append((host.read_until(b"i,0\r\n"), khepera.fault_counts))
     assert runs[0] == runs[1]
     assert runs[0][0].endswith(b"i,0\r\n")
-
-
-def test_interrupted_line_loses_all_bytes_and_leaves_the_robot_driving(stage: Stage) -> None:
-    with (
-        VirtualKhepera(stage.firmware, baud=None) as khepera,
-        connected_host(khepera) as host,
-    ):
-        host.write(b"D,5,5\n")
-        assert host.readline() == b"d\r\n"
-        khepera.interrupted = True
-        host.timeout = SILENCE
-        host.write(b"D,0,0\n")
-        assert host.readline() == b""
-        assert stage.firmware.turning
-        khepera.interrupted = False
-        host.timeout = WAIT
-        host.write(b"D,0,0\n")
-        assert host.readline() == b"d\r\n"
-        assert not stage.firmware.turning
 
 
 REPLY = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))

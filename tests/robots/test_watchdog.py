@@ -46,14 +46,6 @@ def test_end_of_the_process_stops_the_robot(end: str) -> None:
         assert wait_for_exit(child)[1].count("may still be moving") == 0
 
 
-def test_end_of_the_process_stops_every_robot() -> None:
-    with make_rig(3) as rig:
-        child = start_driver([port.url for port in rig.ports], "drive_and_receive()")
-        child.kill()
-        wait_for(rig.is_stopped)
-        wait_for_exit(child)
-
-
 @pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
 def test_end_of_the_process_stops_a_robot_in_the_network(scheme: str) -> None:
     ignore = "import warnings\nwarnings.simplefilter('ignore')"  # pyserial's
@@ -86,20 +78,6 @@ def test_frozen_process_stops_the_robot() -> None:
         assert child.stdout.readline() == "driving again\n"
         assert last_speeds(robot) == b"D,5,5"
         child.kill()
-        wait_for_exit(child)
-
-
-def test_signals_to_the_group_do_not_end_the_watchdog() -> None:
-    """The driver ignores them, too."""
-    ignore = "import signal\nfor number in (1, 2, 3, 15): signal.signal(number, signal.SIG_IGN)"
-    with ScriptedRobot(NumberedReplies({})) as robot:
-        child = start_driver([robot.url], "drive(); time.sleep(60)", before=ignore)
-        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
-            os.killpg(child.pid, number)
-        time.sleep(0.1)
-        assert last_speeds(robot) == b"D,5,5"
-        child.kill()
-        wait_for(lambda: last_speeds(robot) == b"D,0,0")
         wait_for_exit(child)
 
 
@@ -160,3 +138,17 @@ def test_port_without_a_descriptor_has_no_watchdog(caplog: pytest.LogCaptureFixt
     with caplog.at_level(logging.WARNING):
         assert start_watchdog("loop://", None, b"") is None
     assert "loop:// has no watchdog" in caplog.text
+
+
+def test_signals_to_the_group_do_not_end_the_watchdog() -> None:
+    """The driver ignores them, too."""
+    ignore = "import signal\nfor number in (1, 2, 3, 15): signal.signal(number, signal.SIG_IGN)"
+    with ScriptedRobot(NumberedReplies({})) as robot:
+        child = start_driver([robot.url], "drive(); time.sleep(60)", before=ignore)
+        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+            os.killpg(child.pid, number)
+        time.sleep(0.1)
+        assert last_speeds(robot) == b"D,5,5"
+        child.kill()
+        wait_for(lambda: last_speeds(robot) == b"D,0,0")
+        wait_for_exit(child)

@@ -227,9 +227,6 @@ class Line:
 
         Returns:
             Whether the robot has confirmed the stop; if not, the line is too slow.
-
-        Raises:
-            RobotLost: The robot does not reply.
         """
         begin, latencies, patience = self.now(), list[float](), self.timeout
         self.deadline = begin + max(OPENING_TIMEOUT, self._tries * self.timeout)
@@ -283,9 +280,6 @@ class Line:
 
         Returns:
             False if nothing was sent, because an older reply may still arrive, or the robot gets requests one by one.
-
-        Raises:
-            RobotLost: The port failed.
         """
         pending = {command for command, _ in self._pending}
         if self._ahead or not self.timing.pipelined or not pending.isdisjoint(r.command for r in requests):
@@ -322,7 +316,6 @@ class Line:
 
         Raises:
             ValueError: A request cannot be encoded, or is G or restart, which may not be repeated.
-            RobotLost: No reply, or the port failed; `RequestRejected` if the robot sent only error replies.
             RobotRestarted: The restart banner arrived; the robot may have executed some requests before.
         """
         for request in requests:
