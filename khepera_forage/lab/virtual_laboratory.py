@@ -3,7 +3,6 @@
 import math
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from typing import Self
 
@@ -97,7 +96,8 @@ class VirtualLaboratory(Laboratory):
         self.simulation = PymunkWorld(
             arenas, markers, noise, timing=timing, model=MODELS[settings.robots[0].type]
         )
-        self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
+        layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
+        self.simulation.reset(np.random.default_rng(fault_seed), layout)
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
         self.firmwares: list[Firmware] = [
@@ -115,34 +115,34 @@ class VirtualLaboratory(Laboratory):
         )
         self.frame_source = RenderedFrameSource(self._renderer)
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
-        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * len(settings.robots)
-        if len(faults_of_each) != len(settings.robots):
-            raise ValueError(
-                f"{len(faults_of_each)} faults for {len(settings.robots)} robots; allowed: one each"
-            )
-        rngs = np.random.default_rng(fault_seed).spawn(len(settings.robots))
-        self._line_settings = [
-            (_baud(robot) if paced else None, fault, rng)
-            for robot, fault, rng in zip(settings.robots, faults_of_each, rngs, strict=True)
+        count = len(settings.robots)
+        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * count
+        if len(faults_of_each) != count:
+            raise ValueError(f"{len(faults_of_each)} faults for {count} robots; allowed: one each")
+        drivers = [serial_driver(robot.type) for robot in settings.robots]
+        bauds = [
+            (robot.baud or driver.default_baud) if paced and driver is not None else None
+            for robot, driver in zip(settings.robots, drivers, strict=True)
         ]
+        rngs = np.random.default_rng(fault_seed).spawn(count)
+        self._line_settings = list(zip(bauds, faults_of_each, rngs, strict=True))
         self.virtual_kheperas: list[VirtualKhepera] = []
         calibration = None
         if appearance.height is not None:
             middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
             calibration = Calibration.identity((*middle, appearance.height))
-        with ExitStack() as opened:
-            opened.callback(self._close_lines)
-            settings = self._open_lines(settings)
+        wall_clock = WallClock(settings.period) if real_time else None
+        try:
             super().__init__(
-                settings,
+                self._open_lines(settings),
                 self.virtual_operator if operator is None else operator,
                 source=self.frame_source if camera is None else lambda: camera(self.frame_source),
                 calibration=calibration,
-                clock=SimulatedClock(
-                    self._advance_simulation, WallClock(settings.period) if real_time else None
-                ),
+                clock=SimulatedClock(self._advance_simulation, wall_clock),
             )
-            opened.pop_all()
+        except BaseException:
+            self._close_lines()
+            raise
 
     @classmethod
     def from_arena(
@@ -206,9 +206,10 @@ class VirtualLaboratory(Laboratory):
 
     def close(self) -> None:
         """Stop the robots and close all devices; a second call does nothing."""
-        with ExitStack() as stack:
-            stack.callback(self._close_lines)
+        try:
             super().close()
+        finally:
+            self._close_lines()
 
     def _advance_simulation(self) -> None:
         with self._lock:
@@ -226,8 +227,9 @@ class VirtualLaboratory(Laboratory):
         for i, (firmware, (baud, faults, rng)) in enumerate(
             zip(self.firmwares, self._line_settings, strict=True)
         ):
-            if i == len(self.virtual_kheperas) or not self.virtual_kheperas[i].connected:
-                for disconnected in self.virtual_kheperas[i : i + 1]:
+            last = self.virtual_kheperas[i : i + 1]
+            if not last or not last[0].connected:
+                for disconnected in last:
                     disconnected.close()
                 self.virtual_kheperas[i : i + 1] = [
                     VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
@@ -245,18 +247,6 @@ class VirtualLaboratory(Laboratory):
     def _close_lines(self) -> None:
         while self.virtual_kheperas:
             self.virtual_kheperas.pop().close()
-
-
-def _baud(robot: RobotSettings) -> int | None:
-    """The baud rate of a robot's line."""
-    driver = serial_driver(robot.type)
-    return robot.baud or (None if driver is None else driver.default_baud)
-
-
-def _training_layout(arenas: Sequence[Arena]) -> Layout:
-    return Layout(
-        tuple(arena.start for arena in arenas), tuple(food for arena in arenas for food in arena.foods)
-    )
 
 
 _MAX_TRIES = 200
