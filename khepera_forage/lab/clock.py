@@ -38,16 +38,11 @@ class Clock(Protocol):
 
 
 class WallClock:
-    """Rounds in real time. See `Clock`.
+    """Rounds in real time, of `period` seconds. See `Clock`.
 
     Rounds end at multiples of the period, so that small delays do not add up. A round that overruns ends at once and is
     counted. The next one ends at the first multiple at least half a period later: a long delay is not followed by a
     burst of short rounds.
-
-    Args:
-        period: Duration of a round in seconds.
-        clock: Returns the time in seconds from any fixed moment.
-        sleep: Waits for a number of seconds.
 
     Raises:
         ValueError: A period that is not positive.
@@ -103,9 +98,7 @@ class WallClock:
 class SimulatedClock:
     """The clock of a virtual laboratory: `wait` advances the simulation by one round. See `Clock`.
 
-    Args:
-        advance: Advances the simulation by one period.
-        wall_clock: Also wait for this one; None runs as fast as possible, and no round overruns.
+    With a wall clock it also keeps real time; without one it runs as fast as possible, and no round overruns.
     """
 
     def __init__(self, advance: Callable[[], None], wall_clock: WallClock | None = None) -> None:

@@ -25,15 +25,10 @@ _MAX_REPEATS = 10
 
 
 class CubeOperator:
-    """Drives robots and food to the places of a request, one after the other.
+    """Drives robots (in the order of the laboratory) and food to the places of a request, one after the other.
 
     A cube leaves out the others on its way. What it has pushed nevertheless is placed again when the laboratory
     repeats the request.
-
-    Args:
-        robots: The robots, in the order of the laboratory.
-        foods: The cubes that are food.
-        sleep: Waits for a number of seconds.
     """
 
     def __init__(
@@ -127,15 +122,10 @@ _PERIMETER = 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL
 
 
 class MatCamera:
-    """A `LabCamera` whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
+    """A camera whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
 
     A cube that was lifted off the mat, or has left it, keeps its last place and counts as lost, like a region that the
     tracker does not find.
-
-    Args:
-        robots: The robots.
-        holes: Number of holes of each robot's marker.
-        foods: The cubes that are food.
     """
 
     def __init__(self, robots: Sequence[ToioRobot], holes: Sequence[int], foods: Sequence[ToioRobot]) -> None:

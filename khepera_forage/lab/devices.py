@@ -55,17 +55,10 @@ def open_robots(settings: LabSettings) -> Fleet:
 class FreshFrames:
     """A `FrameSource` that waits for a frame of the present round.
 
-    A frame is refused if it was taken before the round began, if it shows no scene (black, suddenly
-    overexposed), or if it is the
-    same as the last one, pixel by pixel, although a robot has travelled: the camera is then frozen. Experience is
-    therefore never recorded from an old picture. The wheels are stopped after two periods without a frame.
-
-    Args:
-        source: The source of the frames.
-        tracker: Used, but not changed.
-        settings: Of the laboratory.
-        pulses: Returns the encoder counters of all wheels.
-        hold: Stops all wheels.
+    A frame is refused if it was taken before the round began, if it shows no scene (black, suddenly overexposed), or if
+    it is the same as the last one, pixel by pixel, although a robot has travelled: the camera is then frozen.
+    Experience is therefore never recorded from an old picture. `hold` stops the wheels after two periods without a
+    frame. `pulses` returns the encoder counters of all wheels.
     """
 
     def __init__(
@@ -94,8 +87,7 @@ class FreshFrames:
     def newest(self) -> tuple[Frame, float]:
         """A frame of this round, and its age in s.
 
-        Raises:
-            CameraLost: There is none for `oldest` seconds, or the source has no more frames.
+        Raises `CameraLost` if there is none for `oldest` seconds, or the source has no more frames.
         """
         begin, held = time.monotonic(), False
         while True:
@@ -134,16 +126,8 @@ class FreshFrames:
 class Devices:
     """The robots and the camera, open. Toio cubes on a mat need no camera.
 
-    Args:
-        settings: The laboratory's settings.
-        source: Of the frames. A source itself is used again after a loss; others are opened again.
-        calibration: Calibration of the frames; by default the one of the settings.
-
-    Attributes:
-        fleet: The robots.
-        camera: The camera with its tracker.
-        frames: The frames of the camera.
-        foods: The toio cubes that are food.
+    A source of frames itself is used again after a loss; others are opened again. Without a calibration, that of the
+    settings applies.
 
     Raises:
         OSError: A port or the camera cannot be opened, or the calibration cannot be read; as `RobotLost`, that a robot
@@ -171,11 +155,7 @@ class Devices:
             raise
 
     def reopen(self, settings: LabSettings) -> None:
-        """Open all devices again after a loss, which the user has read about.
-
-        Raises:
-            OSError, ValueError: As for the class; call it again then.
-        """
+        """Open all devices again after a loss; may raise `OSError` and `ValueError`, and be called again."""
         self.fleet.close(report=False)
         if settings.has_mat:
             self.camera.close()

@@ -1,7 +1,4 @@
-"""Where robots and food are, in mm: as the camera reports them, or in the gripper that holds food.
-
-Also whether the operator has placed them correctly.
-"""
+"""Where robots and food are, in mm, as the camera or a gripper reports them; and whether they are in their places."""
 
 import math
 from collections.abc import Sequence
@@ -59,13 +56,9 @@ _CONTACT = RADIUS + FOOD_RADIUS
 class FoodLocator:
     """The food objects of a laboratory, in the order of its layout.
 
-    A region without holes stays assigned to one object; a new region is assigned to the nearest object without a
-    region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its gripper. A robot
-    without a gripper pushes food that its marker hides: while it touches it, the food moves along.
-
-    Args:
-        places: Initial position of each object.
-        arenas: Regions outside them are not food.
+    A region without holes, in one of the arenas, stays assigned to one object; a new region is assigned to the nearest
+    object without a region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its
+    gripper. A robot without a gripper pushes food that its marker hides: while it touches it, the food moves along.
     """
 
     def __init__(self, places: Sequence[Point], arenas: Sequence[Arena]) -> None:
@@ -152,16 +145,9 @@ def placement_errors(
     foods: Sequence[Point] | None,
     tolerance: Tolerance,
 ) -> tuple[str, ...]:
-    """Robots and food that are not in their places, one sentence each.
+    """Robots and food (None: not checked) that are not in their places, one sentence each.
 
     Food under a marker is invisible; if food should lie there, it counts as correctly placed.
-
-    Args:
-        scene: Regions reported by the camera.
-        arenas: The arena of every robot.
-        robots: Requested poses of robots.
-        foods: Requested positions of all food; None skips the check of food.
-        tolerance: Allowed deviations.
     """
     errors = [
         error for mark in robots for error in _robot_errors(scene, arenas[mark.number], mark, tolerance)

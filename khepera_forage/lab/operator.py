@@ -24,7 +24,7 @@ class OperatorRequest(NamedTuple):
         reason: The occasion, in a few words.
         robots: Robots to place; all others stay where they are.
         foods: Positions of all food; None leaves the food where it is.
-        errors: Errors that the camera found after the last request; empty the first time.
+        errors: Errors that the camera found after the last request.
     """
 
     reason: str
@@ -42,12 +42,7 @@ Operator = Callable[[OperatorRequest], None]
 
 
 class CommandLineOperator:
-    """A person at the command line.
-
-    Args:
-        ask: Shows a prompt and returns the answer; raises `EOFError` without a terminal.
-        out: Output for the request; standard error by default.
-    """
+    """A person at the command line; `ask` shows a prompt, `out` is standard error by default."""
 
     def __init__(self, ask: Callable[[str], str] = input, out: TextIO | None = None) -> None:
         self._ask = ask

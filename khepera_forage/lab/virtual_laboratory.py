@@ -156,12 +156,12 @@ class VirtualLaboratory(Laboratory):
         robot: str = KHEPERA.name,
         **options: object,
     ) -> Self:
-        """A laboratory with copies of one arena side by side.
+        """A laboratory with copies of one arena side by side, the teacher first; a single robot is a learner.
 
         Args:
             arena: An arena, which is the first copy; or one of the names in `ARENAS`. The copies of a named arena are
                 centred in the picture, whose border would cut off markers that extend over a wall.
-            robots: Number of robots, the teacher first; a single robot is a learner.
+            robots: Number of robots.
             set_up: Where start, food and home are in one of the thesis's arenas.
             timing: How long a round lasts, and how fast arm and jaw move.
             recall_marker: Holes of the marker of a single robot, 1 or 2.
@@ -256,15 +256,8 @@ _MAX_TRIES = 200
 class VirtualOperator:
     """Carries out requests at once, with the errors `Noise.placement_error` and `placement_heading_error`.
 
-    Args:
-        world: The simulated world.
-        noise: The accuracy of placement.
-        on_reset: Called after a reset of the world, which creates new bodies.
-        reconnect: Called when the laboratory has lost a device.
-
-    Attributes:
-        requests: All requests since the last `begin_episode`.
-        max_repeats: Number of failed repetitions of a request before the operator gives up.
+    It calls `on_reset` after a reset of the world, which creates new bodies, and `reconnect` when the laboratory has
+    lost a device. `requests` are all since the last `begin_episode`.
     """
 
     def __init__(
@@ -281,12 +274,7 @@ class VirtualOperator:
         self._rng = self._world_rng = np.random.default_rng(0)
 
     def begin_episode(self, rng: np.random.Generator, world_rng: np.random.Generator) -> None:
-        """Set the random generators of a new episode.
-
-        Args:
-            rng: Draws the placement errors.
-            world_rng: For the reset of the world.
-        """
+        """Set the generators of a new episode, for placement errors and for the reset of the world."""
         self.requests = []
         self._rng, self._world_rng = rng, world_rng
 

@@ -13,11 +13,7 @@ _SERIAL: dict[str, type[SerialRobot]] = {KHEPERA.name: SerialKhepera, E_PUCK.nam
 
 
 def serial_driver(kind: str) -> type[SerialRobot] | None:
-    """The driver of a kind of robot with a serial line; None for others.
-
-    Raises:
-        ValueError: An unknown kind.
-    """
+    """The driver of a kind of robot with a serial line, None for others; raises `ValueError` for an unknown kind."""
     return _SERIAL.get(model_of(kind).name)
 
 

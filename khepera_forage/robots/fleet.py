@@ -16,12 +16,9 @@ _Begin = Callable[[RealRobot, "SimpleQueue[Task[Any]]"], Task[None]]
 class Fleet:
     """Robots on one port each, served in parallel.
 
-    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
-    a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
+    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` names every
+    lost robot. When a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
     repeated), the others are held: their wheels are stopped until the next `transmit`.
-
-    Args:
-        robots: In any order.
 
     Raises:
         ValueError: No robot, or two on one port.
@@ -35,11 +32,11 @@ class Fleet:
         self._hold_after = max(robot.longest_exchange for robot in robots)
 
     def transmit(self) -> None:
-        """Send every robot its command; raises `RobotLost` as the class says."""
+        """Send every robot its command."""
         self._run(RealRobot.begin_transmit)
 
     def receive(self) -> None:
-        """Read the sensors of all robots; raises `RobotLost` as the class says."""
+        """Read the sensors of all robots."""
         self._run(RealRobot.begin_receive)
 
     def stop(self) -> None:
@@ -51,11 +48,7 @@ class Fleet:
         stop_all(self.robots)
 
     def close(self, report: bool = True) -> None:
-        """Stop all robots in parallel, then close their ports; a second call does nothing.
-
-        Args:
-            report: Whether to log the robots that do not confirm.
-        """
+        """Stop all robots in parallel, then close their ports; log those that do not confirm, unless told not to."""
         if report:
             stop_and_log(self.robots, "when its port was closed")
         else:

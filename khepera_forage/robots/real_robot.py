@@ -56,12 +56,7 @@ class Interrupted(Exception):  # noqa: N818 (an event, not an error)
 
 
 class Task(Generic[T]):
-    """Work for a robot's thread, and its result.
-
-    Attributes:
-        error: What the work raised, or None.
-        done: Whether the work has returned or raised; the task is then put into its queue.
-    """
+    """Work for a robot's thread; when it is `done`, it has a result or an `error`, and is put into its queue."""
 
     def __init__(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> None:
         self._work = work
@@ -80,12 +75,9 @@ class Task(Generic[T]):
         self._done_queue.put(self)
 
     def result(self, timeout: float | None = None) -> T:
-        """Wait for the return value of the work; raises what the work raised.
+        """Wait for the return value of the work; raises what the work raised, or `TimeoutError`.
 
         Only for a task with its own queue and one waiting thread.
-
-        Raises:
-            TimeoutError: The work is not done within `timeout` seconds.
         """
         if not self.done:
             try:
@@ -101,8 +93,8 @@ class RealRobot(ABC):
     """A `Robot` behind a connection; `transmit` and `receive` exchange the data of one round.
 
     All methods are thread-safe, and any that exchanges data raises `RobotLost` if the robot does not reply. The wheels
-    are stopped on every exit path. After a suspension
-    (Ctrl-Z) they remain stopped, and the next request raises `RobotSuspended` once.
+    are stopped on every exit path. After a suspension (Ctrl-Z) they remain stopped, and the next request raises
+    `RobotSuspended` once.
 
     Args:
         port: Name of the connection.
@@ -110,7 +102,6 @@ class RealRobot(ABC):
 
     Attributes:
         model: What this kind of robot can do.
-        port: Name of the connection.
         stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
 
     Raises:
@@ -146,11 +137,10 @@ class RealRobot(ABC):
         """Seconds after which `transmit` or `receive` of an undisturbed robot is over."""
 
     def drive(self, motors: Motors) -> Motors:
-        """Set the command for the next `transmit`.
+        """Set the command for the next `transmit`; returns it as it will be sent.
 
-        Returns:
-            The command as it will be sent: whole speed units within `max_speed`, arm within its travel, jaw open or
-            closed; without a gripper, the arm is lowered and the jaw open.
+        That is in whole speed units within `max_speed`, arm within its travel, jaw open or closed; without a gripper,
+        the arm is lowered and the jaw open.
 
         Raises:
             ValueError: A value that is not a finite number.
@@ -192,7 +182,7 @@ class RealRobot(ABC):
 
         Args:
             food_ahead: Whether food is before the robot. Without a gripper, it reports an object only then.
-            proximity: Infra-red readings as they follow from the map, for a robot without infra-reds.
+            proximity: Readings as they follow from the map, for a robot without infra-reds.
         """
         self._food_ahead, self._proximity = food_ahead, proximity
 
@@ -209,10 +199,9 @@ class RealRobot(ABC):
         self.begin_stop().result(_STOP_TIMEOUT)
 
     def close(self, stop: bool = True) -> None:
-        """Stop the wheels and close the connection, even if the robot is lost; a second call does nothing.
+        """Stop the wheels, unless they were just stopped, and close the connection, even if the robot is lost.
 
-        Args:
-            stop: False for a robot that was just stopped.
+        A second call does nothing.
         """
         if not self._closed:
             if stop:
@@ -244,11 +233,7 @@ class RealRobot(ABC):
         return task
 
     def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels are turning; `begin_stop` stops them.
-
-        Returns:
-            Whether they are turning.
-        """
+        """Make the next request raise `RobotSuspended` if the wheels are turning; returns whether they are."""
         turning = self._turning()
         self._suspended = self._suspended or turning
         return turning
@@ -355,10 +340,9 @@ class RealRobot(ABC):
 
 
 def stop_all(robots: Sequence[RealRobot]) -> list[tuple[RealRobot, Exception]]:
-    """Stop robots in parallel, within 4 s. Raises no error of a robot, so that no failure keeps the others moving.
+    """Stop robots in parallel, within 4 s; returns those that could not be stopped, with the reasons.
 
-    Returns:
-        The robots that could not be stopped, with the reasons.
+    Raises no error of a robot, so that no failure keeps the others moving.
     """
     tasks = [(robot, robot.begin_stop()) for robot in robots]
     end = time.monotonic() + _STOP_ALL_TIMEOUT

@@ -146,17 +146,13 @@ class Line:
         protocol: Of the robot.
         baud: One of the protocol's; a `socket://` ignores it.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
-            times as many after silence. The port may take as long to accept a request.
+            times as many after silence. The port may take as long to accept a request. `measure` may lengthen it.
         tries: The robot counts as lost after so many tries in a row that bring no reply.
         replace: Called with each request before it is sent; returns what is sent.
         check: Called again and again during a wait; may raise an exception to end it.
 
     Attributes:
-        timeout: As the argument, or more on a line with a long latency.
-        now: The monotonic clock.
-        timing: The timing of the line, from `measure` on.
-        deadline: Moment on the monotonic clock after which the robot counts as lost.
-        statistics: Counts of events so far.
+        deadline: Moment on the monotonic clock `now` after which the robot counts as lost.
         on_traffic: Called with all bytes that are sent or received.
 
     Raises:
@@ -220,13 +216,7 @@ class Line:
         """Check that the robot replies, stop it, and measure the line; `timing` and `timeout` then follow it.
 
         After a reply that took long, the next one decides: a single stall of the computer or the robot is no latency.
-
-        Args:
-            stop: The request that stops the robot.
-            period: Seconds of a round, which the line must keep; None accepts any line.
-
-        Returns:
-            Whether the robot has confirmed the stop; if not, the line is too slow.
+        Returns whether the robot has confirmed the stop; if not, the line is too slow for the period.
         """
         begin, latencies, patience = self.now(), list[float](), self.timeout
         self.deadline = begin + max(OPENING_TIMEOUT, self._tries * self.timeout)
@@ -278,8 +268,7 @@ class Line:
     def send_ahead(self, requests: Sequence[Request]) -> bool:
         """Send requests for whose replies the next exchange waits.
 
-        Returns:
-            False if nothing was sent, because an older reply may still arrive, or the robot gets requests one by one.
+        Returns False if nothing was sent: an older reply may still arrive, or the robot gets requests one by one.
         """
         pending = {command for command, _ in self._pending}
         if self._ahead or not self.timing.pipelined or not pending.isdisjoint(r.command for r in requests):
@@ -304,18 +293,16 @@ class Line:
         self._write([request])
 
     def exchange(self, requests: Sequence[Request], *, insist: bool = False) -> list[Reply]:
-        """Send requests and return their replies; repeats what is not answered.
+        """Send requests and return their replies, in their order; repeats what is not answered.
 
         Args:
             requests: Different commands, or the same with others in between.
             insist: Send the requests themselves after silence, not only a query: to stop a robot as early as possible,
                 whose replies may be lost.
 
-        Returns:
-            The replies in the order of the requests.
-
         Raises:
             ValueError: A request cannot be encoded, or is G or restart, which may not be repeated.
+            RobotLost: No reply, or the port failed; `RequestRejected` if the robot sent only error replies.
             RobotRestarted: The restart banner arrived; the robot may have executed some requests before.
         """
         for request in requests:
@@ -423,8 +410,7 @@ class Line:
     def _assign(self, reply: Reply) -> tuple[bool, bool]:
         """Assign a reply to the request that it must belong to, if there is only one.
 
-        Returns:
-            Whether it is the reply to a request of this exchange, and whether no other reply can follow.
+        Returns whether it belongs to this exchange, and whether no other reply can follow.
         """
         places = [i for i, (command, _) in enumerate(self._pending) if command == reply.command]
         owners = {self._pending[place][1] for place in places}

@@ -59,12 +59,7 @@ class Command(NamedTuple):
 
 
 class Request(NamedTuple):
-    """A message from host to robot.
-
-    Attributes:
-        command: A capital letter, a gripper message such as "T,1,G", or "restart".
-        values: Arguments.
-    """
+    """A message from host to robot: a capital letter, a gripper message such as "T,1,G", or "restart"; its values."""
 
     command: str
     values: tuple[int, ...] = ()
@@ -100,10 +95,7 @@ class Protocol:
         commands: By the command name of a `Request`.
         banner: Lines that the robot sends when it starts.
         identity: A request that tells this kind of robot from others.
-        queries: Requests that change nothing, the shortest first; more than the number of tries before a robot counts
-            as lost.
-        baud_rates: Those that the robot supports.
-        stop_bits: 1 or 2.
+        queries: Requests that change nothing, the shortest first; more than the tries before a robot counts as lost.
         remark: Beginning of a line of text that follows a reply, and has no meaning.
         end: End of a request.
         hint: What to check if no such robot replies.
@@ -129,32 +121,18 @@ class Protocol:
         return frozenset(word for line in self.banner for word in _WORD.findall(line))
 
     def encode_request(self, request: Request) -> bytes:
-        """Encode a request.
-
-        Raises:
-            ProtocolError: An unknown command, or values that it does not allow.
-        """
+        """Encode a request; raises `ProtocolError` for an unknown command, or values that it does not allow."""
         fields = _encoded(request.command, request.values, self._command(request.command).arguments)
         return ",".join([request.command, *fields]).encode() + self.end
 
     def decode_request(self, line: bytes) -> Request:
-        """Decode a request, with or without its ending.
-
-        Raises:
-            ArgumentError: Values that the command does not allow, or an absent turret.
-            ProtocolError: An unknown command, or a line that is not printable ASCII.
-        """
+        """Decode a request, with or without its ending; raises `ProtocolError`, `ArgumentError` for wrong values."""
         name, fields = _split_command(_text(line))
         values = _decoded(name, fields, self._command(name).arguments)
         return Request(name, tuple(value for value in values if isinstance(value, int)))
 
     def encode_reply(self, reply: Reply | ErrorReply) -> bytes:
-        """Encode a reply, terminated by CR LF.
-
-        Raises:
-            ProtocolError: An unknown command, or values that it does not allow; restart, to which the robot replies
-                with its banner; an error text that is not printable ASCII.
-        """
+        """Encode a reply, terminated by CR LF; raises `ProtocolError`, also for restart, which has only a banner."""
         if isinstance(reply, ErrorReply):
             if not _printable(reply.text):
                 raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
@@ -165,13 +143,10 @@ class Protocol:
         return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
 
     def decode_reply(self, line: bytes) -> Reply | ErrorReply | TextLine:
-        """Decode a reply, with or without its ending.
+        """Decode a reply, with or without its ending; raises `ProtocolError` for a line that the robot does not send.
 
         A line that contains a word is decoded as text, even if it begins like a reply: if the power supply fails while
         the robot is sending a reply, the banner follows on the same line.
-
-        Raises:
-            ProtocolError: The line is not one that the robot sends.
         """
         text = _text(line)
         if text.startswith("z,"):
@@ -200,10 +175,7 @@ class Protocol:
 
 
 class LineSplitter:
-    """Splits bytes, received in chunks of any size, into lines without their endings: LF, CR or CR LF.
-
-    Empty lines are dropped. Of a longer line, the first `MAX_LINE` bytes are kept.
-    """
+    """Splits bytes into lines, without LF, CR or CR LF; drops empty ones, and cuts longer ones than `MAX_LINE` off."""
 
     def __init__(self) -> None:
         self._incomplete = bytearray()

@@ -109,18 +109,13 @@ class SerialKhepera(SerialRobot):
 
 
 class Reading:
-    """A reading of the gripper: its value, what is expected, and when to request it.
+    """A reading of the gripper: its value, the commanded target (None: unknown), and when to request it.
 
     Args:
         max_change: Largest change from round to round that needs no confirmation.
         can_stall: Whether it may stop short of its target for good, as a jaw does that closes on food. An arm that
-            rests on an obstacle moves on once there is room, so its position is requested in every round until it
-            reaches its target.
+            rests on an obstacle moves on once there is room: it is requested until it reaches its target.
         phase: Round of `_REFRESH_ROUNDS` in which it is always requested.
-
-    Attributes:
-        value: The last reading that counts.
-        target: The position that was commanded; None if unknown.
     """
 
     def __init__(self, *, max_change: int, can_stall: bool, phase: int) -> None:
@@ -147,12 +142,9 @@ class Reading:
         return not self._has_value or not settled or self._round % _REFRESH_ROUNDS == 0
 
     def take(self, value: int) -> bool:
-        """Take a reading: it counts if it is expected, or agrees with the one before.
+        """Take a reading; returns whether it counts: it is expected, or agrees with the one before.
 
         Expected is a value between the last one and the target, and not too far from the last one.
-
-        Returns:
-            Whether it counts; if not, another reading must confirm it.
         """
         target = self.value if self.target is None else self.target
         low, high = min(self.value, target), max(self.value, target)

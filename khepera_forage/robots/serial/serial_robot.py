@@ -41,13 +41,12 @@ _RESTART_JUMP = 1000
 class SerialRobot(RealRobot):
     """A `Robot` over a serial port. See `RealRobot`; the port belongs to the robot's thread.
 
-    `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again.
-
-    A `watchdog` process stops the wheels when this process ends in any way or is frozen. A robot whose replies are lost
-    or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the beginning of a call that is
-    not complete, and *held* until the next `transmit`, like those of a robot in a fleet whose others are late: whatever
-    would turn them is sent as a stop meanwhile. The driver notices a restart of the robot (its power supply failed) by
-    the banner or by the counters. It then sends the last command again and continues the counters.
+    `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again. A
+    robot whose replies are lost or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the
+    beginning of a call that is not complete, and *held* until the next `transmit`, like those of a robot in a fleet
+    whose others are late: whatever would turn them is sent as a stop meanwhile. The driver notices a restart of the
+    robot (its power supply failed) by the banner or by the counters. It then sends the last command again and continues
+    the counters.
 
     Args:
         port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
@@ -55,7 +54,7 @@ class SerialRobot(RealRobot):
         max_speed: Limit of the wheel speeds in speed units.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
         tries: The robot counts as lost after this number of tries in a row that bring no reply.
-        watchdog: Whether to start a watchdog process. A port without a file descriptor (`loop://`) cannot have one.
+        watchdog: Whether a process stops the wheels when this one ends in any way or is frozen. `loop://` has none.
         period: Seconds of a round, which the line must keep; None accepts any line.
 
     Raises:
@@ -134,10 +133,7 @@ class SerialRobot(RealRobot):
         self._line.on_traffic = callback
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
-        """Send any other request of the protocol.
-
-        Returns:
-            The values of the reply.
+        """Send any other request of the protocol; returns the values of the reply.
 
         Raises:
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
@@ -325,8 +321,7 @@ class Counters:
     def update(self, left: int, right: int) -> bool:
         """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
 
-        Returns:
-            Whether it shows a restart whose banner was not received: a jump to near zero.
+        Returns whether it shows a restart whose banner was not received: a jump to near zero.
         """
         raw = left, right
         if self._raw is None:

@@ -46,15 +46,8 @@ class Watchdog:
     """A process that stops a robot when this one ends in any way, or is frozen for more than 0.5 s.
 
     It covers what no program can catch: `kill -9`, a crash, `os._exit`, SIGSTOP. It runs in a session of its own, which
-    signals to the driver's group of processes do not reach, and ends when the driver closes the port.
-
-    Args:
-        port: Name of the port in messages.
-        descriptor: File descriptor of the open port, which the process inherits.
-        stop: The request that stops the robot.
-
-    Attributes:
-        pid: Identifier of the process.
+    signals to the driver's group of processes do not reach, inherits the descriptor of the open port, and ends when the
+    driver closes the port. `stop` is the request that stops the robot.
 
     Raises:
         OSError: The process cannot be started.

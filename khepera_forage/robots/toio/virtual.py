@@ -1,7 +1,6 @@
 """Virtual cubes on a virtual mat, below toio-py's `CubeInterface`.
 
-A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls. A
-table keeps real time by default; a clock of its own makes it independent of the machine's load.
+A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls.
 """
 
 import asyncio
@@ -30,15 +29,10 @@ _VERSION = b"\x81\x002.4.0"
 
 
 class Table:
-    """A mat with cubes.
+    """A mat with cubes, of which some are `unplugged` (their names): they have lost their connection.
 
-    Args:
-        mat: The mat.
-        clock: Seconds since any fixed moment.
-        interval: Seconds of the computer from one position of a cube to the next.
-
-    Attributes:
-        unplugged: Names of cubes that have lost their connection.
+    A clock of its own makes it independent of the machine's load; `interval` is the computer's time in seconds from one
+    position of a cube to the next.
     """
 
     def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:

@@ -68,13 +68,6 @@ class Firmware:
         lock: Held by others while they advance the robot's world; reentrant (`threading.RLock`) if `tick` is called
             with the lock held. A new one by default.
         period: Seconds of a control period, from one `tick` to the next.
-
-    Attributes:
-        protocol: That of the robot.
-        speed_gains: Kp, Ki, Kd of the speed controller.
-        position_gains: Kp, Ki, Kd of the position controller.
-        leds: Whether each of the two LEDs is on.
-        bus: The 64 bytes of the extension bus. No device is attached: a read returns the byte last written.
     """
 
     protocol: Protocol = KHEPERA
@@ -103,14 +96,7 @@ class Firmware:
         return any(self._command[:2])
 
     def handle(self, line: bytes) -> bytes:
-        """Execute one request.
-
-        Args:
-            line: With or without its ending; any bytes.
-
-        Returns:
-            The whole reply with its ending: several lines for `restart`.
-        """
+        """Execute one request, any bytes with or without an ending; returns the whole reply with its ending."""
         try:
             request = self.protocol.decode_request(line)
         except ArgumentError:
@@ -124,10 +110,7 @@ class Firmware:
         return self.protocol.encode_reply(Reply(request.command, values))
 
     def tick(self) -> None:
-        """End a control period: measure the speeds, and control the wheels that move to a target position.
-
-        Call once after each `World.advance`.
-        """
+        """End a control period, after each `World.advance`: measure the speeds, control wheels with a target."""
         with self._lock:
             senses = self._robot.sense()
             pulses = senses.left_pulses, senses.right_pulses
@@ -140,12 +123,9 @@ class Firmware:
                 self._drive(left=left_wheel.next_speed(left_count), right=right_wheel.next_speed(right_count))
 
     def power_on(self) -> bytes:
-        """Start the firmware after a power failure: wheels stopped, settings reset, counters at 0.
+        """Start after a power failure: wheels stopped, settings reset, counters at 0; returns the banner.
 
         The gripper completes its last motion; the behaviour of a real one is not documented.
-
-        Returns:
-            The banner, with line endings.
         """
         with self._lock:
             self._robot.stop()
@@ -153,10 +133,7 @@ class Firmware:
         return b"".join(f"{line}\r\n".encode() for line in self.protocol.banner)
 
     def attach(self, robot: Robot) -> None:
-        """Connect another simulated body: a reset of a simulated world builds new bodies.
-
-        The counters continue, and the new body receives the last command.
-        """
+        """Connect a new body of a world that was reset; counters continue, and it receives the last command."""
         with self._lock:
             left, right = self._counters()
             self._robot = robot

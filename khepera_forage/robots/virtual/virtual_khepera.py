@@ -42,14 +42,14 @@ class VirtualKhepera:
         faults: Rates of the faults, which may be set at any time; none by default.
         rng: Draws the faults.
 
-    Raises:
-        ValueError: A baud rate that a Khepera does not support, or faults without `rng`.
-        OSError: The TCP port is in use, or the system has no pseudo-terminals.
-
     Attributes:
         url: Argument of `serial.serial_for_url`: "/dev/pts/5" or "socket://127.0.0.1:40123".
         interrupted: Whether all bytes are lost, in both directions, while the robot keeps its power supply and its last
             command: a broken data wire, or a radio link out of range. May be set at any time.
+
+    Raises:
+        ValueError: A baud rate that a Khepera does not support, or faults without `rng`.
+        OSError: The TCP port is in use, or the system has no pseudo-terminals.
     """
 
     def __init__(
@@ -84,11 +84,7 @@ class VirtualKhepera:
 
     @property
     def faults(self) -> Faults:
-        """Rates of the faults; may be set at any time.
-
-        Raises:
-            ValueError: Faults were set without `rng`.
-        """
+        """Rates of the faults; may be set at any time, if there is an `rng`."""
         return self._faults
 
     @faults.setter
@@ -213,10 +209,7 @@ class VirtualKhepera:
 
 
 class _Pty:
-    """A pseudo-terminal, without echo or translation of line endings.
-
-    The host's end also stays open here, so that hosts can disconnect and reconnect.
-    """
+    """A pseudo-terminal without echo or translation. The host's end also stays open here, so that it can reconnect."""
 
     def __init__(self) -> None:
         try:
