@@ -21,7 +21,6 @@ from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import training
@@ -32,7 +31,7 @@ from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from tests.version_0_1 import CORRIDOR, SET_UP, TIMING, V0_1
+from tests.version_0_1 import SET_UP, TIMING, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -104,22 +103,6 @@ def test_marker_that_extends_over_a_wall_is_located_correctly(x: float, y: float
         assert abs(math.remainder(body.heading - seen.heading, math.tau)) < math.radians(3)
 
 
-def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
-    """Serial lines and camera frames change the number of rounds only a little."""
-    options = {"start": (90, 115, 0), "foods": [(370, 115)]}
-    counts = []
-    appearance = CameraAppearance.none()
-    with virtual_laboratory(CORRIDOR, 1, V0_1, noise=Noise.none(), appearance=appearance) as lab:
-        for env in (
-            BehavioursEnv(world=lab, decisions=V0_1),
-            BehavioursEnv(noise=Noise.none(), decisions=V0_1),
-        ):
-            info = forage(env, options)
-            assert info["delivered"] == 1
-            counts.append(info["steps"])
-    assert abs(counts[0] - counts[1]) <= 10
-
-
 def test_training_leads_around_corners_as_in_the_simulation() -> None:
     """In the T-maze, food and home are in opposite arms."""
     devices: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none(), "timeout": 2.0}
@@ -134,17 +117,6 @@ def test_training_leads_around_corners_as_in_the_simulation() -> None:
     assert attempt.complete
     assert simulated.complete
     assert abs(attempt.rounds - simulated.rounds) < 60
-
-
-def forage(env: BehavioursEnv, options: dict[str, Any]) -> dict[str, Any]:
-    """The info after a forage of the teacher."""
-    teacher = Teacher.of(env)
-    observation, info = env.reset(seed=1, options=options)
-    over = False
-    while not over:
-        observation, _, terminated, truncated, info = env.step(int(teacher.act(observation)))
-        over = terminated or truncated
-    return info
 
 
 def test_recorded_experience_is_correct_on_disturbed_lines() -> None:

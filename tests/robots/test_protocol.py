@@ -10,8 +10,10 @@ from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
 from khepera_forage.robots.serial.protocol import (
     MAX_LINE,
     RESTART,
+    ArgumentError,
     ErrorReply,
     ProtocolError,
+    Range,
     Reply,
     Request,
     Text,
@@ -112,3 +114,88 @@ def test_banner_is_decoded_as_text_even_after_a_partial_reply() -> None:
         assert KHEPERA.decode_reply(text.encode()) == TextLine(text)
     partial = b"n,12,3ROM of minirobot KHEPERA, Edoardo Franzi"
     assert KHEPERA.decode_reply(partial) == TextLine(partial.decode())
+
+
+INVALID_NUMBERS = (
+    "+5", " 5", "5 ", "5_0", "--5", "-", "", "05", "-0", "00", "5.0", "1e1", "0x5", "nan", "inf", "٣", "５", "9" * 5000,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_values_just_outside_each_range_are_rejected(name: str) -> None:
+    command = COMMANDS[name]
+    for i, allowed in enumerate(command.arguments):
+        for value in (allowed.low - 1, allowed.high + 1):
+            values = [r.low for r in command.arguments]
+            values[i] = value
+            with pytest.raises(ArgumentError, match=f"{value}.*allowed.*{allowed.low}..{allowed.high}"):
+                KHEPERA.encode_request(Request(name, tuple(values)))
+            with pytest.raises(ArgumentError):
+                KHEPERA.decode_request(",".join([name, *map(str, values)]).encode())
+    ranges = [r for r in command.results if isinstance(r, Range)]
+    for i, allowed in enumerate(ranges):
+        for value in (allowed.low - 1, allowed.high + 1):
+            values = [r.low for r in ranges]
+            values[i] = value
+            with pytest.raises(ArgumentError):
+                KHEPERA.encode_reply(Reply(name, tuple(values)))
+            with pytest.raises(ArgumentError):
+                KHEPERA.decode_reply(",".join([name.lower(), *map(str, values)]).encode())
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_wrong_number_of_values_is_rejected(name: str) -> None:
+    fields = ["1"] * len(COMMANDS[name].arguments)
+    for wrong in ([*fields, "1"], [*fields, ""], fields[1:] if fields else ["1", "1"]):
+        with pytest.raises(ArgumentError):
+            KHEPERA.decode_request(",".join([name, *wrong]).encode())
+    with pytest.raises(ArgumentError, match="allowed"):
+        KHEPERA.encode_request(Request(name, (1,) * (len(fields) + 1)))
+    if name != RESTART:
+        with pytest.raises(ArgumentError):
+            KHEPERA.decode_reply(
+                ",".join([name.lower(), *["1"] * (len(COMMANDS[name].results) + 1)]).encode()
+            )
+
+
+@pytest.mark.parametrize("number", INVALID_NUMBERS)
+def test_numbers_that_are_not_plain_decimals_are_rejected(number: str) -> None:
+    with pytest.raises(ProtocolError):
+        KHEPERA.decode_request(f"D,{number},5".encode())
+    line = f"e,{number},5".encode()
+    if number in ("nan", "inf"):
+        assert KHEPERA.decode_reply(line) == TextLine(line.decode()), "words are decoded as text"
+        return
+    with pytest.raises(ProtocolError):
+        KHEPERA.decode_reply(line)
+
+
+@pytest.mark.parametrize("value", [True, 5.0, float("nan"), "5", None])
+def test_values_of_the_wrong_type_are_rejected(value: object) -> None:
+    with pytest.raises(ArgumentError, match="whole number"):
+        KHEPERA.encode_request(Request("D", (value, 5)))  # type: ignore[arg-type]
+    with pytest.raises(ArgumentError, match="version"):
+        KHEPERA.encode_reply(Reply("B", (5, "5.01")))
+
+
+@pytest.mark.parametrize("version", ["5.", ".5", "5.0.1", "v5", "-5", "5.0221", ""])
+def test_versions_that_are_not_dotted_decimals_are_rejected(version: str) -> None:
+    with pytest.raises(ProtocolError):
+        KHEPERA.decode_reply(f"b,{version},5.01".encode())
+    with pytest.raises(ArgumentError):
+        KHEPERA.encode_reply(Reply("B", (version, "5.01")))
+
+
+@pytest.mark.parametrize("line", [b"", b"\n", b"D,5,5\x00", b"\xffD,5,5", b"D\n,5,5", b"D,5,5\n\n"])
+def test_lines_that_are_not_printable_are_rejected(line: bytes) -> None:
+    for decode in (KHEPERA.decode_request, KHEPERA.decode_reply):
+        with pytest.raises(ProtocolError, match="printable"):
+            decode(line)
+
+
+@pytest.mark.parametrize(
+    "line", [b"N,1,1,1,1,1,1,1,1", b"z", b"m", b"t,1,H,5", b"", b"5.01", b",Command not found"]
+)
+def test_lines_that_are_not_replies_are_rejected(line: bytes) -> None:
+    with pytest.raises(ProtocolError):
+        KHEPERA.decode_reply(line)

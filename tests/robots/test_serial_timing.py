@@ -209,27 +209,6 @@ def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPa
         assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
 
 
-def test_counters_are_right_after_replies_were_lost_for_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The driver has held the wheels meanwhile: they did not turn as commanded, and the counters say so."""
-    lost_from = float("inf")
-
-    def script(request: bytes, number: int) -> list[Action]:
-        now = line.requests[-1][0]
-        if lost_from <= now < lost_from + 1.0:
-            return []
-        count = 0 if now < lost_from else 512
-        return [b"h,%d,%d\r\n" % (count, count)] if request == b"H" else NumberedReplies({})(request, 10)
-
-    line = SimulatedLine(script).install(monkeypatch)
-    with SerialKhepera("simulated", watchdog=False) as robot:
-        robot.drive(FORWARD)
-        robot.transmit()
-        robot.receive()
-        lost_from = line.now
-        robot.receive()
-        assert robot.sense().left_pulses == 512
-
-
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""
