@@ -249,8 +249,8 @@ class VirtualLaboratory(Laboratory):
             self.virtual_kheperas.pop().close()
 
 
-_MAX_TRIES = 200
-"""Draws of placement errors before a request counts as impossible."""
+_MAX_TRIES, _MAX_REPEATS = 200, 10
+"""Draws of placement errors before a request counts as impossible; failed repetitions before the operator gives up."""
 
 
 class VirtualOperator:
@@ -268,7 +268,6 @@ class VirtualOperator:
         reconnect: Callable[[], None],
     ) -> None:
         self.requests: list[OperatorRequest] = []
-        self.max_repeats = 10
         self._world, self._noise = world, noise
         self._on_reset, self._reconnect = on_reset, reconnect
         self._rng = self._world_rng = np.random.default_rng(0)
@@ -281,10 +280,10 @@ class VirtualOperator:
     def __call__(self, request: OperatorRequest) -> None:
         """Carry out a request."""
         self.requests.append(request)
-        recent = self.requests[-self.max_repeats :]
-        if len(recent) == self.max_repeats and all(r.errors and r[:3] == request[:3] for r in recent):
+        recent = self.requests[-_MAX_REPEATS:]
+        if len(recent) == _MAX_REPEATS and all(r.errors and r[:3] == request[:3] for r in recent):
             raise OperatorGaveUp(
-                f"the virtual operator has placed everything {self.max_repeats} times: {'; '.join(request.errors)}"
+                f"the virtual operator has placed everything {_MAX_REPEATS} times: {'; '.join(request.errors)}"
             )
         if not request.robots and request.foods is None:
             self._reconnect()

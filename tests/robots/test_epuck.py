@@ -112,27 +112,6 @@ def test_counters_continue_across_16_bits() -> None:
     assert max(steps_of) - min(steps_of) <= 1
 
 
-@pytest.mark.parametrize("latency", [0.0, 0.02, 0.06, 0.08])
-def test_rounds_keep_the_period_over_bluetooth(latency: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    stage = make_stage()
-    firmware = EPuckFirmware(stage.robot)
-    line = SimulatedLine(
-        lambda request, number: [firmware.handle(request)], baud=115200, latency=latency
-    ).install(monkeypatch)
-    with SerialEPuck("simulated", watchdog=False) as robot:
-        robot.receive()
-        begin = line.now
-        for number in range(40):
-            begin += 0.1
-            line.sleep(begin)
-            stage.world.advance()
-            robot.receive()
-            robot.drive(Motors(number % 9, 5, 215, 200))
-            robot.transmit()
-            assert line.now - begin <= 0.1 + latency + 0.01
-        assert robot.statistics.timeouts == 0
-
-
 def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
     with (
         make_rig() as rig,

@@ -1,7 +1,6 @@
 """Several robots in parallel: time of a round, and stopping all when one is lost."""
 
 import contextlib
-import threading
 import time
 from collections.abc import Iterator
 
@@ -12,7 +11,6 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from tests.robots.rig import FORWARD, Rig, make_rig
-from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
 
 
 @contextlib.contextmanager
@@ -78,43 +76,6 @@ def test_slow_robot_holds_the_others() -> None:
         assert rig.wheel_pulses(0) == (50, 50)
         fleet.transmit()
         assert rig.wheel_pulses(1) == (50, 50), "the command was kept"
-
-
-def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
-    """While requests to one robot are repeated, the other robot is stopped."""
-
-    opening = 11
-
-    def silent_after_opening(request: bytes, number: int) -> list[Action]:
-        return NumberedReplies({})(request, number) if number < opening else []
-
-    with make_rig() as rig, ScriptedRobot(silent_after_opening) as scripted:
-        robot = SerialKhepera(rig.url)
-        silent = SerialKhepera(scripted.url, timeout=0.1, tries=3)
-        robot.drive(FORWARD)
-        robot.transmit()
-        assert rig.wheel_pulses() == (50, 50)
-        fleet = Fleet([robot, silent])
-        silent.drive(FORWARD)
-        losses: list[RobotLost] = []
-
-        def transmit() -> None:
-            try:
-                fleet.transmit()
-            except RobotLost as lost:
-                losses.append(lost)
-
-        waiting = threading.Thread(target=transmit)
-        waiting.start()
-        time.sleep(0.02)
-        while rig.wheel_pulses() != (0, 0):
-            assert waiting.is_alive(), "it stops before the other counts as lost"
-            time.sleep(0.01)
-        waiting.join()
-        assert losses[0].port == scripted.url
-        assert rig.wheel_pulses() == (0, 0)
-        fleet.close()
-        assert b"D,0,0" in scripted.requests[opening:], "the silent robot may still receive requests"
 
 
 def test_stop_and_close_stop_all_robots() -> None:

@@ -11,14 +11,12 @@ from khepera_forage.robots.serial.protocol import (
     MAX_LINE,
     RESTART,
     ArgumentError,
-    ErrorReply,
     ProtocolError,
     Range,
     Reply,
     Request,
     Text,
     TextLine,
-    UnknownCommandError,
 )
 
 """Every command as in the drivers of the sources: request, its bytes, reply, its bytes."""
@@ -27,7 +25,7 @@ from khepera_forage.robots.serial.protocol import (
 def test_restart_has_no_reply_but_the_banner() -> None:
     assert KHEPERA.encode_request(Request(RESTART)) == b"restart\n"
     assert KHEPERA.decode_request(b"restart") == Request(RESTART)
-    with pytest.raises(UnknownCommandError, match="banner"):
+    with pytest.raises(ProtocolError, match="banner"):
         KHEPERA.encode_reply(Reply(RESTART))
 
 
@@ -63,11 +61,6 @@ def test_replies_survive_encoding_and_decoding(reply: Reply) -> None:
     assert KHEPERA.decode_reply(line) == reply
 
 
-@given(st.text(st.characters(min_codepoint=32, max_codepoint=126)))
-def test_error_replies_survive_encoding_and_decoding(text: str) -> None:
-    assert KHEPERA.decode_reply(KHEPERA.encode_reply(ErrorReply(text))) == ErrorReply(text)
-
-
 def near_protocol() -> st.SearchStrategy[bytes]:
     """Any bytes, and bytes that resemble the protocol."""
     parts = [
@@ -94,19 +87,6 @@ def test_decoded_lines_encode_to_the_same_bytes(line: bytes) -> None:
         reply = KHEPERA.decode_reply(line)
         if not isinstance(reply, TextLine):
             assert KHEPERA.encode_reply(reply).rstrip(b"\r\n") == line.rstrip(b"\r\n")
-
-
-@given(replies(), st.data())
-def test_one_wrong_byte_is_rejected_or_gives_another_reply(reply: Reply, data: st.DataObject) -> None:
-    line = bytearray(KHEPERA.encode_reply(reply).rstrip())
-    place = data.draw(st.integers(0, len(line) - 1))
-    if data.draw(st.booleans()):
-        del line[place]
-    else:
-        line[place] = data.draw(st.integers(0, 255))
-    with contextlib.suppress(ProtocolError):
-        decoded = KHEPERA.decode_reply(bytes(line))
-        assert not isinstance(decoded, TextLine), "one byte cannot make a word"
 
 
 def test_banner_is_decoded_as_text_even_after_a_partial_reply() -> None:
@@ -176,14 +156,6 @@ def test_values_of_the_wrong_type_are_rejected(value: object) -> None:
         KHEPERA.encode_request(Request("D", (value, 5)))  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match="version"):
         KHEPERA.encode_reply(Reply("B", (5, "5.01")))
-
-
-@pytest.mark.parametrize("version", ["5.", ".5", "5.0.1", "v5", "-5", "5.0221", ""])
-def test_versions_that_are_not_dotted_decimals_are_rejected(version: str) -> None:
-    with pytest.raises(ProtocolError):
-        KHEPERA.decode_reply(f"b,{version},5.01".encode())
-    with pytest.raises(ArgumentError):
-        KHEPERA.encode_reply(Reply("B", (version, "5.01")))
 
 
 @pytest.mark.parametrize("line", [b"", b"\n", b"D,5,5\x00", b"\xffD,5,5", b"D\n,5,5", b"D,5,5\n\n"])

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.robots.proximity import (
     HIDDEN_BY_ARM,
     MAX_READING,
@@ -114,26 +113,6 @@ def test_mirrored_scene_gives_mirrored_readings(walls: list[Wall], discs: list[D
     assert [mirrored[i] for i in MIRRORED] == pytest.approx(original, abs=1e-6)
 
 
-@given(walls, discs, angles, st.floats(-2000, 2000), st.floats(-2000, 2000))
-@PROPERTY
-def test_readings_depend_only_on_relative_positions(
-    walls: list[Wall], discs: list[Disc], turn: float, dx: float, dy: float
-) -> None:
-    c, s = math.cos(turn), math.sin(turn)
-
-    def move(x: float, y: float) -> tuple[float, float]:
-        return dx + x * c - y * s, dy + x * s + y * c
-
-    moved = read(
-        [(*move(x1, y1), *move(x2, y2)) for x1, y1, x2, y2 in walls],
-        [(*move(x, y), r) for x, y, r in discs],
-        dx,
-        dy,
-        turn,
-    )
-    assert moved == pytest.approx(read(walls, discs), abs=0.05)
-
-
 @given(walls, discs)
 @PROPERTY
 def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
@@ -146,13 +125,6 @@ def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
 def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
     forward, left, _, _ = SENSORS[2]
     assert all(math.isfinite(v) for v in read([(forward, left, forward, left + 50)], [(forward, left, 17.5)]))
-
-
-def test_sensors_before_the_first_read_zero() -> None:
-    wall, behind = (RADIUS + 10, -200, RADIUS + 10, 200), (-RADIUS - 10, -200, -RADIUS - 10, 200)
-    readings = clean_readings(0, 0, 1, 0, [wall, behind], [], first=6)
-    assert readings[:6] == [0.0] * 6
-    assert min(readings[6:]) > 0
 
 
 # ---------------------------------------------------------------- reported readings
@@ -177,11 +149,3 @@ def test_noise_stays_within_its_limits(draws: list[float], arm_down: bool) -> No
             assert 0 <= reading <= 6
         else:
             assert clean * 0.9 - 7 <= reading <= min(clean * 1.1, MAX_READING)
-
-
-def test_noise_covers_its_range() -> None:
-    low, high = (reported_readings([500.0] * 8, False, 0.1, 6, [u] * 8) for u in (0.0, 0.999999))
-    assert low[0] == 450
-    assert high[0] == 549
-    floor = {reported_readings([0.0] * 8, False, 0.1, 6, [u / 70] * 8)[0] for u in range(70)}
-    assert floor == set(range(7))

@@ -3,7 +3,6 @@
 import os
 import select
 import socket
-import threading
 import time
 from difflib import SequenceMatcher
 from pathlib import Path
@@ -38,15 +37,6 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
         host.write(b"restart\n")
         assert [host.readline().decode().rstrip() for _ in KHEPERA.banner] == list(KHEPERA.banner)
         assert khepera.fault_counts == FaultCounts(replies=7)
-
-
-def test_bytes_are_not_translated(stage: Stage, tcp: int | None) -> None:
-    """No echo, no translation, no interrupt characters."""
-    with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera, connected_host(khepera) as host:
-        host.write(bytes(set(range(256)) - {10, 13}) + b"\n")
-        assert host.readline() == b"z,Command not found\r\n"
-        host.write(b"B\n")
-        assert host.readline() == b"b,5.02,5.01\r\n"
 
 
 def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
@@ -128,38 +118,6 @@ def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) ->
             send_until_disconnected(host)
     if tcp is None:
         assert not Path(khepera.url).exists()
-
-
-def test_replies_are_intact_while_the_world_advances(stage: Stage) -> None:
-    """Requests and the simulation run in different threads."""
-    stop = threading.Event()
-
-    def advance() -> None:
-        while not stop.wait(0.002):
-            with stage.lock:
-                stage.world.advance()
-                stage.firmware.tick()
-
-    world = threading.Thread(target=advance)
-    world.start()
-    try:
-        with VirtualKhepera(stage.firmware, baud=None) as khepera, connected_host(khepera) as host:
-            last = 0
-            host.write(b"D,1,1\n")
-            assert host.readline() == b"d\r\n"
-            for _ in range(200):
-                host.write(b"H\n")
-                reply = KHEPERA.decode_reply(host.readline())
-                assert isinstance(reply, Reply)
-                left, right = reply.values
-                assert isinstance(left, int)
-                assert left == right
-                assert left >= last
-                last = left
-    finally:
-        stop.set()
-        world.join()
-    assert last > 0
 
 
 pytestmark = pytest.mark.usefixtures("no_leaks")

@@ -22,11 +22,7 @@ RESTART = "restart"
 
 
 class ProtocolError(ValueError):
-    """A line that is not part of the protocol, or values that a command does not allow."""
-
-
-class UnknownCommandError(ProtocolError):
-    """An unknown letter or gripper message; a robot replies `z,Command not found`."""
+    """A line that is not part of the protocol, or an unknown command; a robot replies `z,Command not found`."""
 
 
 class ArgumentError(ProtocolError):
@@ -138,7 +134,7 @@ class Protocol:
                 raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
             return f"z,{reply.text}\r\n".encode()
         if reply.command == RESTART:
-            raise UnknownCommandError(f"a reply to {RESTART!r}; allowed: the banner")
+            raise ProtocolError(f"a reply to {RESTART!r}; allowed: the banner")
         fields = _encoded(reply.command, reply.values, self._command(reply.command).results)
         return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
 
@@ -157,7 +153,7 @@ class Protocol:
         try:
             name = self._names.get(letters)
             if name is None:
-                raise UnknownCommandError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
+                raise ProtocolError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
             return Reply(name, _decoded(name, fields[parts:], self.commands[name].results))
         except ProtocolError:
             if NOT_FOUND_TEXT in text or PROTOCOL_ERROR_TEXT in text or not re.search("[A-Za-z]{3}", text):
@@ -170,7 +166,7 @@ class Protocol:
 
     def _command(self, name: str) -> Command:
         if name not in self.commands:
-            raise UnknownCommandError(f"command {name!r}; allowed: {', '.join(self.commands)}")
+            raise ProtocolError(f"command {name!r}; allowed: {', '.join(self.commands)}")
         return self.commands[name]
 
 

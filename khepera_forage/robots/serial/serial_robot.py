@@ -247,11 +247,7 @@ class SerialRobot(RealRobot):
                 self._speeds = (0, 0)
             return self._exchange([request])[0]
         self._speeds, self._held, self.stop_confirmed = (1, 1), False, False
-        reply = self._exchange([request])[0]
-        if self._held:  # The robot replies again: once more, for one time-out.
-            self._held, self._hold_at = False, self._line.now() + self.timeout
-            reply = self._exchange([request])[0]
-        return reply
+        return self._exchange([request])[0]
 
     def _stop_wheels(self) -> None:
         self._begin_call()
