@@ -28,7 +28,7 @@ class VirtualCubeLaboratory(Laboratory):
 
     def __init__(self, arena: Arena, robots: int, period: float, recall_marker: int) -> None:
         self._now = 0.0
-        self.table = Table(SIMPLE_MAT, lambda: self._now, _INTERVAL)
+        self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
         x1, y1, _, y2 = arena.bounds
         step = y2 - y1 + _GAP

@@ -157,9 +157,6 @@ class TestPowerOn:
         banner = stage.firmware.handle(b"restart")
         assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
         assert banner.startswith(b"ROM of minirobot KHEPERA")
-        firmware = stage.firmware
-        assert (firmware.speed_gains, firmware.position_gains) == ((3800, 800, 100), (3000, 20, 4000))
-        assert firmware.leds == [False, False]
         assert stage.numbers("R,9") == [0]
         assert stage.numbers("H") == [0, 0]
         assert stage.numbers("E") == [0, 0]

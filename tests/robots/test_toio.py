@@ -6,7 +6,7 @@ pytest.importorskip("toio")
 
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.toio.driver import SIMPLE_MAT, CubePose, ToioRobot
+from khepera_forage.robots.toio.driver import CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
@@ -15,7 +15,7 @@ class SteppedTable:
 
     def __init__(self) -> None:
         self.now = 0.0
-        self.table = Table(SIMPLE_MAT, lambda: self.now, interval=0.001)
+        self.table = Table(lambda: self.now, interval=0.001)
         use_table(self.table)
 
     def advance(self, seconds: float) -> None:

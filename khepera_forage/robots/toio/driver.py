@@ -105,7 +105,6 @@ class ToioRobot(RealRobot):
     Args:
         port: Name of the cube as in "toio-A1b", its Bluetooth address, or "virtual:" and any name.
         max_speed: Limit of the wheel speeds in speed units.
-        mat: The mat on which it drives.
         period: Seconds of a round, at most 0.5.
 
     Attributes:
@@ -127,7 +126,6 @@ class ToioRobot(RealRobot):
         port: str,
         *,
         max_speed: int | None = None,
-        mat: Mat = SIMPLE_MAT,
         period: float = CONTROL_PERIOD,
     ) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
@@ -135,7 +133,6 @@ class ToioRobot(RealRobot):
         self.pose = CubePose(0.0, 0.0, 0.0)
         self.on_mat = False
         self.clearance: Callable[[float, float], float] | None = None
-        self._mat = mat
         self._period = period
         self._cube: Any = None
         self._notifications = 0
@@ -175,9 +172,9 @@ class ToioRobot(RealRobot):
     def _interface(self) -> "CubeInterface":
         """The cube of the port."""
         if self.port.startswith(VIRTUAL):
-            from khepera_forage.robots.toio.virtual import table
+            from khepera_forage.robots.toio.virtual import the_table
 
-            return table(self._mat).cube(self.port.removeprefix(VIRTUAL))
+            return the_table().cube(self.port.removeprefix(VIRTUAL))
         from toio import BLEScanner
 
         if ":" in self.port:
@@ -195,7 +192,7 @@ class ToioRobot(RealRobot):
         """Take a notification, in the thread of the Bluetooth connection."""
         if payload[0] == _POSITION:
             x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
-            pose, last = self._mat.to_plan(x, y, angle), self.pose
+            pose, last = SIMPLE_MAT.to_plan(x, y, angle), self.pose
             if self.on_mat:
                 turn = math.remainder(pose.heading - last.heading, math.tau)
                 middle = last.heading + turn / 2

@@ -16,7 +16,7 @@ from toio.toio_uuid import ToioUuid
 
 from khepera_forage.robots.khepera import SPEED_UNIT
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT, CubePose, Mat
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, SIMPLE_MAT, SLOWEST_UNIT, CubePose
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""
@@ -35,8 +35,7 @@ class Table:
     position of a cube to the next.
     """
 
-    def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
-        self.mat = mat
+    def __init__(self, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
         self.unplugged: set[str] = set()
         self.clock, self.interval = clock, interval
         self._now = clock()
@@ -64,7 +63,7 @@ class Table:
 
     def _free_place(self) -> CubePose:
         """A place beside the others, in a row along the upper border."""
-        width, height = self.mat.size
+        width, height = SIMPLE_MAT.size
         number = len(self._cubes)
         columns = int(width // (3 * RADIUS))
         row, column = divmod(number, columns)
@@ -177,7 +176,7 @@ class VirtualCube(CubeInterface):
                     await result
 
     def _position(self) -> bytearray:
-        mat = self._table.mat
+        mat = SIMPLE_MAT
         x, y, angle = mat.to_mat(self.pose)
         if not (mat.left <= x <= mat.right and mat.top <= y <= mat.bottom):
             return bytearray((3,))
@@ -190,14 +189,16 @@ def _effective(direction: int, unit: int) -> int:
     return -speed if direction == 2 else speed
 
 
-_TABLES: dict[Mat, Table] = {}
+_TABLE: list[Table] = []
 
 
-def table(mat: Mat) -> Table:
-    """The table of this process with a mat."""
-    return _TABLES.setdefault(mat, Table(mat))
+def the_table() -> Table:
+    """The table of this process."""
+    if not _TABLE:
+        use_table(Table())
+    return _TABLE[0]
 
 
 def use_table(table: Table) -> None:
     """Let drivers find their virtual cubes on a table."""
-    _TABLES[table.mat] = table
+    _TABLE[:] = [table]

@@ -41,8 +41,6 @@ _GRIPPER_VERSION = (2, 1)
 _SPEED_MODE, _POSITION_MODE = 0, 1
 """The mode in the reply to K, as KIKS has it."""
 
-_SPEED_GAINS, _POSITION_GAINS = (3800, 800, 100), (3000, 20, 4000)
-"""Kp, Ki and Kd at power-on (KH2PY). They have no effect: the simulated motors need no gains."""
 _BARRIER_FREE, _BARRIER_CROSSED = 0, 200
 """Readings of the optical barrier: 0 without an object (KNET, KH2PY, WSU-R), more than 100 with one (PYRO)."""
 _INSULATED, _CONDUCTING = 0, 255
@@ -152,29 +150,24 @@ class Firmware:
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
-        self.speed_gains, self.position_gains = _SPEED_GAINS, _POSITION_GAINS
-        self.leds = [False, False]
-        self.bus = bytearray(64)
+        self._bus = bytearray(64)  # no device is attached: a read returns the byte last written
 
     def _handler(self, command: str) -> Callable[..., Values]:
         sense = self._robot.sense
         handlers: dict[str, Callable[..., Values]] = {
-            "A": lambda *gains: self._set(speed_gains=gains),
             "B": lambda: _VERSIONS,
             "C": self._set_targets,
             "D": self._set_speeds,
             "E": lambda: self._measured_speeds,
-            "F": lambda *gains: self._set(position_gains=gains),
             "G": self._set_counters,
             "H": self._counters,
             "I": lambda channel: (0,),
             "J": self._set_profiles,
             "K": self._position_status,
-            "L": self._switch_led,
             "N": lambda: sense().proximity,
             "O": lambda: (_DARK,) * 8,
             "P": self._set_pwm,
-            "R": lambda address: (self.bus[address],),
+            "R": lambda address: (self._bus[address],),
             "W": self._write_bus,
             "T,1,B": lambda: _GRIPPER_VERSION,
             "T,1,D": lambda closed: self._drive(jaw=JAW_CLOSED if closed else JAW_OPEN),
@@ -184,18 +177,11 @@ class Firmware:
             "T,1,H": lambda arm: (sense().arm if arm else sense().jaw,),
             "T,1,J": lambda: (0,),
         }
-        return handlers[command]
-
-    def _set(self, **gains: tuple[int, ...]) -> Values:
-        self.__dict__.update(gains)
-        return ()
-
-    def _switch_led(self, led: int, action: int) -> Values:
-        self.leds[led] = not self.leds[led] if action == 2 else action == 1
-        return ()
+        # The rest has no effect: gains, which the simulated motors do not need (A, F), and LEDs (L).
+        return handlers.get(command, lambda *_: ())
 
     def _write_bus(self, data: int, address: int) -> Values:
-        self.bus[address] = data
+        self._bus[address] = data
         return ()
 
     def _drive(self, **changes: int) -> tuple[()]:
