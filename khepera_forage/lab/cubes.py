@@ -25,15 +25,10 @@ _MAX_REPEATS = 10
 
 
 class CubeOperator:
-    """Drives robots and food to the places of a request, one after the other.
+    """Drives robots (in the order of the laboratory) and food to the places of a request, one after the other.
 
     A cube leaves out the others on its way. What it has pushed nevertheless is placed again when the laboratory
     repeats the request.
-
-    Args:
-        robots: The robots, in the order of the laboratory.
-        foods: The cubes that are food.
-        sleep: Waits for a number of seconds.
     """
 
     def __init__(
@@ -46,12 +41,7 @@ class CubeOperator:
         self._repeats = 0
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Carry out a request.
-
-        Raises:
-            OperatorGaveUp: A device is lost, which takes a person; or the cubes do not reach their places.
-            RobotLost: A cube does not reply.
-        """
+        """Carry out a request."""
         if not request.robots and request.foods is None:
             raise OperatorGaveUp(f"this needs a person: {request.reason}")
         self._repeats = self._repeats + 1 if request.errors else 0
@@ -61,25 +51,20 @@ class CubeOperator:
         for food in foods:
             food.receive()
         if request.foods is not None:
-            for cube, (x, y) in self._assigned(foods, request.foods):
+            if len(foods) < len(request.foods):
+                raise OperatorGaveUp(
+                    f"{len(foods)} food cubes for {len(request.foods)} places; allowed: one each"
+                )
+            free, nearest = list(foods), []
+            for place in request.foods:
+                distances = [math.dist(cube.pose[:2], place) for cube in free]
+                nearest.append(free.pop(distances.index(min(distances))))
+            for cube, (x, y) in zip(nearest, request.foods, strict=True):
                 self._drive(cube, CubePose(x, y, 0.0), None)
         for mark in request.robots:
             self._drive(
                 robots[mark.number], CubePose(mark.pose.x, mark.pose.y, mark.pose.heading), mark.pose.heading
             )
-
-    def _assigned(
-        self, foods: Sequence[ToioRobot], places: Sequence[tuple[float, float]]
-    ) -> list[tuple[ToioRobot, tuple[float, float]]]:
-        """The food cube for each place: the nearest that is free."""
-        free, assigned = list(foods), []
-        for place in places:
-            if not free:
-                raise OperatorGaveUp(f"{len(foods)} food cubes for {len(places)} places; allowed: one each")
-            cube = min(free, key=lambda cube: math.dist(cube.pose[:2], place))
-            free.remove(cube)
-            assigned.append((cube, place))
-        return assigned
 
     def _drive(self, cube: ToioRobot, place: CubePose, heading: float | None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
@@ -137,15 +122,10 @@ _PERIMETER = 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL
 
 
 class MatCamera:
-    """A `LabCamera` whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
+    """A camera whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
 
     A cube that was lifted off the mat, or has left it, keeps its last place and counts as lost, like a region that the
     tracker does not find.
-
-    Args:
-        robots: The robots.
-        holes: Number of holes of each robot's marker.
-        foods: The cubes that are food.
     """
 
     def __init__(self, robots: Sequence[ToioRobot], holes: Sequence[int], foods: Sequence[ToioRobot]) -> None:
@@ -164,11 +144,7 @@ class MatCamera:
         self.expose()
 
     def expose(self) -> None:
-        """Take the place of every cube.
-
-        Raises:
-            RobotLost: A cube that is food does not reply.
-        """
+        """Take the place of every cube."""
         for food in self._foods:
             food.receive()
         self._scene = Scene(

@@ -1,32 +1,39 @@
-"""The devices of a laboratory: robots at their ports, and the camera."""
+"""The devices of a laboratory: robots at their ports, and the camera, whose frames are those of the present round."""
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
-from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.lab.cubes import MatCamera
-from khepera_forage.lab.fresh_frames import FreshFrames
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.khepera import PULSE
 from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.video import FrameSource, VideoSettings, VideoSource
+from khepera_forage.vision.unusable_frames import is_well_exposed, why_unusable
+from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
 
 OpenSource = FrameSource | Callable[[], FrameSource] | None
 """A source of frames, a function that opens one, or None for the camera of the settings."""
 
+_HOLD_AFTER = 2
+"""Periods from the beginning of a round until the wheels are stopped for want of a frame."""
+_POLL = 0.002
+"""Seconds from one look at the source to the next."""
+_LEAST_TRAVEL = 5.0
+"""mm, one pixel: robots that have travelled farther cannot leave the picture as it was."""
+
+Frame = NDArray[np.uint8]
+
 
 def open_robots(settings: LabSettings) -> Fleet:
-    """Open all robots; if one fails, close the others.
-
-    Raises:
-        RobotLost: A robot does not reply.
-        ConnectionError: A port cannot be opened.
-    """
+    """Open all robots; if one fails, close the others."""
     with ExitStack() as opened:
         robots = []
         for entry in settings.robots:
@@ -45,69 +52,82 @@ def open_robots(settings: LabSettings) -> Fleet:
     return Fleet(robots)
 
 
-def open_source(
-    settings: LabSettings, source: OpenSource, calibration: Calibration | None = None
-) -> FrameSource:
-    """The source of the frames: that of the settings, a given one, or what a given function opens.
+class FreshFrames:
+    """A `FrameSource` that waits for a frame of the present round.
 
-    Raises:
-        OSError: The camera cannot be opened.
-        ValueError: Its frames have another aspect ratio than the calibration.
+    A frame is refused if it was taken before the round began, if it shows no scene (black, suddenly overexposed), or if
+    it is the same as the last one, pixel by pixel, although a robot has travelled: the camera is then frozen.
+    Experience is therefore never recorded from an old picture. `hold` stops the wheels after two periods without a
+    frame. `pulses` returns the encoder counters of all wheels.
     """
-    if source is None:
-        camera = settings.camera
-        size = camera.size or (None if calibration is None else calibration.size)
-        return VideoSource(
-            camera.source, settings=VideoSettings(size, camera.rate, camera.exposure, camera.focus)
-        )
-    return source() if callable(source) else source
 
-
-class Frames(Protocol):
-    """What gives a camera its frames, or stands for it."""
+    def __init__(
+        self,
+        source: FrameSource,
+        tracker: Tracker,
+        settings: LabSettings,
+        pulses: Callable[[], Sequence[int]],
+        hold: Callable[[], None],
+    ) -> None:
+        self._source, self._tracker = source, tracker
+        self._name, self._oldest = str(settings.camera.source), settings.camera.oldest
+        self._hold_after = _HOLD_AFTER * settings.period
+        self._pulses, self._hold = pulses, hold
+        self._round_begin = time.monotonic()
+        self._last: tuple[Frame, Sequence[int]] | None = None
 
     def begin_round(self) -> None:
-        """Accept only what was seen from now on."""
-        ...
+        """Accept only frames taken from now on."""
+        self._round_begin = time.monotonic()
 
     def forget(self) -> None:
-        """Forget what was seen: robots may have been carried, or exchanged."""
-        ...
+        """Forget the last frame: robots may have been carried, or exchanged."""
+        self._last = None
 
+    def newest(self) -> tuple[Frame, float]:
+        """A frame of this round, and its age in s.
 
-class LabCamera(Protocol):
-    """A camera that a laboratory opens and closes."""
-
-    def reset(self) -> None:
-        """Forget all tracks, and take the first frame."""
-        ...
-
-    def expose(self) -> None:
-        """Take the newest frame, once per round."""
-        ...
-
-    def look(self) -> Scene:
-        """The scene of the last frame."""
-        ...
+        Raises `CameraLost` if there is none for `oldest` seconds, or the source has no more frames.
+        """
+        begin, held = time.monotonic(), False
+        while True:
+            frame, age = self._source.newest()
+            reason = self._why_refused(frame, age)
+            if not reason:
+                return frame, age
+            now = time.monotonic()
+            if max(now - begin, age) > self._oldest:
+                raise CameraLost(self._name, reason, age)
+            if now - self._round_begin > self._hold_after and not held:
+                held = True
+                self._hold()
+            time.sleep(_POLL)
 
     def close(self) -> None:
-        """Release the device; a second call does nothing."""
-        ...
+        """Close the source; a second call does nothing."""
+        self._source.close()
+
+    def _why_refused(self, frame: Frame, age: float) -> str:
+        if age > time.monotonic() - self._round_begin:
+            return f"no frame for {self._oldest:g} s"
+        pulses = self._pulses()
+        if self._last is not None and np.array_equal(frame, self._last[0]):
+            farthest = max(abs(now - then) for now, then in zip(pulses, self._last[1], strict=True)) * PULSE
+            if farthest <= _LEAST_TRAVEL:
+                return ""
+            return f"its picture has not changed, although a robot has travelled {farthest:.0f} mm"
+        strict = self._last is not None and is_well_exposed(self._last[0])
+        reason = why_unusable(frame, self._tracker, strict)
+        if not reason:
+            self._last = frame, pulses
+        return reason and f"its picture {reason}"
 
 
 class Devices:
     """The robots and the camera, open. Toio cubes on a mat need no camera.
 
-    Args:
-        settings: The laboratory's settings.
-        source: As for `open_source`. A source itself is used again after a loss; others are opened again.
-        calibration: Calibration of the frames; by default the one of the settings.
-
-    Attributes:
-        fleet: The robots.
-        camera: The camera with its tracker.
-        frames: The frames of the camera.
-        foods: The toio cubes that are food.
+    A source of frames itself is used again after a loss; others are opened again. Without a calibration, that of the
+    settings applies.
 
     Raises:
         OSError: A port or the camera cannot be opened, or the calibration cannot be read; as `RobotLost`, that a robot
@@ -121,8 +141,8 @@ class Devices:
         self._calibration = (
             Calibration.load(file) if calibration is None and file is not None else calibration
         )
-        self.frames: Frames
-        self.camera: LabCamera
+        self.frames: FreshFrames | MatCamera
+        self.camera: TrackedCamera | MatCamera
         self.foods: list[ToioRobot] = []
         if settings.has_mat:
             self._open_cubes(settings)
@@ -135,11 +155,7 @@ class Devices:
             raise
 
     def reopen(self, settings: LabSettings) -> None:
-        """Open all devices again after a loss, which the user has read about.
-
-        Raises:
-            OSError, ValueError: As for the class; call it again then.
-        """
+        """Open all devices again after a loss; may raise `OSError` and `ValueError`, and be called again."""
         self.fleet.close(report=False)
         if settings.has_mat:
             self.camera.close()
@@ -174,16 +190,19 @@ class Devices:
         return [robot for robot in self.fleet.robots if isinstance(robot, ToioRobot)]
 
     def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
-        tracker = Tracker(settings.tracker, self._calibration)
-        frames = FreshFrames(
-            open_source(settings, self._source, self._calibration),
-            tracker,
-            str(settings.camera.source),
-            settings.camera.oldest,
-            settings.period,
-            self._pulses,
-            lambda: self.fleet.stop(),
+        tracker, camera, calibration = (
+            Tracker(settings.tracker, self._calibration),
+            settings.camera,
+            self._calibration,
         )
+        source = self._source
+        if source is None:
+            size = camera.size or (None if calibration is None else calibration.size)
+            options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
+            source = VideoSource(camera.source, settings=options)
+        elif callable(source):
+            source = source()
+        frames = FreshFrames(source, tracker, settings, self._pulses, lambda: self.fleet.stop())
         return frames, TrackedCamera(frames, tracker)
 
     def _pulses(self) -> list[int]:

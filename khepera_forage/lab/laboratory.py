@@ -3,27 +3,31 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from typing import Self
 
 import numpy as np
 
 from khepera_forage.lab.clock import Clock, WallClock
-from khepera_forage.lab.cubes import CubeOperator
-from khepera_forage.lab.devices import Devices, LabCamera, OpenSource
-from khepera_forage.lab.localisation import FoodLocator, find_marker, pose_of
+from khepera_forage.lab.cubes import CubeOperator, MatCamera
+from khepera_forage.lab.devices import Devices, OpenSource
+from khepera_forage.lab.localisation import (
+    FoodLocator,
+    find_marker,
+    gripper_errors,
+    placement_errors,
+    pose_of,
+)
 from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
-from khepera_forage.lab.placement_check import gripper_errors, placement_errors
 from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots import emergency_stop
 from khepera_forage.robots.fleet import Fleet
-from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost, Senses
+from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
 from khepera_forage.robots.proximity import clean_readings, reported_readings
-from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.real_robot import RealRobot, stop_and_log
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30
@@ -88,7 +92,7 @@ class Laboratory:
         return self._fleet.robots
 
     @property
-    def camera(self) -> LabCamera:
+    def camera(self) -> TrackedCamera | MatCamera:
         """The camera with its tracker, or the mat of toio cubes; another one after a loss."""
         return self._devices.camera
 
@@ -129,7 +133,7 @@ class Laboratory:
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
             for cube, arena in zip(self._devices.cubes, self.arenas, strict=False):
-                cube.clearance = partial(_clearance, arena)
+                cube.clearance = lambda x, y, arena=arena: arena.clearance(Point(x, y))
         self._ready = True
         self.clock.start()
 
@@ -184,7 +188,7 @@ class Laboratory:
 
     def stop(self) -> None:
         """Stop the wheels of all robots; those that may still be moving are logged."""
-        emergency_stop.stop_and_log(self._fleet.robots, "at the end of the episode")
+        stop_and_log(self._fleet.robots, "at the end of the episode")
 
     def close(self) -> None:
         """Stop the robots and close all ports and the camera; a second call does nothing."""
@@ -242,7 +246,7 @@ class Laboratory:
                     self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
                 )
                 if new_episode:
-                    errors += gripper_errors(request.robots, self._senses(), self._grippers)
+                    errors += gripper_errors(request.robots, self.robots)
                 if not errors:
                     return
             request = request._replace(errors=errors)
@@ -253,13 +257,10 @@ class Laboratory:
             region = find_marker(scene, arena, holes)
             if region is not None:
                 self._poses[number] = pose_of(region)
-        self._senses()  # reads the robots that have not been read yet
+        for robot in self.robots:
+            robot.sense()  # reads those that have not been read yet
         self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
         self._note_surroundings()
-
-    @property
-    def _grippers(self) -> list[bool]:
-        return [robot.model.has_gripper for robot in self.robots]
 
     def _note_surroundings(self) -> None:
         """Tell robots with fewer sensors than a Khepera what the map shows."""
@@ -277,10 +278,3 @@ class Laboratory:
                 clean = clean_readings(pose.x, pose.y, cosine, sine, arena.segments, [*foods, *others])
                 readings = reported_readings(clean, False, 0.0, 0, (0.0,) * 8)
             robot.note_surroundings(ahead, readings)
-
-    def _senses(self) -> list[Senses]:
-        return [robot.sense() for robot in self.robots]
-
-
-def _clearance(arena: Arena, x: float, y: float) -> float:
-    return arena.clearance(Point(x, y))

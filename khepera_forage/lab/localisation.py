@@ -1,39 +1,49 @@
-"""Where robots and food are, in mm: as the camera reports them, or in the gripper that holds food."""
+"""Where robots and food are, in mm, as the camera or a gripper reports them; and whether they are in their places."""
 
 import math
 from collections.abc import Sequence
 
-from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_LENGTH, FOOD_RADIUS, JAW_ROOT, RADIUS
+from khepera_forage.lab.operator import RobotMark, holes_text
+from khepera_forage.lab.settings import Tolerance
+from khepera_forage.robots.khepera import (
+    ARM_ON_FLOOR,
+    ARM_RAISED,
+    FINGER_LENGTH,
+    FOOD_RADIUS,
+    JAW_OPEN,
+    JAW_ROOT,
+    RADIUS,
+    Robot,
+)
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.world import FoodPlace
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.shapes import Plate, under_plate
 
 _MARGIN = 20.0
 """mm by which a region may appear outside its arena. Assumption."""
 
 
-def position_of(region: Region) -> Point:
-    """A region's centre in mm."""
+def _position_of(region: Region) -> Point:
     return Point(region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL)
 
 
 def pose_of(region: Region) -> Pose:
     """A marker's pose in mm and radians, -pi..pi."""
     degrees = (region.orientation + 180) % 360 - 180
-    return Pose(*position_of(region), math.radians(degrees))
+    return Pose(*_position_of(region), math.radians(degrees))
 
 
-def is_in(arena: Arena, region: Region) -> bool:
-    """Whether a region lies in an arena."""
-    x, y = position_of(region)
+def _is_in(arena: Arena, region: Region) -> bool:
+    x, y = _position_of(region)
     x1, y1, x2, y2 = arena.bounds
     return x1 - _MARGIN <= x <= x2 + _MARGIN and y1 - _MARGIN <= y <= y2 + _MARGIN
 
 
 def find_marker(scene: Scene, arena: Arena, holes: int) -> Region | None:
     """The first region in an arena with a number of holes; None if there is none."""
-    return next((r for r in scene.regions if r.holes == holes and is_in(arena, r)), None)
+    return next((r for r in scene.regions if r.holes == holes and _is_in(arena, r)), None)
 
 
 _GRIP_CENTRE = JAW_ROOT + FINGER_LENGTH / 2
@@ -46,13 +56,9 @@ _CONTACT = RADIUS + FOOD_RADIUS
 class FoodLocator:
     """The food objects of a laboratory, in the order of its layout.
 
-    A region without holes stays assigned to one object; a new region is assigned to the nearest object without a
-    region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its gripper. A robot
-    without a gripper pushes food that its marker hides: while it touches it, the food moves along.
-
-    Args:
-        places: Initial position of each object.
-        arenas: Regions outside them are not food.
+    A region without holes, in one of the arenas, stays assigned to one object; a new region is assigned to the nearest
+    object without a region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its
+    gripper. A robot without a gripper pushes food that its marker hides: while it touches it, the food moves along.
     """
 
     def __init__(self, places: Sequence[Point], arenas: Sequence[Arena]) -> None:
@@ -79,23 +85,18 @@ class FoodLocator:
         return None
 
     def update(self, scene: Scene, robots: Sequence[tuple[Pose, RealRobot]]) -> None:
-        """Update the positions after a round.
-
-        Args:
-            scene: Regions reported by the camera.
-            robots: The robots, and where each is.
-        """
+        """Update the positions after a round, from the camera's regions and from the robots and their places."""
         for number, (pose, robot) in enumerate(robots):
             if robot.model.has_gripper:
                 self._update_held(number, pose, robot)
-        food = [r for r in scene.regions if not r.holes and any(is_in(a, r) for a in self._arenas)]
+        food = [r for r in scene.regions if not r.holes and any(_is_in(a, r) for a in self._arenas)]
         labels = {region.label for region in food}
         self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}
         seen = set()
         for region in food:
             if not region.found:
                 continue
-            place = position_of(region)
+            place = _position_of(region)
             if region.label not in self._object_of_region:
                 nearest = self._nearest_free(place, set(self._object_of_region.values()))
                 if nearest is None:
@@ -129,6 +130,88 @@ class FoodLocator:
         self._foods[self._held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
 
     def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
-        """Number of the object nearest to a place, without those taken."""
         free = [k for k in range(len(self._foods)) if k not in taken]
         return min(free, key=lambda k: math.dist(place, self._foods[k][:2]), default=None)
+
+
+_GRIPPER_TOLERANCE = 10
+"""Positions by which the readings of arm and jaw may deviate from their targets. Assumption."""
+
+
+def placement_errors(
+    scene: Scene,
+    arenas: Sequence[Arena],
+    robots: Sequence[RobotMark],
+    foods: Sequence[Point] | None,
+    tolerance: Tolerance,
+) -> tuple[str, ...]:
+    """Robots and food (None: not checked) that are not in their places, one sentence each.
+
+    Food under a marker is invisible; if food should lie there, it counts as correctly placed.
+    """
+    errors = [
+        error for mark in robots for error in _robot_errors(scene, arenas[mark.number], mark, tolerance)
+    ]
+    if foods is not None:
+        errors += _food_errors(scene, arenas, foods, tolerance)
+    return tuple(errors)
+
+
+def gripper_errors(marks: Sequence[RobotMark], robots: Sequence[Robot]) -> tuple[str, ...]:
+    """Grippers that are not raised and open, as at the start of every episode, one sentence each."""
+    states = [
+        (mark.name, robot.sense()) for mark, robot in zip(marks, robots, strict=True) if robot.has_gripper
+    ]
+    return tuple(
+        f"robot {name}: arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
+        for name, own in states
+        if abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE
+    )
+
+
+def _robot_errors(scene: Scene, arena: Arena, mark: RobotMark, tolerance: Tolerance) -> list[str]:
+    markers = [r for r in scene.regions if r.holes and r.found and _is_in(arena, r)]
+    others = [r for r in markers if r.holes != mark.holes]
+    own = [r for r in markers if r.holes == mark.holes]
+    errors = [
+        f"a marker with {holes_text(r.holes)} is in the arena of robot {mark.name}, whose marker has {mark.holes}"
+        for r in others
+    ]
+    if len(own) != 1:
+        seen = (
+            f"{len(own)} markers with {holes_text(mark.holes)} are"
+            if own
+            else f"no marker with {holes_text(mark.holes)} is"
+        )
+        return [*errors, f"robot {mark.name}: {seen} seen in its arena"]
+    x, y, heading = pose_of(own[0])
+    distance = math.dist((x, y), mark.pose[:2])
+    if distance > tolerance.position:
+        errors.append(f"robot {mark.name} stands at ({x:.0f}, {y:.0f}) mm, {distance:.0f} mm off its mark")
+    turn = (math.degrees(heading - mark.pose.heading) + 180) % 360 - 180
+    if abs(turn) > tolerance.heading:
+        side = "left" if turn > 0 else "right"
+        errors.append(f"robot {mark.name} is turned {abs(turn):.0f} degrees too far to the {side}")
+    return errors
+
+
+def _food_errors(
+    scene: Scene, arenas: Sequence[Arena], foods: Sequence[Point], tolerance: Tolerance
+) -> list[str]:
+    seen = [
+        _position_of(r)
+        for r in scene.regions
+        if r.found and not r.holes and any(_is_in(arena, r) for arena in arenas)
+    ]
+    plates = [
+        Plate(x, y, math.cos(heading), math.sin(heading))
+        for x, y, heading in (pose_of(r) for r in scene.regions if r.holes)
+    ]
+    errors = []
+    for food in foods:
+        nearest = min(seen, key=lambda position: math.dist(position, food), default=None)
+        if nearest is not None and math.dist(nearest, food) <= tolerance.position:
+            seen.remove(nearest)
+        elif not under_plate(*food, FOOD_RADIUS, plates):
+            errors.append(f"no food is seen at ({food.x:.0f}, {food.y:.0f}) mm")
+    return errors + [f"food at ({x:.0f}, {y:.0f}) mm is misplaced, or must be removed" for x, y in seen]

@@ -3,20 +3,13 @@
 import math
 import sys
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, TextIO
+from typing import NamedTuple, TextIO
 
 from khepera_forage.sim.arena import Point, Pose
 
 
 class RobotMark(NamedTuple):
-    """The place where a robot should stand.
-
-    Attributes:
-        number: Number of the robot in its world.
-        name: Name of the robot in the lab file.
-        holes: Number of holes of its marker.
-        pose: In mm and radians in the world's frame.
-    """
+    """The place where a robot should stand: number in its world, name in the lab file, holes of its marker, pose."""
 
     number: int
     name: str
@@ -31,7 +24,7 @@ class OperatorRequest(NamedTuple):
         reason: The occasion, in a few words.
         robots: Robots to place; all others stay where they are.
         foods: Positions of all food; None leaves the food where it is.
-        errors: Errors that the camera found after the last request; empty the first time.
+        errors: Errors that the camera found after the last request.
     """
 
     reason: str
@@ -44,36 +37,19 @@ class OperatorGaveUp(ConnectionAbortedError):  # noqa: N818 (an event, not a mis
     """The operator declines to continue."""
 
 
-class Operator(Protocol):
-    """A callable that carries out requests."""
-
-    def __call__(self, request: OperatorRequest, /) -> None:
-        """Place robots and food, then return; the laboratory checks the result by camera.
-
-        Raises:
-            OperatorGaveUp: The operator declines.
-        """
-        ...
+Operator = Callable[[OperatorRequest], None]
+"""Places robots and food, then returns, or raises `OperatorGaveUp`; the laboratory checks the result by camera."""
 
 
 class CommandLineOperator:
-    """A person at the command line.
-
-    Args:
-        ask: Shows a prompt and returns the answer; raises `EOFError` without a terminal.
-        out: Output for the request; standard error by default.
-    """
+    """A person at the command line; `ask` shows a prompt, `out` is standard error by default."""
 
     def __init__(self, ask: Callable[[str], str] = input, out: TextIO | None = None) -> None:
         self._ask = ask
         self._out = out
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Show the request and wait for Enter.
-
-        Raises:
-            OperatorGaveUp: The answer is `q`, or there is no terminal.
-        """
+        """Show the request and wait for Enter."""
         print("\n".join(describe(request)), file=self._out or sys.stderr)
         try:
             answer = self._ask("Press Enter when it is done, or q to give up: ")

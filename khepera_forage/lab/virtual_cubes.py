@@ -20,22 +20,15 @@ _INTERVAL = 0.001
 class VirtualCubeLaboratory(Laboratory):
     """A `Laboratory` on a virtual mat, whose time passes in rounds and while the cubes drive to their places.
 
-    Args:
-        arena: Copied for every robot, side by side.
-        robots: Number of robots, the teacher first; a single robot is a learner.
-        period: Seconds of a round.
-        recall_marker: Holes of the marker that a single robot stands for.
+    There is a copy of the arena for every robot, side by side; `table` has the true places of the cubes.
 
     Raises:
         ValueError: The mat has no room for the arenas.
-
-    Attributes:
-        table: The virtual mat, with the true places of the cubes.
     """
 
     def __init__(self, arena: Arena, robots: int, period: float, recall_marker: int) -> None:
         self._now = 0.0
-        self.table = Table(SIMPLE_MAT, lambda: self._now, _INTERVAL)
+        self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
         x1, y1, _, y2 = arena.bounds
         step = y2 - y1 + _GAP

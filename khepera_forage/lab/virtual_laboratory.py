@@ -3,7 +3,6 @@
 import math
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from typing import Self
 
@@ -97,7 +96,8 @@ class VirtualLaboratory(Laboratory):
         self.simulation = PymunkWorld(
             arenas, markers, noise, timing=timing, model=MODELS[settings.robots[0].type]
         )
-        self.simulation.reset(np.random.default_rng(fault_seed), _training_layout(arenas))
+        layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
+        self.simulation.reset(np.random.default_rng(fault_seed), layout)
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
         self.firmwares: list[Firmware] = [
@@ -115,34 +115,34 @@ class VirtualLaboratory(Laboratory):
         )
         self.frame_source = RenderedFrameSource(self._renderer)
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
-        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * len(settings.robots)
-        if len(faults_of_each) != len(settings.robots):
-            raise ValueError(
-                f"{len(faults_of_each)} faults for {len(settings.robots)} robots; allowed: one each"
-            )
-        rngs = np.random.default_rng(fault_seed).spawn(len(settings.robots))
-        self._line_settings = [
-            (_baud(robot) if paced else None, fault, rng)
-            for robot, fault, rng in zip(settings.robots, faults_of_each, rngs, strict=True)
+        count = len(settings.robots)
+        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * count
+        if len(faults_of_each) != count:
+            raise ValueError(f"{len(faults_of_each)} faults for {count} robots; allowed: one each")
+        drivers = [serial_driver(robot.type) for robot in settings.robots]
+        bauds = [
+            (robot.baud or driver.default_baud) if paced and driver is not None else None
+            for robot, driver in zip(settings.robots, drivers, strict=True)
         ]
+        rngs = np.random.default_rng(fault_seed).spawn(count)
+        self._line_settings = list(zip(bauds, faults_of_each, rngs, strict=True))
         self.virtual_kheperas: list[VirtualKhepera] = []
         calibration = None
         if appearance.height is not None:
             middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
             calibration = Calibration.identity((*middle, appearance.height))
-        with ExitStack() as opened:
-            opened.callback(self._close_lines)
-            settings = self._open_lines(settings)
+        wall_clock = WallClock(settings.period) if real_time else None
+        try:
             super().__init__(
-                settings,
+                self._open_lines(settings),
                 self.virtual_operator if operator is None else operator,
                 source=self.frame_source if camera is None else lambda: camera(self.frame_source),
                 calibration=calibration,
-                clock=SimulatedClock(
-                    self._advance_simulation, WallClock(settings.period) if real_time else None
-                ),
+                clock=SimulatedClock(self._advance_simulation, wall_clock),
             )
-            opened.pop_all()
+        except BaseException:
+            self._close_lines()
+            raise
 
     @classmethod
     def from_arena(
@@ -156,12 +156,12 @@ class VirtualLaboratory(Laboratory):
         robot: str = KHEPERA.name,
         **options: object,
     ) -> Self:
-        """A laboratory with copies of one arena side by side.
+        """A laboratory with copies of one arena side by side, the teacher first; a single robot is a learner.
 
         Args:
             arena: An arena, which is the first copy; or one of the names in `ARENAS`. The copies of a named arena are
                 centred in the picture, whose border would cut off markers that extend over a wall.
-            robots: Number of robots, the teacher first; a single robot is a learner.
+            robots: Number of robots.
             set_up: Where start, food and home are in one of the thesis's arenas.
             timing: How long a round lasts, and how fast arm and jaw move.
             recall_marker: Holes of the marker of a single robot, 1 or 2.
@@ -206,9 +206,10 @@ class VirtualLaboratory(Laboratory):
 
     def close(self) -> None:
         """Stop the robots and close all devices; a second call does nothing."""
-        with ExitStack() as stack:
-            stack.callback(self._close_lines)
+        try:
             super().close()
+        finally:
+            self._close_lines()
 
     def _advance_simulation(self) -> None:
         with self._lock:
@@ -226,8 +227,9 @@ class VirtualLaboratory(Laboratory):
         for i, (firmware, (baud, faults, rng)) in enumerate(
             zip(self.firmwares, self._line_settings, strict=True)
         ):
-            if i == len(self.virtual_kheperas) or not self.virtual_kheperas[i].connected:
-                for disconnected in self.virtual_kheperas[i : i + 1]:
+            last = self.virtual_kheperas[i : i + 1]
+            if not last or not last[0].connected:
+                for disconnected in last:
                     disconnected.close()
                 self.virtual_kheperas[i : i + 1] = [
                     VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
@@ -247,34 +249,15 @@ class VirtualLaboratory(Laboratory):
             self.virtual_kheperas.pop().close()
 
 
-def _baud(robot: RobotSettings) -> int | None:
-    """The baud rate of a robot's line."""
-    driver = serial_driver(robot.type)
-    return robot.baud or (None if driver is None else driver.default_baud)
-
-
-def _training_layout(arenas: Sequence[Arena]) -> Layout:
-    return Layout(
-        tuple(arena.start for arena in arenas), tuple(food for arena in arenas for food in arena.foods)
-    )
-
-
-_MAX_TRIES = 200
-"""Draws of placement errors before a request counts as impossible."""
+_MAX_TRIES, _MAX_REPEATS = 200, 10
+"""Draws of placement errors before a request counts as impossible; failed repetitions before the operator gives up."""
 
 
 class VirtualOperator:
     """Carries out requests at once, with the errors `Noise.placement_error` and `placement_heading_error`.
 
-    Args:
-        world: The simulated world.
-        noise: The accuracy of placement.
-        on_reset: Called after a reset of the world, which creates new bodies.
-        reconnect: Called when the laboratory has lost a device.
-
-    Attributes:
-        requests: All requests since the last `begin_episode`.
-        max_repeats: Number of failed repetitions of a request before the operator gives up.
+    It calls `on_reset` after a reset of the world, which creates new bodies, and `reconnect` when the laboratory has
+    lost a device. `requests` are all since the last `begin_episode`.
     """
 
     def __init__(
@@ -285,32 +268,22 @@ class VirtualOperator:
         reconnect: Callable[[], None],
     ) -> None:
         self.requests: list[OperatorRequest] = []
-        self.max_repeats = 10
         self._world, self._noise = world, noise
         self._on_reset, self._reconnect = on_reset, reconnect
         self._rng = self._world_rng = np.random.default_rng(0)
 
     def begin_episode(self, rng: np.random.Generator, world_rng: np.random.Generator) -> None:
-        """Set the random generators of a new episode.
-
-        Args:
-            rng: Draws the placement errors.
-            world_rng: For the reset of the world.
-        """
+        """Set the generators of a new episode, for placement errors and for the reset of the world."""
         self.requests = []
         self._rng, self._world_rng = rng, world_rng
 
     def __call__(self, request: OperatorRequest) -> None:
-        """Carry out a request.
-
-        Raises:
-            OperatorGaveUp: The same request was repeated too often, or there is no room.
-        """
+        """Carry out a request."""
         self.requests.append(request)
-        recent = self.requests[-self.max_repeats :]
-        if len(recent) == self.max_repeats and all(r.errors and r[:3] == request[:3] for r in recent):
+        recent = self.requests[-_MAX_REPEATS:]
+        if len(recent) == _MAX_REPEATS and all(r.errors and r[:3] == request[:3] for r in recent):
             raise OperatorGaveUp(
-                f"the virtual operator has placed everything {self.max_repeats} times: {'; '.join(request.errors)}"
+                f"the virtual operator has placed everything {_MAX_REPEATS} times: {'; '.join(request.errors)}"
             )
         if not request.robots and request.foods is None:
             self._reconnect()

@@ -1,29 +1,20 @@
 """The drivers of all kinds of robots."""
 
+from khepera_forage.robots.epuck.driver import SerialEPuck
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS, TOIO
+from khepera_forage.robots.model import E_PUCK, KHEPERA, model_of
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import SerialRobot
+from khepera_forage.robots.toio.driver import ToioRobot
+
+_SERIAL: dict[str, type[SerialRobot]] = {KHEPERA.name: SerialKhepera, E_PUCK.name: SerialEPuck}
 
 
 def serial_driver(kind: str) -> type[SerialRobot] | None:
-    """The driver of a kind of robot with a serial line; None for others.
-
-    Raises:
-        ValueError: An unknown kind.
-    """
-    if kind not in MODELS:
-        raise ValueError(f"robot {kind!r}; allowed: {', '.join(MODELS)}")
-    if kind == KHEPERA.name:
-        from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-
-        return SerialKhepera
-    if kind == E_PUCK.name:
-        from khepera_forage.robots.epuck.driver import SerialEPuck
-
-        return SerialEPuck
-    return None
+    """The driver of a kind of robot with a serial line, None for others; raises `ValueError` for an unknown kind."""
+    return _SERIAL.get(model_of(kind).name)
 
 
 def open_robot(
@@ -36,7 +27,7 @@ def open_robot(
     watchdog: bool = True,
     period: float | None = CONTROL_PERIOD,
 ) -> RealRobot:
-    """Open a robot.
+    """Open a robot; arguments and errors are those of its driver.
 
     Args:
         kind: A name in `MODELS`.
@@ -46,18 +37,9 @@ def open_robot(
         timeout: Of a serial line.
         watchdog: Whether a process stops the robot if this one is killed or frozen; toio cubes stop by themselves.
         period: Seconds of a round, which a serial line must keep; None accepts any line.
-
-    Raises:
-        ValueError: An argument that is not allowed.
-        ConnectionError: The port cannot be opened; as `RobotLost`, that no robot replies; as `LineTooSlow`, that the
-            line does not keep the period.
-        ImportError: A library is missing.
     """
     driver = serial_driver(kind)
-    limit = None if max_speed is None else min(max_speed, MODELS[kind].max_speed)
+    limit = None if max_speed is None else min(max_speed, model_of(kind).max_speed)
     if driver is not None:
         return driver(port, baud=baud, max_speed=limit, timeout=timeout, watchdog=watchdog, period=period)
-    from khepera_forage.robots.toio.driver import ToioRobot
-
-    assert kind == TOIO.name
     return ToioRobot(port, max_speed=limit, period=period or CONTROL_PERIOD)

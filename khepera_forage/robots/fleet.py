@@ -3,12 +3,10 @@
 import time
 from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Any, Self
 
-from khepera_forage.robots import emergency_stop
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.real_robot import RealRobot, Task
+from khepera_forage.robots.real_robot import RealRobot, Task, stop_all, stop_and_log
 
 _STOP_TIMEOUT = 4.0
 """Seconds to wait for a robot to confirm its stop."""
@@ -18,12 +16,9 @@ _Begin = Callable[[RealRobot, "SimpleQueue[Task[Any]]"], Task[None]]
 class Fleet:
     """Robots on one port each, served in parallel.
 
-    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` is raised. When
-    a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
+    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` names every
+    lost robot. When a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
     repeated), the others are held: their wheels are stopped until the next `transmit`.
-
-    Args:
-        robots: In any order.
 
     Raises:
         ValueError: No robot, or two on one port.
@@ -37,41 +32,25 @@ class Fleet:
         self._hold_after = max(robot.longest_exchange for robot in robots)
 
     def transmit(self) -> None:
-        """Send every robot its command.
-
-        Raises:
-            RobotLost: One or more robots do not reply; the others have been stopped.
-        """
+        """Send every robot its command."""
         self._run(RealRobot.begin_transmit)
 
     def receive(self) -> None:
-        """Read the sensors of all robots.
-
-        Raises:
-            RobotLost: One or more robots do not reply; the others have been stopped.
-        """
+        """Read the sensors of all robots."""
         self._run(RealRobot.begin_receive)
 
     def stop(self) -> None:
-        """Stop all wheels.
-
-        Raises:
-            RobotLost: One or more robots do not confirm; the others have been stopped.
-        """
-        _raise_any([error for _, error in emergency_stop.stop_all(self.robots)])
+        """Stop all wheels."""
+        _raise_any([error for _, error in stop_all(self.robots)])
 
     def stop_all(self) -> None:
         """Stop all wheels, and raise no error: `stop_confirmed` of each robot has the result."""
-        emergency_stop.stop_all(self.robots)
+        stop_all(self.robots)
 
     def close(self, report: bool = True) -> None:
-        """Stop all robots in parallel, then close their ports; a second call does nothing.
-
-        Args:
-            report: Whether to log the robots that do not confirm.
-        """
+        """Stop all robots in parallel, then close their ports; log those that do not confirm, unless told not to."""
         if report:
-            emergency_stop.stop_and_log(self.robots, emergency_stop.PORT_CLOSED)
+            stop_and_log(self.robots, "when its port was closed")
         else:
             self.stop_all()
         for robot in self.robots:
@@ -80,9 +59,7 @@ class Fleet:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _run(self, begin: _Begin) -> None:
@@ -91,7 +68,7 @@ class Fleet:
             pending = {begin(robot, done_queue): robot for robot in self.robots}
             errors = self._wait(pending, done_queue)
         except BaseException:
-            emergency_stop.stop_all(self.robots)
+            stop_all(self.robots)
             raise
         _raise_any(errors)
 

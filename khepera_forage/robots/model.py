@@ -117,11 +117,7 @@ MODELS = {model.name: model for model in (KHEPERA, E_PUCK, TOIO)}
 
 
 def model_of(robot: str) -> RobotModel:
-    """The model with a name.
-
-    Raises:
-        ValueError: An unknown name.
-    """
+    """The model with a name; raises `ValueError` for an unknown one."""
     if robot not in MODELS:
         raise ValueError(f"robot is {robot!r}; allowed: {', '.join(map(repr, MODELS))}")
     return MODELS[robot]

@@ -1,19 +1,27 @@
-"""What all drivers of real robots share: a thread that owns the connection, so that stopping never waits for a lock.
+"""What all drivers of real robots share: a thread that owns the connection, and stops on every exit path.
 
 Other threads submit tasks and wait for their results. A signal handler may submit a task and wait for it even if the
 thread that it interrupted is waiting for another task: the robot's thread continues. `SimpleQueue` is reentrant and
 therefore safe in signal handlers; locks, conditions and futures are not.
+
+A robot may drive on at its last speed. All open robots are stopped at the end of the program, and before it is
+suspended. A process that is killed, crashes or is frozen cannot stop them: the watchdog of a serial robot does, within
+milliseconds, whatever the signal. After a power cut of the computer only the robot's switch stops it.
 """
 
+import atexit
+import logging
+import os
+import signal
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
-from types import TracebackType
+from types import FrameType
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
-from khepera_forage.robots import emergency_stop
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     JAW_OPEN,
@@ -29,8 +37,11 @@ T = TypeVar("T")
 
 Proximity = tuple[int, int, int, int, int, int, int, int]
 
+_LOG = logging.getLogger(__name__)
 _STOP_TIMEOUT = 10.0
 """Seconds that `stop` waits for the robot's thread."""
+_STOP_ALL_TIMEOUT = 4.0
+"""Seconds allowed for stopping all robots."""
 
 
 class RobotSuspended(RobotLost):
@@ -45,16 +56,7 @@ class Interrupted(Exception):  # noqa: N818 (an event, not an error)
 
 
 class Task(Generic[T]):
-    """Work for a robot's thread, and its result.
-
-    Args:
-        work: The function to run.
-        done_queue: Queue for the task once it is done; a new queue by default.
-
-    Attributes:
-        error: What the work raised, or None.
-        done: Whether the work has returned or raised.
-    """
+    """Work for a robot's thread; when it is `done`, it has a result or an `error`, and is put into its queue."""
 
     def __init__(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> None:
         self._work = work
@@ -73,12 +75,9 @@ class Task(Generic[T]):
         self._done_queue.put(self)
 
     def result(self, timeout: float | None = None) -> T:
-        """Wait for the return value of the work; raises what the work raised.
+        """Wait for the return value of the work; raises what the work raised, or `TimeoutError`.
 
         Only for a task with its own queue and one waiting thread.
-
-        Raises:
-            TimeoutError: The work is not done within `timeout` seconds.
         """
         if not self.done:
             try:
@@ -93,8 +92,9 @@ class Task(Generic[T]):
 class RealRobot(ABC):
     """A `Robot` behind a connection; `transmit` and `receive` exchange the data of one round.
 
-    All methods are thread-safe. The wheels are stopped on every exit path; see `emergency_stop`. After a suspension
-    (Ctrl-Z) they remain stopped, and the next request raises `RobotSuspended` once.
+    All methods are thread-safe, and any that exchanges data raises `RobotLost` if the robot does not reply. The wheels
+    are stopped on every exit path. After a suspension (Ctrl-Z) they remain stopped, and the next request raises
+    `RobotSuspended` once.
 
     Args:
         port: Name of the connection.
@@ -102,7 +102,6 @@ class RealRobot(ABC):
 
     Attributes:
         model: What this kind of robot can do.
-        port: Name of the connection.
         stop_confirmed: Whether the robot has confirmed a stop, and was sent no command since that turns its wheels.
 
     Raises:
@@ -138,11 +137,10 @@ class RealRobot(ABC):
         """Seconds after which `transmit` or `receive` of an undisturbed robot is over."""
 
     def drive(self, motors: Motors) -> Motors:
-        """Set the command for the next `transmit`.
+        """Set the command for the next `transmit`; returns it as it will be sent.
 
-        Returns:
-            The command as it will be sent: whole speed units within `max_speed`, arm within its travel, jaw open or
-            closed; without a gripper, the arm is lowered and the jaw open.
+        That is in whole speed units within `max_speed`, arm within its travel, jaw open or closed; without a gripper,
+        the arm is lowered and the jaw open.
 
         Raises:
             ValueError: A value that is not a finite number.
@@ -156,28 +154,16 @@ class RealRobot(ABC):
         return self._command
 
     def flash(self) -> None:
-        """Switch its lamps on for a moment, so that a person sees which robot this is.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Switch its lamps on for a moment, so that a person sees which robot this is."""
         self._begin(self._flash).result()
 
     def turn_wheels(self, left: int, right: int) -> None:
-        """Turn the wheels at speeds in speed units, and move nothing else.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Turn the wheels at speeds in speed units, and move nothing else."""
         self.drive(Motors(left, right, ARM_DOWN, JAW_OPEN))
         self.transmit()
 
     def sense(self) -> Senses:
-        """The senses of the last `receive`; calls it if there was none.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """The senses of the last `receive`; calls it if there was none."""
         if self._senses is None:
             self.receive()
         assert self._senses is not None
@@ -196,43 +182,30 @@ class RealRobot(ABC):
 
         Args:
             food_ahead: Whether food is before the robot. Without a gripper, it reports an object only then.
-            proximity: Infra-red readings as they follow from the map, for a robot without infra-reds.
+            proximity: Readings as they follow from the map, for a robot without infra-reds.
         """
         self._food_ahead, self._proximity = food_ahead, proximity
 
     def transmit(self) -> None:
-        """Send the last command.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Send the last command."""
         self.begin_transmit().result()
 
     def receive(self) -> None:
-        """Read the sensors.
-
-        Raises:
-            RobotLost: The robot does not reply.
-        """
+        """Read the sensors."""
         self.begin_receive().result()
 
     def stop(self) -> None:
-        """Stop the wheels, before any other request; arm and jaw still move to their last targets.
-
-        Raises:
-            RobotLost: The robot does not confirm.
-        """
+        """Stop the wheels, before any other request; arm and jaw still move to their last targets."""
         self.begin_stop().result(_STOP_TIMEOUT)
 
     def close(self, stop: bool = True) -> None:
-        """Stop the wheels and close the connection, even if the robot is lost; a second call does nothing.
+        """Stop the wheels, unless they were just stopped, and close the connection, even if the robot is lost.
 
-        Args:
-            stop: False for a robot that was just stopped.
+        A second call does nothing.
         """
         if not self._closed:
             if stop:
-                emergency_stop.stop_and_log((self,), emergency_stop.PORT_CLOSED)
+                stop_and_log((self,), "when its port was closed")
             self._release()
 
     def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
@@ -240,7 +213,7 @@ class RealRobot(ABC):
         return self._begin(self._transmit, done_queue)
 
     def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
-        """Begin `receive`; the task is put into the queue when it is done."""
+        """Begin `receive`; as `begin_transmit`."""
         return self._begin(self._receive, done_queue)
 
     def begin_stop(self) -> Task[None]:
@@ -260,11 +233,7 @@ class RealRobot(ABC):
         return task
 
     def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels are turning; `begin_stop` stops them.
-
-        Returns:
-            Whether they are turning.
-        """
+        """Make the next request raise `RobotSuspended` if the wheels are turning; returns whether they are."""
         turning = self._turning()
         self._suspended = self._suspended or turning
         return turning
@@ -275,9 +244,7 @@ class RealRobot(ABC):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _turning(self) -> bool:
@@ -287,7 +254,7 @@ class RealRobot(ABC):
     def _open(self, work: Callable[[], None]) -> None:
         """Start the thread, and open the connection in it; release everything if that fails."""
         self._thread.start()
-        emergency_stop.register(self)
+        _OPEN_ROBOTS.add(self)
         try:
             self._begin(work).result()
         except BaseException:
@@ -296,7 +263,7 @@ class RealRobot(ABC):
 
     def _release(self) -> None:
         self._closed = True
-        emergency_stop.unregister(self)
+        _OPEN_ROBOTS.remove(self)
         self._wake.put(False)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5.0)
@@ -304,11 +271,7 @@ class RealRobot(ABC):
         self._disconnect()
 
     def _begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
-        """Begin work in the robot's thread; the task is put into the queue when it is done.
-
-        Raises:
-            ConnectionError: The robot is closed.
-        """
+        """Begin work in the robot's thread; raises `ConnectionError` if the robot is closed."""
         if self._closed:
             raise ConnectionError(f"{self.port} is closed")
         task = Task(lambda: self._complete(work), done_queue)
@@ -334,11 +297,7 @@ class RealRobot(ABC):
             self._in_urgent = False
 
     def _check_interruption(self) -> None:
-        """Called again and again during a wait.
-
-        Raises:
-            Interrupted: Ordinary work must pause for a stop, or give up because the robot is closed.
-        """
+        """Raise `Interrupted` during a wait if ordinary work must pause for a stop, or the robot is closed."""
         if (self._closed or self._urgent) and not self._in_urgent:
             raise Interrupted
 
@@ -378,3 +337,106 @@ class RealRobot(ABC):
     @abstractmethod
     def _disconnect(self) -> None:
         """Close the connection; a second call does nothing."""
+
+
+def stop_all(robots: Sequence[RealRobot]) -> list[tuple[RealRobot, Exception]]:
+    """Stop robots in parallel, within 4 s; returns those that could not be stopped, with the reasons.
+
+    Raises no error of a robot, so that no failure keeps the others moving.
+    """
+    tasks = [(robot, robot.begin_stop()) for robot in robots]
+    end = time.monotonic() + _STOP_ALL_TIMEOUT
+    failed: list[tuple[RealRobot, Exception]] = []
+    for robot, task in tasks:
+        try:
+            task.result(max(0.0, end - time.monotonic()))
+        except Exception as error:
+            failed.append((robot, error))
+    return failed
+
+
+def stop_and_log(robots: Sequence[RealRobot], occasion: str) -> None:
+    """Stop robots; log those that could not be stopped, by default on standard error."""
+    for robot, error in stop_all(robots):
+        if not robot.stop_confirmed:
+            _LOG.error(
+                "%s may still be moving; it did not confirm its stop %s: %s", robot.port, occasion, error
+            )
+
+
+class _OpenRobots:
+    """The open robots of this process. They are replaced as a whole, because a signal may arrive at any moment.
+
+    Signal handlers are installed with the first robot, and call the handlers that they replaced.
+    """
+
+    def __init__(self) -> None:
+        self._robots: tuple[RealRobot, ...] = ()
+        self._replaced: dict[int, Any] = {}
+        self._suspended: list[str] = []
+        self._lock = threading.Lock()
+        atexit.register(self._at_exit)
+        if hasattr(os, "register_at_fork"):
+            # A forked child has no threads of the robots, and must leave the parent's robots alone.
+            os.register_at_fork(after_in_child=self._forget)
+
+    def add(self, robot: RealRobot) -> None:
+        """Stop the robot at the end of the program from now on."""
+        with self._lock:
+            self._robots = (*self._robots, robot)
+            # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
+            if threading.current_thread() is threading.main_thread():
+                # Ctrl-Z, and the terminal access of a process in the background.
+                for name in ("SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"):
+                    if name in signal.Signals.__members__:
+                        self._install(signal.Signals[name])
+
+    def remove(self, robot: RealRobot) -> None:
+        """Forget a robot that has been stopped and closed; a second call does nothing."""
+        with self._lock:
+            self._robots = tuple(other for other in self._robots if other is not robot)
+
+    def _install(self, number: signal.Signals) -> None:
+        current = signal.getsignal(number)
+        # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler that
+        # was installed after ours may call ours.
+        if current in (None, signal.SIG_IGN) or (number in self._replaced and current != signal.SIG_DFL):
+            return
+        self._replaced[number] = current
+        signal.signal(number, self._on_resumption if number == signal.SIGCONT else self._on_suspension)
+
+    def _on_suspension(self, number: int, frame: FrameType | None) -> None:
+        self._suspend()
+        if callable(self._replaced[number]):
+            self._replaced[number](number, frame)
+        else:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)  # suspends the process
+            signal.signal(number, self._on_suspension)
+
+    def _on_resumption(self, number: int, frame: FrameType | None) -> None:
+        # After SIGSTOP, which cannot be caught, the robots are stopped only now, unless they have watchdogs.
+        self._suspend()
+        if callable(self._replaced[number]):
+            self._replaced[number](number, frame)
+        if self._suspended:
+            stopped, self._suspended = ", ".join(self._suspended), []
+            _LOG.warning(
+                "the program was suspended: stopped %s; no wheel turns before a new command", stopped
+            )
+
+    def _suspend(self) -> None:
+        self._suspended += [robot.port for robot in self._robots if robot.suspend()]
+        stop_and_log(self._robots, "when the program was suspended")
+
+    def _at_exit(self) -> None:
+        stop_and_log(self._robots, "at the end of the program")
+        for robot in self._robots:
+            if robot.stop_confirmed:
+                robot.end_watchdog()
+
+    def _forget(self) -> None:
+        self._robots = ()
+
+
+_OPEN_ROBOTS = _OpenRobots()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
@@ -21,7 +21,6 @@ from khepera_forage.lab.settings import LabSettings
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import training
@@ -32,7 +31,7 @@ from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from tests.version_0_1 import CORRIDOR, SET_UP, TIMING, V0_1
+from tests.version_0_1 import SET_UP, TIMING, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -104,29 +103,6 @@ def test_marker_that_extends_over_a_wall_is_located_correctly(x: float, y: float
         assert abs(math.remainder(body.heading - seen.heading, math.tau)) < math.radians(3)
 
 
-def test_forage_without_noise_takes_as_long_as_in_the_simulation() -> None:
-    """Serial lines and camera frames change the number of rounds only a little."""
-    options = {"start": (90, 115, 0), "foods": [(370, 115)]}
-    counts = []
-    appearance = CameraAppearance.none()
-    with virtual_laboratory(CORRIDOR, 1, V0_1, noise=Noise.none(), appearance=appearance) as lab:
-        for env in (
-            BehavioursEnv(world=lab, decisions=V0_1),
-            BehavioursEnv(noise=Noise.none(), decisions=V0_1),
-        ):
-            info = forage(env, options)
-            assert info["delivered"] == 1
-            counts.append(info["steps"])
-    assert abs(counts[0] - counts[1]) <= 10
-
-
-def test_teacher_forages_under_the_default_decisions() -> None:
-    arena = checked_arena("corridor", Decisions())
-    with virtual_laboratory(arena, 1) as lab:
-        info = forage(BehavioursEnv(world=lab), {"start": (90, 100, 10), "foods": [(330, 125)]})
-    assert info["delivered"] == 1
-
-
 def test_training_leads_around_corners_as_in_the_simulation() -> None:
     """In the T-maze, food and home are in opposite arms."""
     devices: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none(), "timeout": 2.0}
@@ -141,17 +117,6 @@ def test_training_leads_around_corners_as_in_the_simulation() -> None:
     assert attempt.complete
     assert simulated.complete
     assert abs(attempt.rounds - simulated.rounds) < 60
-
-
-def forage(env: BehavioursEnv, options: dict[str, Any]) -> dict[str, Any]:
-    """The info after a forage of the teacher."""
-    teacher = Teacher.of(env)
-    observation, info = env.reset(seed=1, options=options)
-    over = False
-    while not over:
-        observation, _, terminated, truncated, info = env.step(int(teacher.act(observation)))
-        over = terminated or truncated
-    return info
 
 
 def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
@@ -174,20 +139,6 @@ def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
         assert len(recorded) >= result.rounds - 5
 
 
-def test_training_with_several_learners() -> None:
-    with virtual_laboratory("corridor", 4) as lab:
-        assert lab.markers == (1, 2, 2, 2)
-        assert [robot.name for robot in lab.settings.robots] == [
-            "teacher",
-            "learner_0",
-            "learner_1",
-            "learner_2",
-        ]
-        env = TrainingEnv(num_learners=3, max_cycles=60, world=lab, noise=Noise.none())
-        result = training.attempt(env, 2, lambda v, b: None)
-        assert result.rounds > 50
-
-
 def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
     with virtual_laboratory("corridor", 2, V0_1, robot="e-puck2", noise=Noise.none()) as lab:
         starts = tuple(arena.start for arena in lab.arenas)
@@ -203,16 +154,6 @@ def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
         for pose, truth in zip(lab.poses(), lab.simulation.poses(), strict=True):
             assert pose.x == pytest.approx(truth.x, abs=8)
         assert lab.food_places()[0].x > lab.arenas[0].foods[0].x + 20, "it was pushed"
-
-
-def test_close_closes_all_ports() -> None:
-    lab = virtual_laboratory("corridor", 2)
-    ports = list(lab.virtual_kheperas)
-    lab.close()
-    assert not any(port.connected for port in ports)
-    for robot in lab.robots:
-        with pytest.raises(ConnectionError):
-            robot.transmit()
 
 
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

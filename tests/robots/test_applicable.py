@@ -24,23 +24,6 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9
 COMMANDS = st.builds(Motors, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
 
 
-@given(COMMANDS)
-@PROPERTY
-def test_applied_command_is_whole_and_within_limits(motors: Motors) -> None:
-    applied = applicable(motors)
-    assert all(type(value) is int for value in applied)
-    assert -MAX_SPEED <= applied.left <= MAX_SPEED
-    assert -MAX_SPEED <= applied.right <= MAX_SPEED
-    assert ARM_RAISED <= applied.arm <= ARM_DOWN
-    assert applied.jaw in (JAW_OPEN, JAW_CLOSED)
-
-
-@given(COMMANDS)
-@PROPERTY
-def test_applied_command_is_not_changed_again(motors: Motors) -> None:
-    assert applicable(applicable(motors)) == applicable(motors)
-
-
 @given(
     st.floats(-MAX_SPEED, MAX_SPEED),
     st.floats(-MAX_SPEED, MAX_SPEED),

@@ -10,12 +10,12 @@ from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK
 from khepera_forage.robots.epuck.driver import SerialEPuck
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial.protocol import Reply, Request, TextLine
+from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.driver_process import DRIVE, start_driver, wait_for, wait_for_exit
-from tests.robots.rig import FORWARD, Rig, make_rig
-from tests.robots.scripted_robot import Action, ScriptedRobot
+from tests.robots.rig import Rig, make_rig
+from tests.robots.scripted_robot import Action
 from tests.robots.simulated_line import SimulatedLine
 from tests.robots.stage import make_stage
 
@@ -47,10 +47,6 @@ def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, receive
     assert E_PUCK.decode_request(sent) == request_
     assert E_PUCK.encode_reply(reply) == received
     assert E_PUCK.decode_reply(received) == reply
-
-
-def test_banner_is_recognised() -> None:
-    assert all(E_PUCK.is_banner(TextLine(line)) for line in E_PUCK.banner)
 
 
 def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
@@ -116,27 +112,6 @@ def test_counters_continue_across_16_bits() -> None:
     assert max(steps_of) - min(steps_of) <= 1
 
 
-@pytest.mark.parametrize("latency", [0.0, 0.02, 0.06, 0.08])
-def test_rounds_keep_the_period_over_bluetooth(latency: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    stage = make_stage()
-    firmware = EPuckFirmware(stage.robot)
-    line = SimulatedLine(
-        lambda request, number: [firmware.handle(request)], baud=115200, latency=latency
-    ).install(monkeypatch)
-    with SerialEPuck("simulated", watchdog=False) as robot:
-        robot.receive()
-        begin = line.now
-        for number in range(40):
-            begin += 0.1
-            line.sleep(begin)
-            stage.world.advance()
-            robot.receive()
-            robot.drive(Motors(number % 9, 5, 215, 200))
-            robot.transmit()
-            assert line.now - begin <= 0.1 + latency + 0.01
-        assert robot.statistics.timeouts == 0
-
-
 def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
     with (
         make_rig() as rig,
@@ -148,28 +123,6 @@ def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
         with pytest.raises(RobotLost, match="'B'"):
             SerialKhepera(port.url, timeout=0.02)
         assert rig.is_stopped()
-
-
-def test_selector_in_another_position_is_reported() -> None:
-    """The robot runs another program, which sends nothing that is understood."""
-    with (
-        ScriptedRobot(lambda request, number: [b"\x00\x01\x02"]) as scripted,
-        pytest.raises(RobotLost, match="selector in position 3"),
-    ):
-        SerialEPuck(scripted.url, timeout=0.02, tries=3)
-
-
-def test_restart_restores_the_command() -> None:
-    with virtual_e_puck() as (rig, port), SerialEPuck(port.url) as robot:
-        robot.drive(FORWARD)
-        robot.transmit()
-        rig.advance()
-        robot.receive()
-        firmware = port._firmware
-        port._reply(firmware.power_on())
-        robot.receive()
-        assert robot.statistics.restarts == 1
-        assert rig.wheel_pulses() == (50, 50)
 
 
 def test_end_of_the_process_stops_the_robot() -> None:

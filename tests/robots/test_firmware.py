@@ -1,14 +1,17 @@
-"""The firmware: replies to every command, byte for byte, and its registers."""
+"""The firmware: replies to every command, byte for byte; wheels, counters, gripper, restart, another body."""
 
-import threading
+import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
-from khepera_forage.robots.serial.protocol import RESTART, ErrorReply, LineSplitter, Reply, TextLine
-from khepera_forage.sim.arena import Pose
+from khepera_forage.robots.serial.khepera_protocol import KHEPERA
+from khepera_forage.robots.serial.protocol import ErrorReply, LineSplitter, Reply, TextLine
+from khepera_forage.robots.virtual.firmware import WheelPositionController
+from khepera_forage.sim.arena import Point, Pose
+from khepera_forage.sim.world import Layout
 from tests.robots.stage import Stage, make_stage
 
 AT_POWER_ON = {
@@ -48,11 +51,6 @@ def test_every_reply_matches_byte_for_byte(stage: Stage, line: str) -> None:
         assert fresh.firmware.handle((line + ending).encode()) == AT_POWER_ON[line].encode() + b"\r\n"
 
 
-def test_every_command_has_an_expected_reply() -> None:
-    commands = {KHEPERA.decode_request(line.encode()).command for line in AT_POWER_ON}
-    assert commands | {RESTART} == set(COMMANDS)
-
-
 @pytest.mark.parametrize("line", ["M", "Q", "d,5,5", "restar", "T,1,C", "T,1,K", "", "\xff", "hello"])
 def test_unknown_commands_get_an_error_reply(stage: Stage, line: str) -> None:
     assert stage.firmware.handle(line.encode("latin-1")) == b"z,Command not found\r\n"
@@ -77,48 +75,121 @@ def test_any_bytes_get_a_reply_that_decodes(line: bytes) -> None:
 _FUZZED = make_stage()
 
 
-def test_registers_store_settings(stage: Stage) -> None:
-    stage.request("A,1,2,3")
-    stage.request("F,4,5,6")
-    assert stage.firmware.speed_gains == (1, 2, 3)
-    assert stage.firmware.position_gains == (4, 5, 6)
-    for action, on in ((1, True), (2, False), (2, True), (0, False)):
-        stage.request(f"L,1,{action}")
-        assert stage.firmware.leds == [False, on]
-    stage.request("W,170,32")
-    assert stage.numbers("R,32") == [170]
-    assert stage.numbers("R,33") == [0]
-    assert stage.numbers("I,2") == [0]
+class TestSpeed:
+    def test_speed_holds_until_the_next_one(self, stage: Stage) -> None:
+        stage.request("D,5,10")
+        stage.rounds(30)
+        assert stage.numbers("H") == [1500, 3000]
+        assert stage.numbers("E") == [5, 10]
+        stage.request("D,0,0")
+        assert stage.numbers("E") == [5, 10], "the speeds of the last period"
+        stage.rounds(1)
+        assert stage.numbers("E") == [0, 0]
+        stage.rounds(5)
+        assert stage.numbers("H") == [1500, 3000]
 
 
-def test_proximity_is_that_of_the_robot() -> None:
-    stage = make_stage()
-    stage.world.place(0, Pose(330.0, 567.0, 0.0))
-    stage.rounds(1)
-    values = stage.numbers("N")
-    assert values == list(stage.robot.sense().proximity)
-    assert values[0] > 500, "the wall is on the left"
-    assert values[5] == 0
+class TestCounters:
+    def test_counters_continue_from_the_set_values(self, stage: Stage) -> None:
+        stage.request("D,5,-5")
+        stage.rounds(4)
+        stage.request("G,1000,-1000")
+        assert stage.numbers("H") == [1000, -1000]
+        stage.rounds(4)
+        assert stage.numbers("H") == [1200, -1200]
 
 
-def test_firmware_serves_several_threads_while_the_world_advances(stage: Stage) -> None:
-    """Each thread writes its own register and reads it back while the world advances."""
-    wrong: list[str] = []
+class TestPositionControl:
+    def test_robot_drives_to_its_target(self, stage: Stage) -> None:
+        stage.request("C,1250,1250")
+        assert stage.numbers("K")[:3] == [0, 1, 1250]
+        stage.rounds(40)
+        target, mode, error = stage.numbers("K")[:3]
+        assert (target, mode) == (1, 1)
+        assert abs(error) <= 5
+        assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
+        assert stage.numbers("E") == [0, 0]
 
-    def exchange(address: int) -> None:
-        for value in range(200):
-            stage.request(f"W,{value},{address}")
-            stage.request("D,5,5")
-            if stage.numbers(f"R,{address}") != [value] or stage.numbers("E") not in ([0, 0], [5, 5]):
-                wrong.append(f"{address}: {value}")
+    def test_speed_command_ends_position_control(self, stage: Stage) -> None:
+        stage.request("C,5000,5000")
+        stage.rounds(5)
+        stage.request("D,0,0")
+        stage.rounds(1)
+        before = stage.numbers("H")
+        stage.rounds(10)
+        assert stage.numbers("H") == before
+        assert stage.numbers("K")[1] == 0
 
-    threads = [threading.Thread(target=exchange, args=(address,)) for address in range(4)]
-    for thread in threads:
-        thread.start()
-    for _ in range(20):
-        with stage.lock:
-            stage.world.advance()
-            stage.firmware.tick()
-    for thread in threads:
-        thread.join()
-    assert not wrong
+
+class TestGripper:
+    def test_resistivity_of_wooden_food_is_that_of_open_fingers(self) -> None:
+        stage = make_stage(food_ahead=57.0)
+        stage.request("T,1,E,255")
+        stage.rounds(12)
+        stage.request("T,1,D,1")
+        stage.rounds(20)
+        assert stage.numbers("T,1,H,0")[0] > 100
+        assert stage.numbers("T,1,F")[0] <= 20
+
+    def test_food_is_detected_gripped_and_carried(self) -> None:
+        stage = make_stage(food_ahead=57.0)
+        assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
+        stage.request("T,1,E,255")
+        stage.rounds(12)
+        assert stage.numbers("T,1,G")[0] > 100
+        stage.request("T,1,D,1")
+        stage.rounds(8)
+        assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
+        stage.request("T,1,E,215")
+        stage.rounds(12)
+        stage.request("D,5,5")
+        stage.rounds(10)
+        food = stage.world.food_places()[0]
+        assert food.lifted
+        assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
+
+
+class TestPowerOn:
+    def test_restart_sends_the_banner_and_resets_everything(self, stage: Stage) -> None:
+        for line in ("A,1,2,3", "F,4,5,6", "J,1,1,1,1", "L,0,1", "W,9,9", "G,77,77", "D,8,8"):
+            stage.request(line)
+        stage.rounds(5)
+        banner = stage.firmware.handle(b"restart")
+        assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
+        assert banner.startswith(b"ROM of minirobot KHEPERA")
+        assert stage.numbers("R,9") == [0]
+        assert stage.numbers("H") == [0, 0]
+        assert stage.numbers("E") == [0, 0]
+        stage.rounds(5)
+        assert stage.numbers("H") == [0, 0], "the wheels are stopped"
+
+
+def test_attached_body_continues_the_motion(stage: Stage) -> None:
+    stage.request("T,1,E,255")
+    stage.request("D,5,5")
+    stage.rounds(20)
+    stage.world.reset(np.random.default_rng(1), Layout((Pose(300.0, 200.0, 1.0),), (Point(600.0, 560.0),)))
+    stage.firmware.attach(stage.robot)
+    assert stage.numbers("H") == [1000, 1000]
+    stage.rounds(20)
+    assert stage.numbers("H") == [2000, 2000]
+    assert stage.numbers("T,1,H,1") == [255]
+
+
+@given(st.integers(-5000, 5000), st.integers(-5000, 5000), st.integers(1, 127), st.integers(1, 255))
+def test_wheel_reaches_its_target_within_its_profile_and_stays(
+    target: int, count: int, max_speed: int, acceleration: int
+) -> None:
+    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=target)
+    for _ in range(1500):
+        speed = wheel.next_speed(count)
+        assert abs(speed) <= max_speed
+        count += 10 * speed
+    assert wheel.reached(count)
+    assert wheel.next_speed(count) == 0
+
+
+@pytest.mark.parametrize(("max_speed", "acceleration"), [(0, 64), (20, 0)])
+def test_zero_speed_or_acceleration_means_no_motion(max_speed: int, acceleration: int) -> None:
+    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=1000)
+    assert [wheel.next_speed(0) for _ in range(20)] == [0] * 20

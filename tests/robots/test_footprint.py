@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from khepera_forage.geometry.plane import clearance, walls_of
+from khepera_forage.geometry.plane import walls_of
 from khepera_forage.robots.footprint import (
     GRIPPER_HALF_WIDTH,
     body_is_free,
@@ -19,18 +19,7 @@ from khepera_forage.robots.khepera import FINGER_TIP, JAW_ROOT, RADIUS
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places
 
 ROOM = walls_of((((0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)),))
-PILLAR = ((600.0, 500.0), (620.0, 490.0), (620.0, 510.0))
-MARGINS = st.floats(0, 20)
 HEADINGS = st.floats(-math.pi, math.pi)
-
-
-@given(enclosures, places, MARGINS)
-@PROPERTY
-def test_body_is_free_where_the_clearance_reaches_radius_and_margin(
-    enclosure: Enclosure, place: Place, margin: float
-) -> None:
-    walls = walls_of(enclosure.polygons)
-    assert body_is_free(*place, margin, walls) == (clearance(*place, walls) >= RADIUS + margin)
 
 
 @pytest.mark.parametrize("margin", [0.0, 5.0])
@@ -57,15 +46,6 @@ def test_gripper_just_fits_beside_a_wall(side: int, margin: float) -> None:
     aside = 500.0 - GRIPPER_HALF_WIDTH - 2.0 * margin
     assert gripper_is_free(500.0, 500.0 + side * (aside - 0.01), 0.0, margin, ROOM)
     assert not gripper_is_free(500.0, 500.0 + side * (aside + 0.01), 0.0, margin, ROOM)
-
-
-@pytest.mark.parametrize("ahead", [JAW_ROOT, FINGER_TIP])
-@pytest.mark.parametrize("side", [1, -1])
-def test_gripper_is_not_free_with_a_corner_in_an_obstacle(ahead: float, side: int) -> None:
-    walls = walls_of((((0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)), PILLAR))
-    x, y = 612.0 - ahead, 500.0 - side * GRIPPER_HALF_WIDTH
-    assert not gripper_is_free(x, y, 0.0, 0.0, walls)
-    assert gripper_is_free(x - 2 * FINGER_TIP, y, 0.0, 0.0, walls)
 
 
 @pytest.mark.parametrize("margin", [0.0, 5.0])
@@ -100,21 +80,6 @@ def test_free_gripper_touches_no_wall(enclosure: Enclosure, place: Place, headin
         turned = affinity.rotate(shrunken, heading, origin=(0, 0), use_radians=True)
         gripper = affinity.translate(turned, *place)
         assert not any(gripper.intersects(shapely.LinearRing(polygon)) for polygon in enclosure.polygons)
-
-
-@given(enclosures, places, HEADINGS, MARGINS)
-@PROPERTY
-def test_gripper_is_free_far_from_walls_and_not_off_the_free_floor(
-    enclosure: Enclosure, place: Place, heading: float, margin: float
-) -> None:
-    walls = walls_of(enclosure.polygons)
-    free = gripper_is_free(*place, heading, margin, walls)
-    reach = math.hypot(FINGER_TIP, GRIPPER_HALF_WIDTH + margin)
-    room = clearance(*place, walls)
-    if room >= reach + margin + 1e-6:
-        assert free
-    if room < -reach:
-        assert not free
 
 
 @given(places, places, st.floats(0, 200))

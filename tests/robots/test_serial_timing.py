@@ -209,60 +209,6 @@ def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPa
         assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
 
 
-def test_motion_by_a_single_request_continues_after_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    late = [0.8]
-
-    def script(request: bytes, number: int) -> list[Action]:
-        delay: list[Action] = [late.pop()] if request == b"D,5,5" and late else []
-        return [*delay, *NumberedReplies({})(request, number)]
-
-    with opened(monkeypatch, script) as (robot, line):
-        begin = line.now
-        robot.request("D", 5, 5)
-        speeds = line.sent_since(begin, b"D,")
-        assert b"D,0,0" in speeds
-        assert speeds[-1] == b"D,5,5"
-
-
-def test_rounds_with_late_replies_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A fifth of the replies is late by 0.6 s, as over a disturbed radio link."""
-    stage = make_stage()
-
-    def script(request: bytes, number: int) -> list[Action]:
-        return [0.6 if number % 5 == 4 else 0.0, stage.firmware.handle(request)]
-
-    with opened(monkeypatch, script) as (robot, line):
-        for number in range(40):
-            begin = line.now
-            robot.drive(Motors(number % 9, 5, 215 + 40 * (number // 10 % 2), 200))
-            robot.transmit()
-            stage.rounds(1)
-            robot.receive()
-            assert line.now - begin <= 2 * (0.6 + robot.timeout) + HOLD_AFTER
-            assert robot.sense() == stage.robot.sense() or robot.statistics.unknown
-
-
-def test_counters_are_right_after_replies_were_lost_for_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The driver has held the wheels meanwhile: they did not turn as commanded, and the counters say so."""
-    lost_from = float("inf")
-
-    def script(request: bytes, number: int) -> list[Action]:
-        now = line.requests[-1][0]
-        if lost_from <= now < lost_from + 1.0:
-            return []
-        count = 0 if now < lost_from else 512
-        return [b"h,%d,%d\r\n" % (count, count)] if request == b"H" else NumberedReplies({})(request, 10)
-
-    line = SimulatedLine(script).install(monkeypatch)
-    with SerialKhepera("simulated", watchdog=False) as robot:
-        robot.drive(FORWARD)
-        robot.transmit()
-        robot.receive()
-        lost_from = line.now
-        robot.receive()
-        assert robot.sense().left_pulses == 512
-
-
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""
@@ -279,16 +225,3 @@ def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch
             robot.receive()
         assert robot.sense()[1:3] == (530, 530)
         assert [request for _, request in line.requests if request.startswith(b"D,")] == [b"D,0,0"]
-
-
-def test_longest_round_is_the_period_and_the_latency_or_the_transmission() -> None:
-    for baud, latency, bound in (
-        (38400, 0.0, 0.124),
-        (38400, 0.04, 0.14),
-        (38400, 0.08, 0.18),
-        (9600, 0.0, 0.246),
-        (115200, 0.09, 0.19),
-    ):
-        timing = LineTiming(baud, latency=latency, pipelined=True)
-        assert timing.longest_round(0.1) == pytest.approx(bound, abs=0.001)
-        assert timing.latest_end(0.1) == pytest.approx(0.1 + latency)

@@ -1,15 +1,12 @@
 """The driver of toio cubes, on virtual cubes below toio-py."""
 
-import itertools
-import time
-
 import pytest
 
 pytest.importorskip("toio")
 
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.toio.driver import SIMPLE_MAT, CubePose, ToioRobot
+from khepera_forage.robots.toio.driver import CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
@@ -18,7 +15,7 @@ class SteppedTable:
 
     def __init__(self) -> None:
         self.now = 0.0
-        self.table = Table(SIMPLE_MAT, lambda: self.now, interval=0.001)
+        self.table = Table(lambda: self.now, interval=0.001)
         use_table(self.table)
 
     def advance(self, seconds: float) -> None:
@@ -140,17 +137,3 @@ def test_cube_that_is_not_found_is_reported_in_one_message(stepped: SteppedTable
         RobotLost, match=r"^virtual:a: it cannot be connected: the cube does not advertise itself$"
     ):
         ToioRobot("virtual:a")
-
-
-def test_real_time_table_advances_by_itself() -> None:
-    use_table(Table(SIMPLE_MAT))
-    with ToioRobot("virtual:a") as robot:
-        before = robot.pose.x
-        for _ in itertools.repeat(None, 200):
-            robot.drive(Motors(8, 8, 215, 200))
-            robot.transmit()
-            robot.receive()
-            if robot.pose.x > before + 10:
-                return
-            time.sleep(0.01)
-        pytest.fail("it does not move")

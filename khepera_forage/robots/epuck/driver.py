@@ -7,7 +7,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, PRESENT, PULSE, Mo
 from khepera_forage.robots.model import E_PUCK, KHEPERA_ORDER
 from khepera_forage.robots.proximity import MAX_READING
 from khepera_forage.robots.serial.protocol import Command, Protocol, Range, Request, Text
-from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 
 SPEED = Range(-1100, 1100)
 """Steps per second."""
@@ -64,15 +64,10 @@ class SerialEPuck(SerialRobot):
     default_baud = 115200
     motion_commands = ("D",)
     lamps = (8,)
-
-    def _prepare(self) -> None:
-        self._counters = Counters(bits=16)
+    counter_bits = 16
 
     def _requests(self, command: Motors) -> list[Request]:
         return [Request("D", (round(command.left * self.model.unit), round(command.right * self.model.unit)))]
-
-    def _on_restart(self) -> None:
-        self._counters.restarted()
 
     def _receive(self) -> None:
         self._begin_call()

@@ -80,12 +80,7 @@ class RequestRejected(RobotLost):
 
 
 class Traffic(NamedTuple):
-    """Bytes on a line.
-
-    Attributes:
-        sent: Whether the host sent them; otherwise it received them.
-        data: The bytes.
-    """
+    """Bytes on a line, `sent` or received by the host."""
 
     sent: bool
     data: bytes
@@ -93,27 +88,21 @@ class Traffic(NamedTuple):
 
 @dataclass(slots=True)
 class LineStatistics:
-    """Counts of events on a line since it was opened.
-
-    Attributes:
-        sent: Requests sent.
-        answered: Requests with a matching reply.
-        timeouts: Tries that left requests without a reply.
-        garbled: Received lines that are not part of the protocol.
-        unmatched: Well-formed replies to another request, such as late and repeated ones.
-        rejected: Error replies (`z,...`).
-        restarts: Restart banners.
-        unknown: Readings that contradicted each other, so that the previous one was kept.
-    """
+    """Counts of events on a line since it was opened."""
 
     sent: int = 0
     answered: int = 0
     timeouts: int = 0
+    """Tries that left requests without a reply."""
     garbled: int = 0
+    """Received lines that are not part of the protocol."""
     unmatched: int = 0
+    """Well-formed replies to another request, such as late and repeated ones."""
     rejected: int = 0
+    """Error replies (`z,...`)."""
     restarts: int = 0
     unknown: int = 0
+    """Readings that contradicted each other, so that the previous one was kept."""
 
 
 class _Slot:
@@ -125,13 +114,7 @@ class _Slot:
 
 
 class _Exchange:
-    """The state of one exchange.
-
-    Args:
-        slots: Its requests.
-        insist: As for `Line.exchange`.
-        sent_before: Requests sent before.
-    """
+    """The state of one exchange: see `Line.exchange`."""
 
     def __init__(self, slots: Sequence[_Slot], insist: bool, sent_before: int) -> None:
         self.slots, self.insist, self.sent_before = slots, insist, sent_before
@@ -163,17 +146,13 @@ class Line:
         protocol: Of the robot.
         baud: One of the protocol's; a `socket://` ignores it.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
-            times as many after silence. The port may take as long to accept a request.
+            times as many after silence. The port may take as long to accept a request. `measure` may lengthen it.
         tries: The robot counts as lost after so many tries in a row that bring no reply.
         replace: Called with each request before it is sent; returns what is sent.
         check: Called again and again during a wait; may raise an exception to end it.
 
     Attributes:
-        timeout: As the argument, or more on a line with a long latency.
-        now: The monotonic clock.
-        timing: The timing of the line, from `measure` on.
-        deadline: Moment on the monotonic clock after which the robot counts as lost.
-        statistics: Counts of events so far.
+        deadline: Moment on the monotonic clock `now` after which the robot counts as lost.
         on_traffic: Called with all bytes that are sent or received.
 
     Raises:
@@ -220,7 +199,7 @@ class Line:
     @property
     def descriptor(self) -> int | None:
         """File descriptor of the open port; None if it has none, as `loop://`."""
-        # `rfc2217://` has no `fileno`. Its protocol needs no preparation of bytes below 255.
+        # `rfc2217://` has no `fileno`.
         connection = getattr(self._serial, "_socket", None)
         if isinstance(connection, socket.socket):
             return connection.fileno()
@@ -237,16 +216,7 @@ class Line:
         """Check that the robot replies, stop it, and measure the line; `timing` and `timeout` then follow it.
 
         After a reply that took long, the next one decides: a single stall of the computer or the robot is no latency.
-
-        Args:
-            stop: The request that stops the robot.
-            period: Seconds of a round, which the line must keep; None accepts any line.
-
-        Returns:
-            Whether the robot has confirmed the stop; if not, the line is too slow.
-
-        Raises:
-            RobotLost: The robot does not reply.
+        Returns whether the robot has confirmed the stop; if not, the line is too slow for the period.
         """
         begin, latencies, patience = self.now(), list[float](), self.timeout
         self.deadline = begin + max(OPENING_TIMEOUT, self._tries * self.timeout)
@@ -279,9 +249,9 @@ class Line:
         return len(latencies) > 1
 
     def _answers_together(self, opened: float) -> bool:
-        """Whether all replies to pipelined requests arrive, and together after one latency."""
+        """Whether all replies to pipelined requests arrive together, after one latency."""
         if self.now() > opened + _MEASURING_TIMEOUT:
-            return True  # The line is too slow in any case, or there is no time to test it.
+            return True  # no time to test it
         begin, limit = self.now(), self.deadline
         requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
         self.deadline = min(limit, begin + self.timeout + self._on_wire(len(requests) * _MAX_REPLY_LENGTH))
@@ -298,11 +268,7 @@ class Line:
     def send_ahead(self, requests: Sequence[Request]) -> bool:
         """Send requests for whose replies the next exchange waits.
 
-        Returns:
-            False if nothing was sent, because an older reply may still arrive, or the robot gets requests one by one.
-
-        Raises:
-            RobotLost: The port failed.
+        Returns False if nothing was sent: an older reply may still arrive, or the robot gets requests one by one.
         """
         pending = {command for command, _ in self._pending}
         if self._ahead or not self.timing.pipelined or not pending.isdisjoint(r.command for r in requests):
@@ -322,24 +288,17 @@ class Line:
         return had_any
 
     def send_aside(self, request: Request) -> None:
-        """Send a request in the middle of an exchange, without waiting for its reply.
-
-        Raises:
-            OSError: The port failed.
-        """
+        """Send a request in the middle of an exchange, without waiting for its reply."""
         self._pending.append((request.command, _ASIDE))
         self._write([request])
 
     def exchange(self, requests: Sequence[Request], *, insist: bool = False) -> list[Reply]:
-        """Send requests and return their replies; repeats what is not answered.
+        """Send requests and return their replies, in their order; repeats what is not answered.
 
         Args:
             requests: Different commands, or the same with others in between.
             insist: Send the requests themselves after silence, not only a query: to stop a robot as early as possible,
                 whose replies may be lost.
-
-        Returns:
-            The replies in the order of the requests.
 
         Raises:
             ValueError: A request cannot be encoded, or is G or restart, which may not be repeated.
@@ -383,13 +342,13 @@ class Line:
         """Send requests, and assign the replies that arrive, until all have arrived or the missing ones must be lost.
 
         After silence, a query follows: once it is answered, what is missing is lost.
-
-        Raises:
-            RobotLost: The robot counts as lost.
         """
         counts, missing_before = self.statistics, len(exchange.missing)
         rejected_before, garbled, reason = counts.rejected, 0, "received nothing"
-        sent = [*self._query_before(to_send), *to_send]
+        sent = list(to_send)
+        if sent and sent[0].command in {command for command, _ in self._pending}:
+            # A query first: no late reply is then taken for that to the first request.
+            sent.insert(0, self._fresh_query(to_send))
         expected = [*(slot for slot in exchange.missing if slot not in to_send), *sent]
         count = len(expected)
         due = self.now() + self._on_wire(self._send(sent) + count * _MAX_REPLY_LENGTH)
@@ -412,7 +371,7 @@ class Line:
             if line is None:
                 continue
             reply = self._decode(line)
-            if self._skip_line:  # Its first part arrived before the requests were sent.
+            if self._skip_line:  # its first part arrived before the requests were sent
                 self._skip_line = False
             elif isinstance(reply, Reply):
                 matched, is_last = self._assign(reply)
@@ -451,8 +410,7 @@ class Line:
     def _assign(self, reply: Reply) -> tuple[bool, bool]:
         """Assign a reply to the request that it must belong to, if there is only one.
 
-        Returns:
-            Whether it is the reply to a request of this exchange, and whether no other reply can follow.
+        Returns whether it belongs to this exchange, and whether no other reply can follow.
         """
         places = [i for i, (command, _) in enumerate(self._pending) if command == reply.command]
         owners = {self._pending[place][1] for place in places}
@@ -466,12 +424,6 @@ class Line:
         if len(owners) == 1:
             owners.pop().reply = reply
         return True, is_last
-
-    def _query_before(self, to_send: list[_Slot]) -> list[_Slot]:
-        """The query to send first, so that no late reply is taken for that to the first request; often none."""
-        if not to_send or to_send[0].command not in {command for command, _ in self._pending}:
-            return []
-        return [self._fresh_query(to_send)]
 
     def _fresh_query(self, expected: list[_Slot]) -> _Slot:
         """A query whose reply cannot be taken for another."""
@@ -488,8 +440,7 @@ class Line:
     def _write(self, requests: Sequence[Request]) -> int:
         """Send requests; returns the number of bytes.
 
-        A port that is blocked, or a process that is not scheduled, for longer than the port's time limit loses requests
-        like a disturbed line does: without their replies, they are sent again.
+        A port that is blocked for longer than its time limit loses requests, like a disturbed line.
         """
         from serial import SerialTimeoutException
 
@@ -503,11 +454,7 @@ class Line:
         return len(data)
 
     def _discard_input(self) -> None:
-        """Discard all received bytes: none of them can belong to the next reply.
-
-        Raises:
-            RobotRestarted: They contain the banner.
-        """
+        """Discard all received bytes: none of them can belong to the next reply."""
         while waiting := self._serial.in_waiting:
             self._read(waiting)
         while self._lines:
@@ -524,8 +471,7 @@ class Line:
     def _decode(self, line: bytes) -> Reply | ErrorReply | TextLine | None:
         """The reply in a line, or a remark without a meaning; None if it is garbled.
 
-        Raises:
-            RobotRestarted: The line belongs to the banner.
+        Raises `RobotRestarted` if the line belongs to the banner.
         """
         try:
             reply = self.protocol.decode_reply(line)
@@ -542,7 +488,7 @@ class Line:
         return None
 
     def _discard_banner(self) -> None:
-        """Read to the end of the banner; the robot would lose a request sent before, or mix its reply with it."""
+        """Read to the end of the banner: the robot would lose a request sent before."""
         self.statistics.restarts += 1
         gap_end = self.now() + _BANNER_GAP
         end = gap_end - _BANNER_GAP + _MAX_BANNER_DURATION
@@ -564,14 +510,11 @@ class Line:
         return data
 
     def _arrived(self, size: int) -> bytes:
-        """Up to `size` bytes.
-
-        A watchdog that has stopped the robot of a frozen driver may have read bytes that were announced to this
-        process. pyserial takes that for a disconnected port; a second attempt tells one from the other.
-        """
         try:
             data: bytes = self._serial.read(size)
         except OSError:
+            # A watchdog that has stopped the robot of a frozen driver may have read the announced bytes. pyserial takes
+            # that for a disconnected port; a second attempt tells one from the other.
             data = self._serial.read(size)
         return data
 

@@ -25,8 +25,6 @@ class LineTiming(NamedTuple):
     """The timing of a line.
 
     Attributes:
-        baud: Its baud rate.
-        stop_bits: Of a byte.
         latency: Seconds that a reply takes in addition to the transmission of its bytes: under 2 ms on a serial port,
             up to 16 ms with a USB adapter, more over radio or a network.
         pipelined: Whether the robot answers requests that are sent together; if not, it gets them one by one.
@@ -63,18 +61,14 @@ class LineTiming(NamedTuple):
     def latest_end(self, period: float) -> float:
         """Seconds from the beginning of a period to the end of its exchange, at most: the period and one latency.
 
-        At the beginning of each period, the readings are requested. The exchange ends when they have arrived and the
-        next commands have been sent. This holds without late replies if the exchange of a round in which the gripper
-        moves takes at most half a period and one latency; `longest_round` limits the time between two such ends.
+        The readings are requested at the beginning of each period; the exchange ends when the next commands have been
+        sent. This holds without late replies if a round in which the gripper moves takes at most half a period and one
+        latency.
         """
         return period + self.latency
 
     def check(self, port: str, period: float) -> None:
-        """Check that a round fits into its period.
-
-        Raises:
-            LineTooSlow: It does not.
-        """
+        """Raise `LineTooSlow` if a round does not fit into its period."""
         if self.round_time <= period:
             return
         waits = 1 if self.pipelined else _ROUND[0]

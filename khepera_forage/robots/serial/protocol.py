@@ -22,11 +22,7 @@ RESTART = "restart"
 
 
 class ProtocolError(ValueError):
-    """A line that is not part of the protocol, or values that a command does not allow."""
-
-
-class UnknownCommandError(ProtocolError):
-    """An unknown letter or gripper message; a robot replies `z,Command not found`."""
+    """A line that is not part of the protocol, or an unknown command; a robot replies `z,Command not found`."""
 
 
 class ArgumentError(ProtocolError):
@@ -41,12 +37,7 @@ class Range(NamedTuple):
 
 
 class Text(NamedTuple):
-    """A value that is not a number.
-
-    Attributes:
-        pattern: Regular expression of the allowed values.
-        example: For messages.
-    """
+    """A value that is not a number: a regular expression, and an example for messages."""
 
     pattern: str
     example: str
@@ -56,13 +47,7 @@ VERSION = Text(r"[0-9]{1,3}(\.[0-9]{1,3})?", "a version such as 5.02")
 
 
 class Command(NamedTuple):
-    """One command.
-
-    Attributes:
-        arguments: Ranges of the values in the request.
-        results: Ranges of the values in the reply.
-        meaning: Short description.
-    """
+    """One command: the ranges of the values in its request and in its reply, and a short description."""
 
     arguments: tuple[Range, ...]
     results: tuple[Range | Text, ...]
@@ -70,12 +55,7 @@ class Command(NamedTuple):
 
 
 class Request(NamedTuple):
-    """A message from host to robot.
-
-    Attributes:
-        command: A capital letter, a gripper message such as "T,1,G", or "restart".
-        values: Arguments.
-    """
+    """A message from host to robot: a capital letter, a gripper message such as "T,1,G", or "restart"; its values."""
 
     command: str
     values: tuple[int, ...] = ()
@@ -85,12 +65,7 @@ class Request(NamedTuple):
 
 
 class Reply(NamedTuple):
-    """The robot's message in response to a request.
-
-    Attributes:
-        command: The command of the request, in the same form.
-        values: Results: numbers, or strings such as "5.02".
-    """
+    """The reply to a request with the same command; its values are numbers, or strings such as "5.02"."""
 
     command: str
     values: tuple[int | str, ...] = ()
@@ -116,10 +91,7 @@ class Protocol:
         commands: By the command name of a `Request`.
         banner: Lines that the robot sends when it starts.
         identity: A request that tells this kind of robot from others.
-        queries: Requests that change nothing, the shortest first; more than the number of tries before a robot counts
-            as lost.
-        baud_rates: Those that the robot supports.
-        stop_bits: 1 or 2.
+        queries: Requests that change nothing, the shortest first; more than the tries before a robot counts as lost.
         remark: Beginning of a line of text that follows a reply, and has no meaning.
         end: End of a request.
         hint: What to check if no such robot replies.
@@ -145,58 +117,32 @@ class Protocol:
         return frozenset(word for line in self.banner for word in _WORD.findall(line))
 
     def encode_request(self, request: Request) -> bytes:
-        """Encode a request.
-
-        Raises:
-            UnknownCommandError: The command is not in the table.
-            ArgumentError: Wrong number of values, or a value out of range or not a whole number.
-        """
+        """Encode a request; raises `ProtocolError` for an unknown command, or values that it does not allow."""
         fields = _encoded(request.command, request.values, self._command(request.command).arguments)
         return ",".join([request.command, *fields]).encode() + self.end
 
     def decode_request(self, line: bytes) -> Request:
-        """Decode a request.
-
-        Args:
-            line: With or without its ending.
-
-        Raises:
-            UnknownCommandError: The command is not in the table.
-            ArgumentError: Wrong number of values, or a value out of range or not a whole number; an absent turret.
-            ProtocolError: The line is not printable ASCII.
-        """
+        """Decode a request, with or without its ending; raises `ProtocolError`, `ArgumentError` for wrong values."""
         name, fields = _split_command(_text(line))
         values = _decoded(name, fields, self._command(name).arguments)
         return Request(name, tuple(value for value in values if isinstance(value, int)))
 
     def encode_reply(self, reply: Reply | ErrorReply) -> bytes:
-        """Encode a reply, terminated by CR LF.
-
-        Raises:
-            UnknownCommandError: The command is not in the table, or is restart: the robot sends its banner instead.
-            ArgumentError: Wrong number of values, a value out of range or of the wrong type, or an error text that is
-                not printable ASCII.
-        """
+        """Encode a reply, terminated by CR LF; raises `ProtocolError`, also for restart, which has only a banner."""
         if isinstance(reply, ErrorReply):
             if not _printable(reply.text):
                 raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
             return f"z,{reply.text}\r\n".encode()
         if reply.command == RESTART:
-            raise UnknownCommandError(f"a reply to {RESTART!r}; allowed: the banner")
+            raise ProtocolError(f"a reply to {RESTART!r}; allowed: the banner")
         fields = _encoded(reply.command, reply.values, self._command(reply.command).results)
         return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
 
     def decode_reply(self, line: bytes) -> Reply | ErrorReply | TextLine:
-        """Decode a reply.
+        """Decode a reply, with or without its ending; raises `ProtocolError` for a line that the robot does not send.
 
         A line that contains a word is decoded as text, even if it begins like a reply: if the power supply fails while
         the robot is sending a reply, the banner follows on the same line.
-
-        Args:
-            line: With or without its ending.
-
-        Raises:
-            ProtocolError: The line is not one that the robot sends.
         """
         text = _text(line)
         if text.startswith("z,"):
@@ -207,7 +153,7 @@ class Protocol:
         try:
             name = self._names.get(letters)
             if name is None:
-                raise UnknownCommandError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
+                raise ProtocolError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
             return Reply(name, _decoded(name, fields[parts:], self.commands[name].results))
         except ProtocolError:
             if NOT_FOUND_TEXT in text or PROTOCOL_ERROR_TEXT in text or not re.search("[A-Za-z]{3}", text):
@@ -220,15 +166,12 @@ class Protocol:
 
     def _command(self, name: str) -> Command:
         if name not in self.commands:
-            raise UnknownCommandError(f"command {name!r}; allowed: {', '.join(self.commands)}")
+            raise ProtocolError(f"command {name!r}; allowed: {', '.join(self.commands)}")
         return self.commands[name]
 
 
 class LineSplitter:
-    """Splits bytes, received in chunks of any size, into lines without their endings: LF, CR or CR LF.
-
-    Empty lines are dropped. Of a longer line, the first `MAX_LINE` bytes are kept.
-    """
+    """Splits bytes into lines, without LF, CR or CR LF; drops empty ones, and cuts longer ones than `MAX_LINE` off."""
 
     def __init__(self) -> None:
         self._incomplete = bytearray()

@@ -12,7 +12,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial import khepera_protocol
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.serial_robot import Counters, SerialRobot
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 
 BARRIER_THRESHOLD = 100
 """The optical barrier reads more than this with an object in it (PYRO)."""
@@ -41,6 +41,7 @@ class SerialKhepera(SerialRobot):
     default_baud = 38400
     motion_commands = ("C", "D", "P")
     lamps = (0, 1)
+    counter_bits = 32
 
     def turn_wheels(self, left: int, right: int) -> None:
         """See `RealRobot`."""
@@ -50,7 +51,6 @@ class SerialKhepera(SerialRobot):
         self._arm = Reading(max_change=8, can_stall=False, phase=0)
         self._jaw = Reading(max_change=45, can_stall=True, phase=5)
         self._barrier = Reading(max_change=0, can_stall=False, phase=0)
-        self._counters = Counters(bits=32)
 
     def _requests(self, command: Motors) -> list[Request]:
         requests = [Request("D", (int(command.left), int(command.right)))]
@@ -60,16 +60,9 @@ class SerialKhepera(SerialRobot):
             requests.append(Request("T,1,D", (0 if command.jaw == JAW_OPEN else 1,)))
         return requests
 
-    def _note_sent(self, command: Motors) -> None:
-        self._arm.set_target(command.arm)
-        self._jaw.set_target(command.jaw)
-
-    def _forget_targets(self) -> None:
-        self._arm.set_target(None)
-        self._jaw.set_target(None)
-
-    def _on_restart(self) -> None:
-        self._counters.restarted()
+    def _note_sent(self, command: Motors | None) -> None:
+        self._arm.set_target(None if command is None else command.arm)
+        self._jaw.set_target(None if command is None else command.jaw)
 
     def _receive(self) -> None:
         self._begin_call()
@@ -116,18 +109,13 @@ class SerialKhepera(SerialRobot):
 
 
 class Reading:
-    """A reading of the gripper: its value, what is expected, and when to request it.
+    """A reading of the gripper: its value, the commanded target (None: unknown), and when to request it.
 
     Args:
         max_change: Largest change from round to round that needs no confirmation.
         can_stall: Whether it may stop short of its target for good, as a jaw does that closes on food. An arm that
-            rests on an obstacle moves on once there is room, so its position is requested in every round until it
-            reaches its target.
+            rests on an obstacle moves on once there is room: it is requested until it reaches its target.
         phase: Round of `_REFRESH_ROUNDS` in which it is always requested.
-
-    Attributes:
-        value: The last reading that counts.
-        target: The position that was commanded; None if unknown.
     """
 
     def __init__(self, *, max_change: int, can_stall: bool, phase: int) -> None:
@@ -154,12 +142,9 @@ class Reading:
         return not self._has_value or not settled or self._round % _REFRESH_ROUNDS == 0
 
     def take(self, value: int) -> bool:
-        """Take a reading: it counts if it is expected, or agrees with the one before.
+        """Take a reading; returns whether it counts: it is expected, or agrees with the one before.
 
         Expected is a value between the last one and the target, and not too far from the last one.
-
-        Returns:
-            Whether it counts; if not, another reading must confirm it.
         """
         target = self.value if self.target is None else self.target
         low, high = min(self.value, target), max(self.value, target)

@@ -41,13 +41,12 @@ _RESTART_JUMP = 1000
 class SerialRobot(RealRobot):
     """A `Robot` over a serial port. See `RealRobot`; the port belongs to the robot's thread.
 
-    `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again.
-
-    A `watchdog` process stops the wheels when this process ends in any way or is frozen. A robot whose replies are lost
-    or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the beginning of a call that is
-    not complete, and *held* until the next `transmit`, like those of a robot in a fleet whose others are late: whatever
-    would turn them is sent as a stop meanwhile. The driver notices a restart of the robot (its power supply failed) by
-    the banner or by the counters. It then sends the last command again and continues the counters.
+    `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again. A
+    robot whose replies are lost or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the
+    beginning of a call that is not complete, and *held* until the next `transmit`, like those of a robot in a fleet
+    whose others are late: whatever would turn them is sent as a stop meanwhile. The driver notices a restart of the
+    robot (its power supply failed) by the banner or by the counters. It then sends the last command again and continues
+    the counters.
 
     Args:
         port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
@@ -55,7 +54,7 @@ class SerialRobot(RealRobot):
         max_speed: Limit of the wheel speeds in speed units.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
         tries: The robot counts as lost after this number of tries in a row that bring no reply.
-        watchdog: Whether to start a watchdog process. A port without a file descriptor (`loop://`) cannot have one.
+        watchdog: Whether a process stops the wheels when this one ends in any way or is frozen. `loop://` has none.
         period: Seconds of a round, which the line must keep; None accepts any line.
 
     Raises:
@@ -71,6 +70,7 @@ class SerialRobot(RealRobot):
     """Requests that set the wheels in motion."""
     lamps: ClassVar[tuple[int, ...]]
     """Arguments of request L that switch all lamps."""
+    counter_bits: ClassVar[int]
 
     def __init__(
         self,
@@ -102,6 +102,7 @@ class SerialRobot(RealRobot):
             replace=lambda request: STOP if self._held and self._turns(request) else request,
             check=self._check,
         )
+        self._counters = Counters(self.counter_bits)
         self._prepare()
         self._open(self._begin_session)
         if watchdog:
@@ -132,10 +133,7 @@ class SerialRobot(RealRobot):
         self._line.on_traffic = callback
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
-        """Send any other request of the protocol.
-
-        Returns:
-            The values of the reply.
+        """Send any other request of the protocol; returns the values of the reply.
 
         Raises:
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
@@ -147,7 +145,7 @@ class SerialRobot(RealRobot):
         return self._begin(lambda: self._request(request)).result().values
 
     def end_watchdog(self) -> None:
-        """End the watchdog: the wheels were stopped. A second call does nothing."""
+        """See `RealRobot`."""
         if self._watchdog is not None:
             self._watchdog.end()
 
@@ -161,11 +159,7 @@ class SerialRobot(RealRobot):
     # The methods below run in the robot's thread.
 
     def _begin_session(self) -> None:
-        """Check that a robot replies, stop its wheels, and measure the line.
-
-        The identity comes first: it is sent again if the robot rejects it because another program left an unfinished
-        request on the line.
-        """
+        """Check that a robot replies, stop its wheels, and measure the line."""
         try:
             self.stop_confirmed = self._line.measure(STOP, self._period)
         except RobotLost as lost:
@@ -208,7 +202,7 @@ class SerialRobot(RealRobot):
         """Record that the robot sent its banner."""
         self._must_restore = True
         self._restarts += 1
-        self._on_restart()
+        self._counters.restarted()
         if self._restarts > _MAX_RESTARTS:
             count, self._restarts = self._restarts, 0
             raise RobotLost(self.port, "restart", count, "it restarts again and again")
@@ -216,7 +210,7 @@ class SerialRobot(RealRobot):
     def _restore(self) -> None:
         if self._must_restore:
             held = self._held
-            self._forget_targets()
+            self._note_sent(None)
             if self._command is not None:
                 self._send_command(self._command, held)
             self._must_restore = False
@@ -253,17 +247,13 @@ class SerialRobot(RealRobot):
                 self._speeds = (0, 0)
             return self._exchange([request])[0]
         self._speeds, self._held, self.stop_confirmed = (1, 1), False, False
-        reply = self._exchange([request])[0]
-        if self._held:  # The robot replies again: once more, for one time-out.
-            self._held, self._hold_at = False, self._line.now() + self.timeout
-            reply = self._exchange([request])[0]
-        return reply
+        return self._exchange([request])[0]
 
     def _stop_wheels(self) -> None:
         self._begin_call()
         self._held = True
         if self._line.forget_ahead():
-            self._forget_targets()  # Their replies can no longer be told from others: send them again.
+            self._note_sent(None)  # Their replies can no longer be told from others: send them again.
         while True:
             try:
                 self._line.exchange([STOP], insist=True)
@@ -284,13 +274,9 @@ class SerialRobot(RealRobot):
         self._line.close()
 
     def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a round has time to send requests again.
+        """Whether a round that began then has time to send requests with short replies again.
 
         A round must not end too long after the last one, at most 0.5 s if the caller does not keep the period.
-
-        Args:
-            begin: When the round began.
-            requests: With short replies.
         """
         limit = begin + HOLD_AFTER
         if self._period is not None and begin <= self._last_round + self._period:
@@ -307,26 +293,14 @@ class SerialRobot(RealRobot):
         """The requests that transmit a command, the wheel speeds first."""
         raise NotImplementedError
 
-    def _note_sent(self, command: Motors) -> None:
-        """Record that a command was sent."""
-
-    def _forget_targets(self) -> None:
-        """Forget what was sent before: the next command must be sent completely."""
-
-    def _on_restart(self) -> None:
-        """Record that the robot restarted."""
+    def _note_sent(self, command: Motors | None) -> None:
+        """Record that a command was sent; None if what was sent is lost, and must be sent again completely."""
 
 
 class Counters:
     """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
 
     The counts between the last reading and a restart are lost: less than one round's worth.
-
-    Args:
-        bits: Of the robot's counters.
-
-    Attributes:
-        total: Counts of the left and the right wheel.
     """
 
     def __init__(self, bits: int) -> None:
@@ -343,8 +317,7 @@ class Counters:
     def update(self, left: int, right: int) -> bool:
         """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
 
-        Returns:
-            Whether it shows a restart whose banner was not received: a jump to near zero.
+        Returns whether it shows a restart whose banner was not received: a jump to near zero.
         """
         raw = left, right
         if self._raw is None:

@@ -4,11 +4,13 @@ Requires the extra `toio`; it is imported when a cube is opened, not before.
 """
 
 import asyncio
+import contextlib
 import math
 import threading
 import time
 from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import (
@@ -27,9 +29,6 @@ from khepera_forage.robots.real_robot import RealRobot
 if TYPE_CHECKING:
     from toio.device_interface import CubeInterface
 
-
-from typing import NamedTuple
-
 MM_PER_UNIT = 560 / 411
 """Millimetres of the mat for one unit of its positions (toio-sdk-for-unity)."""
 _PLAN = MM_PER_UNIT / TOIO.scale
@@ -44,16 +43,7 @@ class CubePose(NamedTuple):
 
 
 class Mat(NamedTuple):
-    """A mat.
-
-    The plan's origin is the mat's lower left corner.
-
-    Attributes:
-        left: Smallest x of its positions.
-        right: Largest x.
-        top: Smallest y: on a mat, y points down.
-        bottom: Largest y.
-    """
+    """A mat, by its smallest and largest positions; y points down. The plan's origin is its lower left corner."""
 
     left: int
     right: int
@@ -78,7 +68,6 @@ class Mat(NamedTuple):
 
 SIMPLE_MAT = Mat(98, 402, 142, 358)
 """The A3 sheet that comes with each cube: 414 x 294 mm, on the plan 712 x 506 mm. Both corridors fit."""
-
 
 T = TypeVar("T")
 
@@ -116,7 +105,6 @@ class ToioRobot(RealRobot):
     Args:
         port: Name of the cube as in "toio-A1b", its Bluetooth address, or "virtual:" and any name.
         max_speed: Limit of the wheel speeds in speed units.
-        mat: The mat on which it drives.
         period: Seconds of a round, at most 0.5.
 
     Attributes:
@@ -138,7 +126,6 @@ class ToioRobot(RealRobot):
         port: str,
         *,
         max_speed: int | None = None,
-        mat: Mat = SIMPLE_MAT,
         period: float = CONTROL_PERIOD,
     ) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
@@ -146,7 +133,6 @@ class ToioRobot(RealRobot):
         self.pose = CubePose(0.0, 0.0, 0.0)
         self.on_mat = False
         self.clearance: Callable[[float, float], float] | None = None
-        self._mat = mat
         self._period = period
         self._cube: Any = None
         self._notifications = 0
@@ -159,11 +145,7 @@ class ToioRobot(RealRobot):
         return _MAX_SILENCE
 
     def turn_for(self, left: float, right: float, milliseconds: int) -> None:
-        """Turn the wheels at speeds in speed units for a short time.
-
-        Raises:
-            RobotLost: The cube does not reply.
-        """
+        """Turn the wheels at speeds in speed units for a short time."""
         self._begin(lambda: self._write_motors(left, right, milliseconds)).result()
 
     # The methods below run in the cube's thread.
@@ -183,17 +165,16 @@ class ToioRobot(RealRobot):
         except RobotLost:
             raise
         except Exception as error:
-            reason = str(error) or type(error).__name__
-            raise RobotLost(self.port, "", 0, f"it cannot be connected: {reason}") from error
+            raise RobotLost(self.port, "", 0, f"it cannot be connected: {_reason(error)}") from error
         self._stop_wheels()
         self._wait_for_position(_MAX_SILENCE)
 
     def _interface(self) -> "CubeInterface":
         """The cube of the port."""
         if self.port.startswith(VIRTUAL):
-            from khepera_forage.robots.toio.virtual import table
+            from khepera_forage.robots.toio.virtual import the_table
 
-            return table(self._mat).cube(self.port.removeprefix(VIRTUAL))
+            return the_table().cube(self.port.removeprefix(VIRTUAL))
         from toio import BLEScanner
 
         if ":" in self.port:
@@ -211,7 +192,7 @@ class ToioRobot(RealRobot):
         """Take a notification, in the thread of the Bluetooth connection."""
         if payload[0] == _POSITION:
             x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
-            pose, last = self._mat.to_plan(x, y, angle), self.pose
+            pose, last = SIMPLE_MAT.to_plan(x, y, angle), self.pose
             if self.on_mat:
                 turn = math.remainder(pose.heading - last.heading, math.tau)
                 middle = last.heading + turn / 2
@@ -224,11 +205,7 @@ class ToioRobot(RealRobot):
         self._notifications += 1
 
     def _wait_for_position(self, patience: float) -> None:
-        """Wait for a position that was taken after now.
-
-        Args:
-            patience: Seconds to wait; a cube that saw the mat is lost then.
-        """
+        """Wait for a position that was taken after now; a cube that saw the mat is lost after so many seconds."""
         seen, end = self._notifications, time.monotonic() + patience
         while self._notifications == seen:
             self._check_interruption()
@@ -292,15 +269,13 @@ class ToioRobot(RealRobot):
                 raise ConnectionError("the connection was lost")
             _wait(work(), _WRITE_TIMEOUT)
         except Exception as error:
-            reason = str(error) or type(error).__name__
-            raise RobotLost(self.port, command, 1, f"Bluetooth failed: {reason}") from error
+            reason = f"Bluetooth failed: {_reason(error)}"
+            raise RobotLost(self.port, command, 1, reason) from error
 
     def _disconnect(self) -> None:
         if self._cube is not None and self._cube.is_connect():
-            try:
+            with contextlib.suppress(Exception):  # a lost cube cannot be disconnected
                 _wait(self._cube.disconnect(), _WRITE_TIMEOUT)
-            except Exception:  # a lost cube cannot be disconnected
-                return
 
 
 def find_cubes(timeout: float = 3.0) -> list[str]:
@@ -323,21 +298,23 @@ def _motor_unit(speed: float) -> int:
     return int(math.copysign(unit, speed))
 
 
-class _Loop:
-    """The event loop of all Bluetooth connections, in a thread of its own."""
+def _reason(error: Exception) -> str:
+    return str(error) or type(error).__name__
 
-    def __init__(self) -> None:
-        self.loop = asyncio.new_event_loop()
-        threading.Thread(target=self.loop.run_forever, name="bluetooth", daemon=True).start()
+
+@cache
+def _loop() -> asyncio.AbstractEventLoop:
+    """The event loop of all Bluetooth connections, in a thread of its own."""
+    loop = asyncio.new_event_loop()
+    threading.Thread(target=loop.run_forever, name="bluetooth", daemon=True).start()
+    return loop
 
 
 _LOCK = threading.Lock()
-_LOOPS: list[_Loop] = []
 
 
 def _wait(work: Coroutine[Any, Any, T], timeout: float) -> T:
     """Run work of toio-py in the event loop, and wait for its result."""
     with _LOCK:
-        if not _LOOPS:
-            _LOOPS.append(_Loop())
-    return asyncio.run_coroutine_threadsafe(work, _LOOPS[0].loop).result(timeout)
+        loop = _loop()
+    return asyncio.run_coroutine_threadsafe(work, loop).result(timeout)

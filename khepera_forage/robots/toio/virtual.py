@@ -1,7 +1,6 @@
 """Virtual cubes on a virtual mat, below toio-py's `CubeInterface`.
 
-A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls. A
-table keeps real time by default; a clock of its own makes it independent of the machine's load.
+A cube is a disc on the plan of an arena that drives as commanded and pushes other cubes. A mat has no walls.
 """
 
 import asyncio
@@ -17,7 +16,7 @@ from toio.toio_uuid import ToioUuid
 
 from khepera_forage.robots.khepera import SPEED_UNIT
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT, CubePose, Mat
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, SIMPLE_MAT, SLOWEST_UNIT, CubePose
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""
@@ -30,21 +29,15 @@ _VERSION = b"\x81\x002.4.0"
 
 
 class Table:
-    """A mat with cubes.
+    """A mat with cubes, of which some are `unplugged` (their names): they have lost their connection.
 
-    Args:
-        mat: The mat.
-        clock: Seconds since any fixed moment.
-        interval: Seconds of the computer from one position of a cube to the next.
-
-    Attributes:
-        unplugged: Names of cubes that have lost their connection.
+    A clock of its own makes it independent of the machine's load; `interval` is the computer's time in seconds from one
+    position of a cube to the next.
     """
 
-    def __init__(self, mat: Mat, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
-        self.mat = mat
+    def __init__(self, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
         self.unplugged: set[str] = set()
-        self._clock, self.interval = clock, interval
+        self.clock, self.interval = clock, interval
         self._now = clock()
         self._lock = threading.RLock()
         self._cubes: dict[str, VirtualCube] = {}
@@ -61,7 +54,7 @@ class Table:
     def advance(self) -> None:
         """Let the cubes drive until now."""
         with self._lock:
-            now = self._clock()
+            now = self.clock()
             while self._now + _STEP <= now:
                 self._now += _STEP
                 for cube in self._cubes.values():
@@ -70,7 +63,7 @@ class Table:
 
     def _free_place(self) -> CubePose:
         """A place beside the others, in a row along the upper border."""
-        width, height = self.mat.size
+        width, height = SIMPLE_MAT.size
         number = len(self._cubes)
         columns = int(width // (3 * RADIUS))
         row, column = divmod(number, columns)
@@ -86,22 +79,14 @@ class Table:
                 overlap = 2 * RADIUS - distance
                 if overlap > 0:
                     share = 0.5 if first.turning == second.turning else float(second.turning)
-                    first.shift(-dx / distance * overlap * share, -dy / distance * overlap * share)
-                    rest = 1.0 - share
-                    second.shift(dx / distance * overlap * rest, dy / distance * overlap * rest)
+                    for cube, part in ((first, -share), (second, 1.0 - share)):
+                        x, y, heading = cube.pose
+                        push = overlap * part / distance
+                        cube.pose = CubePose(x + push * dx, y + push * dy, heading)
 
 
 class VirtualCube(CubeInterface):
-    """One cube, as toio-py sees it.
-
-    Args:
-        table: Its table.
-        name: Its name.
-        pose: Where it stands, on the plan.
-
-    Attributes:
-        pose: Where it stands now.
-    """
+    """One cube, as toio-py sees it; `pose` is its place on the plan."""
 
     def __init__(self, table: Table, name: str, pose: CubePose) -> None:
         self.pose = pose
@@ -127,10 +112,6 @@ class VirtualCube(CubeInterface):
         turn, forward = (right - left) / _BASE, (left + right) / 2
         middle = heading + turn / 2
         self.pose = CubePose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
-
-    def shift(self, dx: float, dy: float) -> None:
-        """Move it."""
-        self.pose = self.pose._replace(x=self.pose.x + dx, y=self.pose.y + dy)
 
     async def __aenter__(self) -> "VirtualCube":
         await self.connect()
@@ -160,19 +141,14 @@ class VirtualCube(CubeInterface):
     async def write(
         self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
     ) -> None:
-        """Execute a motor command; everything else is accepted and has no effect.
-
-        Raises:
-            ConnectionError: It is not connected.
-        """
+        """Execute a motor command; everything else is accepted and has no effect."""
         if not self.is_connect():
             raise ConnectionError("the cube is not connected")
         if char_uuid == ToioUuid.Motor.value and data[0] in (1, 2):
             self._table.advance()
-            left, right = (_effective(data[i], data[i + 1]) for i in (2, 5))
             limited = data[0] == 2 and data[7] > 0
-            self._until = self._table._clock() + data[7] / 100 if limited else math.inf
-            self._units = left, right
+            self._until = self._table.clock() + data[7] / 100 if limited else math.inf
+            self._units = _effective(data[2], data[3]), _effective(data[5], data[6])
 
     async def register_notification_handler(self, char_uuid: UUID, notification_handler: Any) -> bool:
         """Send notifications to a function."""
@@ -200,7 +176,7 @@ class VirtualCube(CubeInterface):
                     await result
 
     def _position(self) -> bytearray:
-        mat = self._table.mat
+        mat = SIMPLE_MAT
         x, y, angle = mat.to_mat(self.pose)
         if not (mat.left <= x <= mat.right and mat.top <= y <= mat.bottom):
             return bytearray((3,))
@@ -213,14 +189,16 @@ def _effective(direction: int, unit: int) -> int:
     return -speed if direction == 2 else speed
 
 
-_TABLES: dict[Mat, Table] = {}
+_TABLE: list[Table] = []
 
 
-def table(mat: Mat) -> Table:
-    """The table of this process with a mat."""
-    return _TABLES.setdefault(mat, Table(mat))
+def the_table() -> Table:
+    """The table of this process."""
+    if not _TABLE:
+        use_table(Table())
+    return _TABLE[0]
 
 
 def use_table(table: Table) -> None:
     """Let drivers find their virtual cubes on a table."""
-    _TABLES[table.mat] = table
+    _TABLE[:] = [table]

@@ -1,12 +1,11 @@
-"""Fault injection on a virtual serial line: faults at given rates, drawn from a seed.
+"""Faults of a virtual serial line: their rates, and what they do to a reply.
 
 The protocol has no checksum: no host can detect a reply garbled into another well-formed one. These are counted
 separately.
 """
 
 import contextlib
-import threading
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -16,7 +15,7 @@ from khepera_forage.robots.serial.protocol import LineSplitter, Protocol, Protoc
 Fault = Literal["drop", "delay", "garble", "duplicate", "reset", "unplug"]
 FAULTS: tuple[Fault, ...] = get_args(Fault)
 _MAX_GARBLED_BYTES = 3
-"""Garbling changes, deletes or inserts one to this number of bytes. Assumption."""
+"""Assumption."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +60,17 @@ class Faults:
         """Share of replies with any fault."""
         return float(sum(getattr(self, fault) for fault in FAULTS))
 
+    def draw(self, rng: np.random.Generator) -> Fault | None:
+        """The fault of the next reply, or None."""
+        drawn = rng.random() if self.total else 1.0
+        for fault in FAULTS:
+            drawn -= getattr(self, fault)
+            if drawn < 0:
+                return fault
+        return None
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(slots=True)
 class FaultCounts:
     """How often each fault occurred."""
 
@@ -83,100 +91,27 @@ class FaultCounts:
         return sum(getattr(self, fault) for fault in FAULTS)
 
 
-class FaultInjector:
-    """Draws the faults of one line. All methods are thread-safe.
+def garbled(reply: bytes, rng: np.random.Generator) -> bytes:
+    """A reply with one to three bytes changed, deleted or inserted."""
+    data = bytearray(reply)
+    kind = rng.integers(3)
+    for _ in range(rng.integers(1, _MAX_GARBLED_BYTES + 1)):
+        place = int(rng.integers(len(data)))
+        if kind == 0:
+            data[place] ^= int(rng.integers(1, 256))
+        elif kind == 1 and len(data) > 1:
+            del data[place]
+        else:
+            data.insert(place, int(rng.integers(256)))
+    return bytes(data)
 
-    Args:
-        protocol: Of the line.
-        faults: Rates of the faults.
-        rng: Required if any rate is not zero.
 
-    Raises:
-        ValueError: Rates without a random generator.
-    """
-
-    def __init__(
-        self, protocol: Protocol, faults: Faults | None = None, rng: np.random.Generator | None = None
-    ) -> None:
-        self._protocol, self._rng = protocol, rng
-        self._lock = threading.Lock()
-        self._counts = dict.fromkeys((field.name for field in fields(FaultCounts)), 0)
-        self.rates = Faults() if faults is None else faults
-
-    @property
-    def rates(self) -> Faults:
-        """Rates of the faults; may be set at any time."""
-        return self._rates
-
-    @rates.setter
-    def rates(self, faults: Faults) -> None:
-        if faults.total and self._rng is None:
-            raise ValueError("faults without a random generator; allowed: rng=numpy.random.default_rng(seed)")
-        self._rates = faults
-
-    @property
-    def counts(self) -> FaultCounts:
-        """Faults so far."""
-        with self._lock:
-            return FaultCounts(**self._counts)
-
-    def draw(self) -> Fault | None:
-        """The fault of the next reply, or None."""
-        rates, fault = self._rates, None
-        if rates.total and self._rng is not None:
-            drawn = self._rng.random()
-            for candidate in FAULTS:
-                drawn -= getattr(rates, candidate)
-                if drawn < 0:
-                    fault = candidate
-                    break
-        with self._lock:
-            self._counts["replies"] += 1
-            if fault is not None:
-                self._counts[fault] += 1
-        return fault
-
-    def coin_toss(self) -> bool:
-        """True or False with equal probability."""
-        return bool(self._generator.random() < 0.5)
-
-    def lateness(self) -> float:
-        """Seconds by which a reply is late."""
-        return float(self._generator.uniform(*self._rates.lateness))
-
-    def truncate(self, reply: bytes) -> bytes:
-        """The beginning of a reply: at least one byte, but not all."""
-        return reply[: int(self._generator.integers(1, len(reply)))]
-
-    def garble(self, reply: bytes) -> bytes:
-        """A reply with one to three bytes changed, deleted or inserted."""
-        rng = self._generator
-        garbled = bytearray(reply)
-        kind = rng.integers(3)
-        for _ in range(rng.integers(1, _MAX_GARBLED_BYTES + 1)):
-            place = int(rng.integers(len(garbled)))
-            if kind == 0:
-                garbled[place] ^= int(rng.integers(1, 256))
-            elif kind == 1 and len(garbled) > 1:
-                del garbled[place]
-            else:
-                garbled.insert(place, int(rng.integers(256)))
-        if self._undetectable(bytes(garbled), reply):
-            with self._lock:
-                self._counts["undetectable"] += 1
-        return bytes(garbled)
-
-    def _undetectable(self, garbled: bytes, reply: bytes) -> bool:
-        """Whether a garbled reply decodes to another reply to the same command."""
-        for line in LineSplitter().feed(garbled):
-            with contextlib.suppress(ProtocolError):
-                decoded, original = self._protocol.decode_reply(line), self._protocol.decode_reply(reply)
-                if isinstance(decoded, Reply) and isinstance(original, Reply):
-                    return decoded.command == original.command and decoded != original
-        return False
-
-    @property
-    def _generator(self) -> np.random.Generator:
-        if self._rng is None:
-            raise ValueError("faults without a random generator; allowed: rng=numpy.random.default_rng(seed)")
-        return self._rng
+def is_undetectable(data: bytes, reply: bytes, protocol: Protocol) -> bool:
+    """Whether a garbled reply decodes to another reply to the same command."""
+    original = protocol.decode_reply(reply)
+    for line in LineSplitter().feed(data):
+        with contextlib.suppress(ProtocolError):
+            decoded = protocol.decode_reply(line)
+            if isinstance(decoded, Reply) and isinstance(original, Reply):
+                return decoded.command == original.command and decoded != original
+    return False

@@ -8,6 +8,7 @@ import math
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 
 from khepera_forage.robots.khepera import (
     CONTROL_PERIOD,
@@ -33,25 +34,20 @@ from khepera_forage.robots.serial.protocol import (
     wrap_counter,
 )
 
-VERSIONS = ("5.02", "5.01")
+_VERSIONS = ("5.02", "5.01")
 """Of the BIOS and of the protocol (K-Team)."""
-GRIPPER_VERSION = (2, 1)
+_GRIPPER_VERSION = (2, 1)
 """Assumption: the version of the gripper's manual."""
-FULL_PWM, FULL_SPEED = PWM.high, SPEED.high
-"""Command P sets a proportional speed: 255 is 127 units, the maximum of the protocol. Assumption."""
-
 _SPEED_MODE, _POSITION_MODE = 0, 1
 """The mode in the reply to K, as KIKS has it."""
 
-SPEED_GAINS, POSITION_GAINS = (3800, 800, 100), (3000, 20, 4000)
-"""Kp, Ki and Kd at power-on (KH2PY). They have no effect: the simulated motors need no gains."""
-BARRIER_FREE, BARRIER_CROSSED = 0, 200
+_BARRIER_FREE, _BARRIER_CROSSED = 0, 200
 """Readings of the optical barrier: 0 without an object (KNET, KH2PY, WSU-R), more than 100 with one (PYRO)."""
-INSULATED, CONDUCTING = 0, 255
+_INSULATED, _CONDUCTING = 0, 255
 """Replies to T,1,F. The only source is PYRO, which takes more than 20 for closed fingers and less for open ones: the
 reading is high while a current flows from finger to finger. The food is of wood, so only closed, empty fingers conduct.
 Assumption: the ends of the scale, and that PYRO's threshold is right; the text of K-Team's manual was not found."""
-DARK = 500
+_DARK = 500
 """Ambient light reading without a lamp (Khepera manual 3.1.7, by way of RN)."""
 _FINGERS_TOUCH = 3
 """Jaw position up to which the fingers touch each other: 0 but for the noise of the position. Assumption."""
@@ -70,13 +66,6 @@ class Firmware:
         lock: Held by others while they advance the robot's world; reentrant (`threading.RLock`) if `tick` is called
             with the lock held. A new one by default.
         period: Seconds of a control period, from one `tick` to the next.
-
-    Attributes:
-        protocol: That of the robot.
-        speed_gains: Kp, Ki, Kd of the speed controller.
-        position_gains: Kp, Ki, Kd of the position controller.
-        leds: Whether each of the two LEDs is on.
-        bus: The 64 bytes of the extension bus. No device is attached: a read returns the byte last written.
     """
 
     protocol: Protocol = KHEPERA
@@ -105,14 +94,7 @@ class Firmware:
         return any(self._command[:2])
 
     def handle(self, line: bytes) -> bytes:
-        """Execute one request.
-
-        Args:
-            line: With or without its ending; any bytes.
-
-        Returns:
-            The whole reply with its ending: several lines for `restart`.
-        """
+        """Execute one request, any bytes with or without an ending; returns the whole reply with its ending."""
         try:
             request = self.protocol.decode_request(line)
         except ArgumentError:
@@ -126,10 +108,7 @@ class Firmware:
         return self.protocol.encode_reply(Reply(request.command, values))
 
     def tick(self) -> None:
-        """End a control period: measure the speeds, and control the wheels that move to a target position.
-
-        Call once after each `World.advance`.
-        """
+        """End a control period, after each `World.advance`: measure the speeds, control wheels with a target."""
         with self._lock:
             senses = self._robot.sense()
             pulses = senses.left_pulses, senses.right_pulses
@@ -139,15 +118,12 @@ class Firmware:
             if self._position_control:
                 left_count, right_count = self._counters()
                 left_wheel, right_wheel = self._wheels
-                self._drive(left=left_wheel.speed(left_count), right=right_wheel.speed(right_count))
+                self._drive(left=left_wheel.next_speed(left_count), right=right_wheel.next_speed(right_count))
 
     def power_on(self) -> bytes:
-        """Start the firmware after a power failure: wheels stopped, settings reset, counters at 0.
+        """Start after a power failure: wheels stopped, settings reset, counters at 0; returns the banner.
 
         The gripper completes its last motion; the behaviour of a real one is not documented.
-
-        Returns:
-            The banner, with line endings.
         """
         with self._lock:
             self._robot.stop()
@@ -155,10 +131,7 @@ class Firmware:
         return b"".join(f"{line}\r\n".encode() for line in self.protocol.banner)
 
     def attach(self, robot: Robot) -> None:
-        """Connect another simulated body: a reset of a simulated world builds new bodies.
-
-        The counters continue, and the new body receives the last command.
-        """
+        """Connect a new body of a world that was reset; counters continue, and it receives the last command."""
         with self._lock:
             left, right = self._counters()
             self._robot = robot
@@ -177,50 +150,38 @@ class Firmware:
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
-        self.speed_gains, self.position_gains = SPEED_GAINS, POSITION_GAINS
-        self.leds = [False, False]
-        self.bus = bytearray(64)
+        self._bus = bytearray(64)  # no device is attached: a read returns the byte last written
 
     def _handler(self, command: str) -> Callable[..., Values]:
         sense = self._robot.sense
         handlers: dict[str, Callable[..., Values]] = {
-            "A": lambda *gains: self._set(speed_gains=gains),
-            "B": lambda: VERSIONS,
+            "B": lambda: _VERSIONS,
             "C": self._set_targets,
             "D": self._set_speeds,
             "E": lambda: self._measured_speeds,
-            "F": lambda *gains: self._set(position_gains=gains),
             "G": self._set_counters,
             "H": self._counters,
             "I": lambda channel: (0,),
             "J": self._set_profiles,
             "K": self._position_status,
-            "L": self._switch_led,
             "N": lambda: sense().proximity,
-            "O": lambda: (DARK,) * 8,
+            "O": lambda: (_DARK,) * 8,
             "P": self._set_pwm,
-            "R": lambda address: (self.bus[address],),
+            "R": lambda address: (self._bus[address],),
             "W": self._write_bus,
-            "T,1,B": lambda: GRIPPER_VERSION,
+            "T,1,B": lambda: _GRIPPER_VERSION,
             "T,1,D": lambda closed: self._drive(jaw=JAW_CLOSED if closed else JAW_OPEN),
             "T,1,E": lambda position: self._drive(arm=position),
-            "T,1,F": lambda: (CONDUCTING if sense().jaw <= _FINGERS_TOUCH else INSULATED,),
-            "T,1,G": lambda: (BARRIER_CROSSED if sense().object_presence else BARRIER_FREE,),
+            "T,1,F": lambda: (_CONDUCTING if sense().jaw <= _FINGERS_TOUCH else _INSULATED,),
+            "T,1,G": lambda: (_BARRIER_CROSSED if sense().object_presence else _BARRIER_FREE,),
             "T,1,H": lambda arm: (sense().arm if arm else sense().jaw,),
             "T,1,J": lambda: (0,),
         }
-        return handlers[command]
-
-    def _set(self, **gains: tuple[int, ...]) -> Values:
-        self.__dict__.update(gains)
-        return ()
-
-    def _switch_led(self, led: int, action: int) -> Values:
-        self.leds[led] = not self.leds[led] if action == 2 else action == 1
-        return ()
+        # The rest has no effect: gains, which the simulated motors do not need (A, F), and LEDs (L).
+        return handlers.get(command, lambda *_: ())
 
     def _write_bus(self, data: int, address: int) -> Values:
-        self.bus[address] = data
+        self._bus[address] = data
         return ()
 
     def _drive(self, **changes: int) -> tuple[()]:
@@ -238,10 +199,8 @@ class Firmware:
 
     def _set_targets(self, *targets: int) -> Values:
         self._position_control = True
-        for wheel, target, count, speed in zip(
-            self._wheels, targets, self._counters(), self._command[:2], strict=True
-        ):
-            wheel.set_target(target, count, speed)
+        for wheel, target, speed in zip(self._wheels, targets, self._command[:2], strict=True):
+            wheel.target, wheel.speed = target, speed
         return ()
 
     def _set_speeds(self, left: int, right: int) -> Values:
@@ -249,20 +208,17 @@ class Firmware:
         return self._drive(left=left, right=right)
 
     def _set_pwm(self, left: int, right: int) -> Values:
-        return self._set_speeds(round(left * FULL_SPEED / FULL_PWM), round(right * FULL_SPEED / FULL_PWM))
+        # Assumption: proportional, 255 is 127 units, the maximum of the protocol.
+        return self._set_speeds(round(left * SPEED.high / PWM.high), round(right * SPEED.high / PWM.high))
 
     def _set_counters(self, *counts: int) -> Values:
-        for wheel, count, before in zip(self._wheels, counts, self._counters(), strict=True):
-            wheel.shift_counter(count - before)
         left, right = self._pulses()
         self._offsets = counts[0] - left, counts[1] - right
         return ()
 
-    def _set_profiles(
-        self, left_speed: int, left_acceleration: int, right_speed: int, right_acceleration: int
-    ) -> Values:
-        self._wheels[0].set_profile(left_speed, left_acceleration)
-        self._wheels[1].set_profile(right_speed, right_acceleration)
+    def _set_profiles(self, *profiles: int) -> Values:
+        for wheel, i in zip(self._wheels, (0, 2), strict=True):
+            wheel.max_speed, wheel.acceleration = profiles[i : i + 2]
         return ()
 
     def _position_status(self) -> Values:
@@ -281,72 +237,37 @@ class Firmware:
         return max(SPEED.low, min(SPEED.high, round(pulses / self._pulses_per_unit)))
 
 
-DEFAULT_SPEED = 20
-DEFAULT_ACCELERATION = 64
-"""1/256 speed unit in 10 ms; both defaults are KNET's and KH2PY's, 160 mm/s and 200 mm/s2."""
-POSITION_TOLERANCE = 0.5
-"""In pulses of one control period at one speed unit: the accuracy of wheels that take whole speed units."""
-
-
+@dataclass
 class WheelPositionController:
-    """Drives one wheel to a target count.
+    """Drives one wheel to a target count, at most at `max_speed` speed units.
 
     Args:
         pulses_per_unit: Pulses of a wheel in one control period at one speed unit.
-
-    Attributes:
-        max_speed: Limit of the speed, in speed units.
-        target: The count to reach.
+        acceleration: In 1/256 speed unit in 10 ms; both defaults are KNET's and KH2PY's, 160 mm/s and 200 mm/s2.
     """
 
-    def __init__(self, pulses_per_unit: float = PULSES_PER_UNIT) -> None:
-        self._pulses_per_unit = pulses_per_unit
-        self.max_speed = DEFAULT_SPEED
-        self.target = 0
-        self._acceleration = 0.0
-        self._planned, self._speed = 0.0, 0.0
-        self.set_profile(DEFAULT_SPEED, DEFAULT_ACCELERATION)
-
-    def set_profile(self, max_speed: int, acceleration: int) -> None:
-        """Set the speed profile.
-
-        Args:
-            max_speed: In speed units.
-            acceleration: In 1/256 speed unit in 10 ms.
-        """
-        self.max_speed = max_speed
-        self._acceleration = acceleration / 256 * self._pulses_per_unit
-
-    def set_target(self, target: int, count: int, speed: float) -> None:
-        """Start moving to a target.
-
-        Args:
-            target: The count to reach.
-            count: The present count.
-            speed: The present speed, in speed units.
-        """
-        self.target = target
-        self._planned, self._speed = float(count), float(speed)
-
-    def shift_counter(self, pulses: int) -> None:
-        """Correct the plan after the counter was set to a value higher by `pulses`."""
-        self._planned += pulses
+    pulses_per_unit: float = PULSES_PER_UNIT
+    max_speed: int = 20
+    acceleration: int = 64
+    target: int = 0
+    speed: float = 0.0
 
     def reached(self, count: int) -> bool:
-        """Whether a wheel at this count has reached the target."""
-        return abs(self.target - count) <= POSITION_TOLERANCE * self._pulses_per_unit
+        """Whether a wheel at this count has reached the target, as exactly as whole speed units allow."""
+        return abs(self.target - count) <= 0.5 * self.pulses_per_unit
 
-    def speed(self, count: int) -> int:
+    def next_speed(self, count: int) -> int:
         """The speed for the next control period, in whole units, of a wheel at this count."""
-        remaining = self.target - self._planned
-        distance = abs(remaining) / self._pulses_per_unit
-        # From `braking_speed` the wheel stops within the distance at the given deceleration; the last step, shorter
-        # than one period, may be slower still.
-        half = self._acceleration / 2
-        braking_speed = math.sqrt(half * half + 2 * self._acceleration * distance) - half
-        wanted = math.copysign(min(self.max_speed, braking_speed, distance), remaining)
-        if distance > self._acceleration or abs(self._speed) > 2 * self._acceleration:
-            wanted = max(self._speed - self._acceleration, min(self._speed + self._acceleration, wanted))
-        self._speed = wanted
-        self._planned += wanted * self._pulses_per_unit
-        return math.floor((self._planned - count) / self._pulses_per_unit + 0.5)
+        if self.reached(count):
+            self.speed = 0.0
+            return 0
+        distance = abs(self.target - count) / self.pulses_per_unit
+        step = self.acceleration / 256 * self.pulses_per_unit
+        # From this speed the wheel stops within the distance; the last step may be slower still.
+        braking_speed = math.sqrt(step * step / 4 + 2 * step * distance) - step / 2
+        wanted = math.copysign(min(self.max_speed, braking_speed, distance), self.target - count)
+        if distance > step or abs(self.speed) > 2 * step:
+            wanted = max(self.speed - step, min(self.speed + step, wanted))
+        self.speed = wanted
+        # A speed below half a unit would leave the wheel short of its target.
+        return round(wanted) or (wanted > 0) - (wanted < 0)
