@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from khepera_forage.cli.camera import calibrate
-from khepera_forage.cli.lab.new import lab_text
+from khepera_forage.cli import calibrate
+from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.epuck.virtual import EPuckFirmware

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.cli.robot.sensors import bars
+from khepera_forage.cli.robot import bars
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera

@@ -1,6 +1,5 @@
 """`khepera-forage robot virtual`: a virtual Khepera for other programs."""
 
-import argparse
 import signal
 import subprocess
 import sys
@@ -11,12 +10,8 @@ from contextlib import contextmanager
 import pytest
 import serial
 
-from khepera_forage.cli.robot import virtual
+from khepera_forage.cli.main import main
 
-_MAIN = (
-    "import argparse, sys; from khepera_forage.cli.robot import virtual as command; "
-    "parser = argparse.ArgumentParser(); command.add_arguments(parser); sys.exit(command.run(parser.parse_args()))"
-)
 WAIT = 10.0
 
 
@@ -24,7 +19,10 @@ WAIT = 10.0
 def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """The command in another process, and the port that it prints."""
     with subprocess.Popen(
-        [sys.executable, "-c", _MAIN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "khepera_forage", "robot", "virtual", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as process:
         try:
             assert process.stdout is not None
@@ -71,10 +69,10 @@ def test_virtual_robot_ends_when_unplugged() -> None:
     ("arguments", "message"),
     [(["--drop", "2"], "drop is 2"), (["--baud", "300"], "300"), (["--lateness", "2", "1"], "lateness")],
 )
-def test_number_out_of_range_is_an_error(arguments: list[str], message: str) -> None:
-    parser = argparse.ArgumentParser()
-    virtual.add_arguments(parser)
+def test_number_out_of_range_is_an_error(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    with pytest.raises(ValueError, match=message):
-        virtual.run(parser.parse_args(arguments))
+    assert main(["robot", "virtual", *arguments]) == 2
+    assert message in capsys.readouterr().err
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers

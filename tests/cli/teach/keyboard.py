@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pygame
 
-from khepera_forage.cli.teach.keys import LETTERS
+from khepera_forage.cli.teach import LETTERS
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.task.states import Behaviour, behaviour_for, classify

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.cli.teach.keys import BEHAVIOUR_OF, LETTERS, Caption
-from khepera_forage.cli.teach.window import COLUMNS, with_caption
+from khepera_forage.cli.teach import BEHAVIOUR_OF, LETTERS, Caption
+from khepera_forage.cli.teach_window import COLUMNS, with_caption
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.picture import Painter, to_array
 from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR
 
 VIEW = View((CORRIDOR,), step=3, limit=500, title="You are the teacher")
-PLAIN = Caption(LETTERS, "Press the key of a behaviour.", "Esc: end")
+PLAIN = Caption("Press the key of a behaviour.")
 
 
 def pixels(view: View, caption: Caption) -> NDArray[np.uint8]:
@@ -49,17 +49,12 @@ def test_marked_key_changes_only_its_cell(behaviour: Behaviour, mark: str) -> No
 
 @pytest.mark.parametrize(
     "changed",
-    [PLAIN._replace(message="Wait."), PLAIN._replace(hint="Space"), PLAIN._replace(warning=True)],
-    ids=["message", "hint", "warning"],
+    [PLAIN._replace(message="Wait."), PLAIN._replace(warning=True), PLAIN._replace(message="word " * 60)],
+    ids=["message", "warning", "without the hint"],
 )
-def test_message_hint_and_warning_are_visible(changed: Caption) -> None:
+def test_message_and_warning_are_visible(changed: Caption) -> None:
     before, after = pixels(VIEW, PLAIN), pixels(VIEW, changed)
     rows = np.nonzero((before != after).any(axis=2))[0]
     height = len(to_array(Painter().paint(VIEW)))
     assert len(rows) > 0
     assert height <= rows.min() <= rows.max() < height + 36
-
-
-def test_hint_is_left_out_beside_a_long_message() -> None:
-    long = PLAIN._replace(message="word " * 60)
-    np.testing.assert_array_equal(pixels(VIEW, long), pixels(VIEW, long._replace(hint="")))

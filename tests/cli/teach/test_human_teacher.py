@@ -6,9 +6,14 @@ import numpy as np
 import pygame
 import pytest
 
-from khepera_forage.cli.teach.human_teacher import SEPARATED_WARNING, HumanTeacher
-from khepera_forage.cli.teach.keys import Caption, QuitRequest, RestartRequest
-from khepera_forage.cli.teach.window import TeachingWindow
+from khepera_forage.cli.teach import (
+    SEPARATED_WARNING,
+    Caption,
+    HumanTeacher,
+    QuitRequest,
+    RestartRequest,
+)
+from khepera_forage.cli.teach_window import TeachingWindow
 from khepera_forage.envs.rendering import View
 from khepera_forage.envs.rendering.palette import TEACHER as TEACHER_COLOUR
 from khepera_forage.envs.training import TEACHER, TrainingEnv

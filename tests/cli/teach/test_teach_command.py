@@ -183,7 +183,7 @@ def test_without_pygame_the_error_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "pygame", None)
-    monkeypatch.delitem(sys.modules, "khepera_forage.cli.teach.window", raising=False)
+    monkeypatch.delitem(sys.modules, "khepera_forage.cli.teach_window", raising=False)
     assert main(["teach"]) == 2
     assert "pip install 'khepera-forage[render]'" in capsys.readouterr().err
     assert not Path("taught").exists()

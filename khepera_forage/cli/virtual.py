@@ -9,14 +9,14 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from khepera_forage.cli.arguments import add_seed_argument
+from khepera_forage.cli.options import Command, option, seed
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
 from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
-from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults
+from khepera_forage.robots.virtual.faults import FAULTS, Faults
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.sim.arenas.thesis import CORRIDOR
@@ -25,52 +25,8 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.add_argument(
-        "--tcp",
-        type=whole_number(0, 65535),
-        metavar="PORT",
-        help="listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
-    )
-    bauds = ", ".join(map(str, BAUD_RATES))
-    parser.add_argument(
-        "--baud",
-        type=int,
-        help=f"speed of the line: {bauds}, or 0 for no limit (38400; of an e-puck2 115200)",
-    )
-    for fault in FAULTS:
-        parser.add_argument(
-            f"--{fault}",
-            type=float,
-            default=0.0,
-            metavar="RATE",
-            help="share of replies with this fault (0)",
-        )
-    parser.add_argument(
-        "--lateness",
-        type=float,
-        nargs=2,
-        default=Faults().lateness,
-        metavar=("FROM", "TO"),
-        help="range of the delay of a delayed reply, in seconds (0.3 1.0)",
-    )
-    parser.add_argument(
-        "--robot",
-        choices=(KHEPERA.name, E_PUCK.name),
-        default=KHEPERA.name,
-        help=f"kind of robot ({KHEPERA.name})",
-    )
-    add_seed_argument(parser, "seed of the simulation and of the faults")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Serve the virtual robot until an interrupt, a termination, or an unplugged cable (a simulated fault).
-
-    Raises:
-        ValueError: A baud or a fault rate is out of range.
-        OSError: The TCP port is taken.
-    """
+def _run(arguments: argparse.Namespace) -> int:
+    """Serve the virtual robot until an interrupt, a termination, or an unplugged cable (a simulated fault)."""
     faults = Faults(
         **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
     )
@@ -95,27 +51,21 @@ def run(arguments: argparse.Namespace) -> int:
             f"a virtual {'Khepera' if is_khepera else E_PUCK.name} at {khepera.url}; Ctrl-C ends it",
             flush=True,
         )
-        overruns = _advance_in_real_time(world, firmware, lock, khepera, signals)
+        overruns = _advance(world, firmware, lock, khepera, signals)
         print("stopped" if khepera.connected else "unplugged", flush=True)
     world.close()
-    print(_summary(khepera.fault_counts))
+    counts = khepera.fault_counts
+    faults_seen = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
+    print(", ".join([f"{counts.replies} requests", *faults_seen]))
     if overruns:
         print(f"{overruns} rounds began late")
     return 0
 
 
-def _advance_in_real_time(
-    world: PymunkWorld,
-    firmware: Firmware,
-    lock: threading.RLock,
-    khepera: VirtualKhepera,
-    signals: list[int],
+def _advance(
+    world: PymunkWorld, firmware: Firmware, lock: threading.RLock, khepera: VirtualKhepera, signals: list[int]
 ) -> int:
-    """Advance the world once every 0.1 s until the robot is unplugged or a signal arrives.
-
-    Returns:
-        How many rounds began more than a whole round late.
-    """
+    """Advance the world every 0.1 s until the robot is unplugged or a signal arrives; returns the late rounds."""
     due, overruns = time.monotonic(), 0
     while khepera.connected and not signals:
         due += CONTROL_PERIOD
@@ -147,7 +97,47 @@ def _collected_signals() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def _summary(counts: FaultCounts) -> str:
-    requests = f"{counts.replies} requests"
-    faults = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
-    return ", ".join([requests, *faults])
+COMMAND = Command(
+    "virtual",
+    "start a virtual Khepera at a serial port",
+    _run,
+    [
+        option(
+            "--tcp",
+            type=whole_number(0, 65535),
+            metavar="PORT",
+            help="listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
+        ),
+        option(
+            "--baud",
+            type=int,
+            help=f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 "
+            "115200)",
+        ),
+        *(
+            option(
+                f"--{fault}",
+                type=float,
+                default=0.0,
+                metavar="RATE",
+                help="share of replies with this fault (0)",
+            )
+            for fault in FAULTS
+        ),
+        option(
+            "--lateness",
+            type=float,
+            nargs=2,
+            default=Faults().lateness,
+            metavar=("FROM", "TO"),
+            help="range of the delay of a delayed reply, in seconds (0.3 1.0)",
+        ),
+        option(
+            "--robot",
+            choices=(KHEPERA.name, E_PUCK.name),
+            default=KHEPERA.name,
+            help=f"kind of robot ({KHEPERA.name})",
+        ),
+        seed("seed of the simulation and of the faults"),
+    ],
+)

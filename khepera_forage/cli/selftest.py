@@ -5,10 +5,10 @@ import math
 import statistics
 import time
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
-from khepera_forage.cli.robot.move import wait_for_rest
-from khepera_forage.cli.robot.port import add_port_arguments, open_robot
+from khepera_forage.cli.options import Command
+from khepera_forage.cli.robot_port import PORT, open_robot, wait_for_rest
 from khepera_forage.robots.epuck.driver import INFRA_RED
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
@@ -40,40 +40,21 @@ class CheckError(Exception):
     """A check failed; the message says what was measured."""
 
 
-class Check(NamedTuple):
-    """A part, and a function that tests it: it returns what it measured, or raises `CheckError`."""
-
-    name: str
-    run: Callable[[Any], str]
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    add_port_arguments(parser)
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Test every part in turn, and print a line for each.
-
-    Returns:
-        0 if all checks passed, otherwise 1.
-
-    Raises:
-        OSError: The port cannot be opened, or the robot is lost.
-    """
+def _run(arguments: argparse.Namespace) -> int:
+    """Test every part in turn, and print a line for each; 1 if one failed."""
     failed, checks = 0, CHECKS[arguments.robot]
     with open_robot(arguments) as robot:
         moving = "wheels, arm and jaw" if robot.model.has_gripper else "the wheels"
         print(f"Keep 30 mm free around the robot: {moving} will move a little.", flush=True)
-        for check in checks:
+        for name, check in checks.items():
             try:
-                verdict, measured = "pass", check.run(robot)
+                verdict, measured = "pass", check(robot)
             except CheckError as failure:
                 verdict, measured = "FAIL", str(failure)
             except RequestRejected as refusal:
                 verdict, measured = "FAIL", f"{refusal.command}: {refusal.reason}"
             failed += verdict == "FAIL"
-            print(f"{check.name:18s} {verdict}   {measured}", flush=True)
+            print(f"{name:18s} {verdict}   {measured}", flush=True)
     print(f"{len(checks) - failed} of {len(checks)} passed")
     return 1 if failed else 0
 
@@ -208,23 +189,27 @@ def _readings(robot: SerialRobot, command: str) -> list[int]:
     return [int(value) for value in robot.request(command)]
 
 
-_SERIAL = (
-    Check("infra-reds", _infra_reds),
-    Check("ambient light", _light),
-    Check("wheels", _wheels),
-    Check("a round", _rounds),
-    Check("line", _line),
-)
-CHECKS = {
-    KHEPERA.name: (
-        Check("versions", _versions),
-        Check("lamps", _lamps),
-        Check("arm", _arm),
-        Check("jaw", _jaw),
-        Check("optical barrier", _barrier),
-        *_SERIAL,
-    ),
-    E_PUCK.name: (Check("version", _versions), Check("lamps", _lamps), *_SERIAL),
-    TOIO.name: (Check("mat", _mat), Check("wheels", _wheels), Check("a round", _rounds)),
+_SERIAL: dict[str, Callable[[Any], str]] = {
+    "infra-reds": _infra_reds,
+    "ambient light": _light,
+    "wheels": _wheels,
+    "a round": _rounds,
+    "line": _line,
 }
-"""By the kind of robot. The arm comes before the infra-reds: raised, it does not cover them."""
+CHECKS: dict[str, dict[str, Callable[[Any], str]]] = {
+    KHEPERA.name: {
+        "versions": _versions,
+        "lamps": _lamps,
+        "arm": _arm,
+        "jaw": _jaw,
+        "optical barrier": _barrier,
+        **_SERIAL,
+    },
+    E_PUCK.name: {"version": _versions, "lamps": _lamps, **_SERIAL},
+    TOIO.name: {"mat": _mat, "wheels": _wheels, "a round": _rounds},
+}
+"""By the kind of robot and the part; each returns what it measured, or raises `CheckError`.
+
+The arm comes before the infra-reds: raised, it does not cover them.
+"""
+COMMAND = Command("selftest", "test every part with small movements, and print which ones work", _run, PORT)
