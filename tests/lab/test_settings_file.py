@@ -11,7 +11,7 @@ import pytest
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.settings import LabSettings, RobotSettings
-from khepera_forage.lab.settings_file import LabFileError, parse, sample
+from khepera_forage.lab.settings_file import parse, sample
 from khepera_forage.sim.arena import Point
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import SetUp
@@ -172,7 +172,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
 )  # fmt: skip
 def test_errors_name_the_key(old: str, new: str, message: str) -> None:
     assert old in MINIMAL
-    with pytest.raises(LabFileError, match=re.escape(message)):
+    with pytest.raises(ValueError, match=re.escape(message)):
         parsed(MINIMAL.replace(old, new))
 
 
@@ -189,7 +189,7 @@ def test_errors_name_the_key(old: str, new: str, message: str) -> None:
     ],
 )  # fmt: skip
 def test_errors_in_an_arena_name_the_key(old: str, new: str, message: str) -> None:
-    with pytest.raises(LabFileError, match=re.escape(message)):
+    with pytest.raises(ValueError, match=re.escape(message)):
         parsed(CUSTOM_ARENA.replace(old, new) + MINIMAL.replace("300", "600"))
 
 
@@ -207,7 +207,7 @@ def test_errors_in_an_arena_name_the_key(old: str, new: str, message: str) -> No
 def test_errors_name_the_file(content: bytes, message: str, tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
     path.write_bytes(content)
-    with pytest.raises(LabFileError, match=re.escape(message)) as failure:
+    with pytest.raises(ValueError, match=re.escape(message)) as failure:
         load_settings(path, V0_1)
     assert str(failure.value).startswith(f"{path}: ")
 
