@@ -75,7 +75,7 @@ class _Training:
         out = folder / "experience"
         lab_file = write_lab_file(folder)
         parser = OneLineParser()
-        for add in train.COMMAND.options:
+        for add in train.train_command.options:
             add(parser)
         seed = int(self._rng.integers(2**31))
         options = [

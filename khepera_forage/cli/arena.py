@@ -8,7 +8,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from khepera_forage.cli.options import ARENA_FILES, Command, check_ending, option, out, refuse_ignored
+from khepera_forage.cli.options import (
+    ARENA_FILES,
+    Command,
+    check_ending,
+    command,
+    option,
+    out,
+    refuse_ignored,
+)
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.rendering import palette
@@ -36,6 +44,17 @@ _MARGIN = 30.0
 Paths = tuple[tuple[Point, ...], ...]
 
 
+_CHOICE = (
+    option("arena", f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}", metavar="NAME|FILE"),
+    option("--difficulty", f"of a {PROCEDURAL} arena (medium)", choices=tuple(DIFFICULTIES)),
+    option(
+        "--level",
+        f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test",
+        whole_number(0),
+    ),
+)
+
+
 class Findings(NamedTuple):
     """What environments find in an arena.
 
@@ -52,7 +71,9 @@ class Findings(NamedTuple):
     narrow: Paths = ()
 
 
-def _list(arguments: argparse.Namespace) -> int:
+@command("list")
+def list_command(arguments: argparse.Namespace) -> None:
+    """List the named arenas."""
     print("arena        environment     size in mm    walls  food   limit")
     for name in ARENAS:
         arena, settings = checked_arena(name, DEFAULT_DECISIONS), settings_of(name)
@@ -68,11 +89,11 @@ def _list(arguments: argparse.Namespace) -> int:
         print(
             f"{name:15} {size:24} {f'<={difficulty.most_walls}':>6} {difficulty.foods:5d} {difficulty.limit:7d}"
         )
-    return 0
 
 
-def _show(arguments: argparse.Namespace) -> int:
-    """Draw the arena, and print its size, or why environments do not accept it; 1 in that case."""
+@command("show", *_CHOICE, out("arena.png", "picture, whose name ends in .png"))
+def show_command(arguments: argparse.Namespace) -> int:
+    """Draw an arena with its shortest paths."""
     require("khepera-forage arena show", "plots")
     check_ending(arguments.out, (".png",))
     plan = _chosen_plan(arguments)
@@ -92,7 +113,13 @@ def _show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _write(arguments: argparse.Namespace) -> int:
+@command(
+    "write",
+    *_CHOICE,
+    option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"),
+)
+def write_command(arguments: argparse.Namespace) -> None:
+    """Write an arena to a file, to change it."""
     path: Path = arguments.file
     arena = _chosen_plan(arguments).arena()
     if path.suffix != ARENA_FILES:
@@ -101,7 +128,6 @@ def _write(arguments: argparse.Namespace) -> int:
         raise FileExistsError(f"{path} exists; choose another name, or remove it first")
     write_arena(arena, path)
     print(f"{path}: {arena.name}; `khepera-forage arena show {path}` draws it")
-    return 0
 
 
 def _chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
@@ -208,39 +234,6 @@ def _colour(colour: palette.Colour) -> str:
     return "#" + bytes(colour).hex()
 
 
-_CHOICE = (
-    option("arena", metavar="NAME|FILE", help=f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}"),
-    option("--difficulty", choices=tuple(DIFFICULTIES), help=f"of a {PROCEDURAL} arena (medium)"),
-    option(
-        "--level",
-        type=whole_number(0),
-        help=f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test",
-    ),
-)
 COMMAND = Command(
-    "arena",
-    "list, draw and write arenas",
-    commands=(
-        Command("list", "list the named arenas", _list),
-        Command(
-            "show",
-            "draw an arena with its shortest paths",
-            _show,
-            [*_CHOICE, out("arena.png", "picture, whose name ends in .png")],
-        ),
-        Command(
-            "write",
-            "write an arena to a file, to change it",
-            _write,
-            [
-                *_CHOICE,
-                option(
-                    "file",
-                    type=given_path,
-                    metavar="FILE",
-                    help=f"name of the new file, which ends in {ARENA_FILES}",
-                ),
-            ],
-        ),
-    ),
+    "arena", "List, draw and write arenas.", commands=(list_command, show_command, write_command)
 )

@@ -2,7 +2,7 @@
 
 import argparse
 
-from khepera_forage.cli.options import Command, flag, option, refuse_ignored
+from khepera_forage.cli.options import command, flag, option, refuse_ignored
 from khepera_forage.comparison import TRACKS
 from khepera_forage.extras import require
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
@@ -23,7 +23,55 @@ minutes, and --against published shows the published results beside it. --quick 
 continues."""
 
 
-def _run(arguments: argparse.Namespace) -> int:
+@command(
+    "compare",
+    lambda parser: add_study_arguments(parser, "learners", *COUNTS),
+    flag("--list", "list the learners that are known here, and end"),
+    option(
+        "--only", "one learner of --list; may be given several times (all)", metavar="NAME", action="append"
+    ),
+    option(
+        "--learner",
+        "a learner of your own, package.module:name of what makes a classifier; beside those of --only "
+        "(teacher and imitator)",
+        metavar="PLACE",
+        action="append",
+    ),
+    option(
+        "--against",
+        "a results.json to show beside this run's results, or 'published' for those of the package",
+        metavar="FILE",
+    ),
+    option(
+        "--arenas",
+        "where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)",
+        metavar="NAME",
+        nargs="+",
+        choices=(*ARENAS, *DIFFICULTIES),
+    ),
+    flag("--tune", "compare settings of each learner instead"),
+    flag(
+        "--protocol",
+        "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds",
+    ),
+    option(
+        "--track",
+        "one track of the protocol; may be given several times (all)",
+        action="append",
+        choices=TRACKS,
+    ),
+    option(
+        "--backend",
+        "where the work is done: loky is this machine (loky)",
+        choices=("loky", "ray", "dask"),
+        default="loky",
+    ),
+    option("--address", "of a Ray or Dask cluster (by default a temporary one on this machine)"),
+    description=DESCRIPTION,
+    epilog="example: khepera-forage compare --learner my_module:make_forest --against published",
+)
+def compare_command(arguments: argparse.Namespace) -> int:
+    """Compare all learners, and yours with them."""
     from khepera_forage.comparison.compare import compare, known_learners, tune
     from khepera_forage.comparison.workers import unavailable
 
@@ -46,59 +94,3 @@ def _run(arguments: argparse.Namespace) -> int:
         refuse_ignored(given, ["--learner", "--against", "--arenas"], "without --tune")
         return tune(given)
     return compare(given)
-
-
-COMMAND = Command(
-    "compare",
-    "compare all learners, and yours with them",
-    _run,
-    [
-        lambda parser: add_study_arguments(parser, "learners", *COUNTS),
-        flag("--list", "list the learners that are known here, and end"),
-        option(
-            "--only",
-            action="append",
-            metavar="NAME",
-            help="one learner of --list; may be given several times (all)",
-        ),
-        option(
-            "--learner",
-            action="append",
-            metavar="PLACE",
-            help="a learner of your own, package.module:name of what makes a classifier; beside those of --only "
-            "(teacher and imitator)",
-        ),
-        option(
-            "--against",
-            metavar="FILE",
-            help="a results.json to show beside this run's results, or 'published' for those of the package",
-        ),
-        option(
-            "--arenas",
-            nargs="+",
-            metavar="NAME",
-            choices=(*ARENAS, *DIFFICULTIES),
-            help="where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)",
-        ),
-        flag("--tune", "compare settings of each learner instead"),
-        flag(
-            "--protocol",
-            "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds",
-        ),
-        option(
-            "--track",
-            action="append",
-            choices=TRACKS,
-            help="one track of the protocol; may be given several times (all)",
-        ),
-        option(
-            "--backend",
-            choices=("loky", "ray", "dask"),
-            default="loky",
-            help="where the work is done: loky is this machine (loky)",
-        ),
-        option("--address", help="of a Ray or Dask cluster (by default a temporary one on this machine)"),
-    ],
-    description=DESCRIPTION,
-    epilog="example: khepera-forage compare --learner my_module:make_forest --against published",
-)

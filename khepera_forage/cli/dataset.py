@@ -15,8 +15,8 @@ from khepera_forage.cli.options import (
     ARENA,
     DECISION,
     FOOD_TYPE,
-    Command,
     arena_of,
+    command,
     decisions_of,
     experience_files,
     flag,
@@ -48,8 +48,41 @@ thesis's laboratory. It foraged for {food}, from random places."""
 READ = "The experience was read from {files}."
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    """Record or read the episodes, write the dataset and its card, and say where they are."""
+def _dataset_name(text: str) -> str:
+    """A name of Minari."""
+    if not re.fullmatch(r"([\w-]+/)*[\w-]+-v\d+", text):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER")
+    return text
+
+
+@command(
+    "dataset",
+    option(
+        "--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name
+    ),
+    option("--episodes", f"complete training episodes ({EPISODES})", whole_number(1)),
+    option(
+        "--experience",
+        "files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of "
+        "new episodes",
+        given_path,
+        "FILE",
+        nargs="+",
+    ),
+    flag("--wheels", "raw data and motors of every round, in place of state vectors and behaviours"),
+    flag("--alone", "the teacher forages alone, from random places, in place of training episodes"),
+    flag("--protocol", "the datasets of the protocol forage-bench-1: those that its learners learn from"),
+    seed("the same seed gives the same episodes"),
+    out("datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"),
+    option("--author", "for the data card (unknown)", default="unknown"),
+    option("--licence", "of the data, for the data card (CC0-1.0)", default="CC0-1.0"),
+    ARENA,
+    FOOD_TYPE,
+    DECISION,
+    ALLOW_OTHER_DECISIONS,
+)
+def dataset_command(arguments: argparse.Namespace) -> int:
+    """Write training episodes as a Minari dataset with a data card."""
     require("khepera-forage dataset", "minari")
     if arguments.protocol:
         return _protocol(arguments)
@@ -141,13 +174,6 @@ def _protocol(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _dataset_name(text: str) -> str:
-    """A name of Minari."""
-    if not re.fullmatch(r"([\w-]+/)*[\w-]+-v\d+", text):
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER")
-    return text
-
-
 def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
     """Minari's name of the dataset, which must be new: that of `--name`, or one that says the arenas."""
     name: str = arguments.name
@@ -207,37 +233,3 @@ def _command(arguments: argparse.Namespace, name: str) -> str:
         + [f"--decision {word}" for word in arguments.decision]
     )
     return " ".join(words)
-
-
-COMMAND = Command(
-    "dataset",
-    "write training episodes as a Minari dataset with a data card",
-    _run,
-    [
-        option(
-            "--name",
-            type=_dataset_name,
-            help="Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)",
-        ),
-        option("--episodes", type=whole_number(1), help=f"complete training episodes ({EPISODES})"),
-        option(
-            "--experience",
-            nargs="+",
-            type=given_path,
-            metavar="FILE",
-            help="files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of "
-            "new episodes",
-        ),
-        flag("--wheels", "raw data and motors of every round, in place of state vectors and behaviours"),
-        flag("--alone", "the teacher forages alone, from random places, in place of training episodes"),
-        flag("--protocol", "the datasets of the protocol forage-bench-1: those that its learners learn from"),
-        seed("the same seed gives the same episodes"),
-        out("datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"),
-        option("--author", default="unknown", help="for the data card (unknown)"),
-        option("--licence", default="CC0-1.0", help="of the data, for the data card (CC0-1.0)"),
-        ARENA,
-        FOOD_TYPE,
-        DECISION,
-        ALLOW_OTHER_DECISIONS,
-    ],
-)

@@ -6,8 +6,8 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from khepera_forage.cli import calibrate
-from khepera_forage.cli.options import Command, option
+from khepera_forage.cli.camera import calibrate_command
+from khepera_forage.cli.options import Command, command, option
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings import LabSettings, RobotSettings
@@ -22,8 +22,18 @@ _FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
 """Offset of the first arena, and mm from one to the next: under a camera, and on a mat."""
 
 
-def _new(arguments: argparse.Namespace) -> int:
-    """Ask for what is missing, check each device, calibrate, write the file in any case; 1 if a device fails."""
+@command(
+    "new",
+    option("--robot", "kind of the robots", choices=tuple(MODELS)),
+    option("--port", "port of each robot, the teacher first; of toio cubes their names", nargs="+"),
+    option("--food-cube", "names of the toio cubes that are the food, one per robot", nargs="*"),
+    option("--camera", "the camera: a number, a file or a URL; not for toio cubes"),
+    option("--calibration", "file written by `khepera-forage camera calibrate`"),
+    option("--arena", f"the arena ({CORRIDOR})", choices=tuple(ARENAS), default=CORRIDOR),
+    option("--out", "the file to write (lab.toml)", Path, default=Path("lab.toml")),
+)
+def new_command(arguments: argparse.Namespace) -> int:
+    """Find robots and camera, check each, and write lab.toml."""
     out = arguments.out
     if out.exists():
         raise FileExistsError(f"{out} is there already; allowed: another --out")
@@ -92,13 +102,15 @@ def _calibrated(camera: str, settings: LabSettings) -> str | None:
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
     parser = argparse.ArgumentParser()
-    for add in calibrate.COMMAND.options:
+    for add in calibrate_command.options:
         add(parser)
     file = "calibration.toml"
     works = _passes(
         "calibration",
         lambda: str(
-            calibrate.run(parser.parse_args(["--source", camera, "--out", file, "--places", *corners]))
+            calibrate_command.run(
+                parser.parse_args(["--source", camera, "--out", file, "--places", *corners])
+            )
             or file
         ),
     )
@@ -152,8 +164,9 @@ def _quoted(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _check(arguments: argparse.Namespace) -> int:
-    """Check the file, then every robot, then the camera, and print a line for each; nothing moves. 1 if one fails."""
+@command("check", option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
+def check_command(arguments: argparse.Namespace) -> int:
+    """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
     print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
     results = [_passes(f"robot {r.name}", partial(_check_robot, r, settings.period)) for r in settings.robots]
@@ -221,44 +234,5 @@ def _check_camera(settings: LabSettings) -> str:
 
 
 COMMAND = Command(
-    "lab",
-    "set up a laboratory with real robots, and check it",
-    commands=(
-        Command(
-            "new",
-            "find robots and camera, check each, and write lab.toml",
-            _new,
-            [
-                option("--robot", choices=tuple(MODELS), help="kind of the robots"),
-                option(
-                    "--port",
-                    nargs="+",
-                    help="port of each robot, the teacher first; of toio cubes their names",
-                ),
-                option(
-                    "--food-cube",
-                    nargs="*",
-                    help="names of the toio cubes that are the food, one per robot",
-                ),
-                option("--camera", help="the camera: a number, a file or a URL; not for toio cubes"),
-                option("--calibration", help="file written by `khepera-forage camera calibrate`"),
-                option("--arena", choices=tuple(ARENAS), default=CORRIDOR, help=f"the arena ({CORRIDOR})"),
-                option("--out", type=Path, default=Path("lab.toml"), help="the file to write (lab.toml)"),
-            ],
-        ),
-        Command(
-            "check",
-            "check a laboratory in order: file, robots, camera",
-            _check,
-            [
-                option(
-                    "file",
-                    type=Path,
-                    nargs="?",
-                    default=Path("lab.toml"),
-                    help="the laboratory (lab.toml)",
-                )
-            ],
-        ),
-    ),
+    "lab", "Set up a laboratory with real robots, and check it.", commands=(new_command, check_command)
 )

@@ -6,23 +6,30 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import arena, camera, compare, dataset, lab, plot, recall, robot, teach, thesis, train
+from khepera_forage.cli import arena, camera, lab, robot
+from khepera_forage.cli.compare import compare_command
+from khepera_forage.cli.dataset import dataset_command
 from khepera_forage.cli.options import add_commands
+from khepera_forage.cli.plot import plot_command
+from khepera_forage.cli.recall import recall_command, watch_command
+from khepera_forage.cli.teach import teach_command
+from khepera_forage.cli.thesis import decisions_command, infer_command, reproduce_command
+from khepera_forage.cli.train import train_command
 from khepera_forage.option_values import OneLineParser
 from khepera_forage.rollouts.training import IncompleteTrainingError
 
 COMMANDS = (
-    thesis.REPRODUCE_COMMAND,
-    train.COMMAND,
-    teach.COMMAND,
-    recall.RECALL_COMMAND,
+    reproduce_command,
+    train_command,
+    teach_command,
+    recall_command,
     arena.COMMAND,
-    plot.COMMAND,
-    compare.COMMAND,
-    recall.WATCH_COMMAND,
-    thesis.DECISIONS_COMMAND,
-    dataset.COMMAND,
-    thesis.INFER_COMMAND,
+    plot_command,
+    compare_command,
+    watch_command,
+    decisions_command,
+    dataset_command,
+    infer_command,
     lab.COMMAND,
     robot.COMMAND,
     camera.COMMAND,
@@ -74,7 +81,7 @@ def _run(argv: Sequence[str] | None) -> int:
             raise
         return 2
     try:
-        status: int = arguments.run(arguments)
+        status: int | None = arguments.run(arguments)
     except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
         if isinstance(error, BrokenPipeError):
             print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
@@ -83,7 +90,7 @@ def _run(argv: Sequence[str] | None) -> int:
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 130
-    return status
+    return status or 0
 
 
 if __name__ == "__main__":

@@ -26,8 +26,8 @@ VIRTUAL_LAB = "virtual"
 """Value of `--lab` for the virtual laboratory; `virtual:e-puck2` and `virtual:toio` for one of other robots."""
 ARENA_FILES = ".toml"
 
-Run = Callable[[argparse.Namespace], int]
-"""Takes the parsed arguments and returns the exit status; user errors are ValueError, OSError and ImportError."""
+Run = Callable[[argparse.Namespace], int | None]
+"""Takes the parsed arguments and returns the exit status, None for 0; its docstring is the help of the command."""
 Option = Callable[[argparse.ArgumentParser], object]
 """Adds one or more arguments to a parser."""
 
@@ -37,8 +37,8 @@ class Command(NamedTuple):
 
     Attributes:
         name: What the user types.
-        help: What it does, in one line without a capital letter or a full stop.
-        run: None for a group.
+        help: What it does, in one sentence.
+        run: Without effect for a group.
         options: Its arguments, in the order of the help text.
         commands: Of a group.
         description: For `--help`, in place of `help`.
@@ -47,92 +47,99 @@ class Command(NamedTuple):
 
     name: str
     help: str
-    run: Run | None = None
+    run: Run = lambda _: None
     options: Sequence[Option] = ()
     commands: Sequence["Command"] = ()
     description: str = ""
     epilog: str = ""
 
 
+def command(name: str, *options: Option, description: str = "", epilog: str = "") -> Callable[[Run], Command]:
+    """Make a function a command."""
+    return lambda run: Command(name, run.__doc__ or "", run, options, (), description, epilog)
+
+
 def add_commands(parser: argparse.ArgumentParser, dest: str, commands: Iterable[Command]) -> None:
     """Add commands, of which the user must choose one; `run` of the parsed arguments is that of the innermost."""
     subparsers = parser.add_subparsers(dest=dest, required=True, metavar=dest)
-    for command in commands:
-        text = command.description or f"{command.help[:1].upper()}{command.help[1:]}."
-        added = subparsers.add_parser(
-            command.name, help=command.help, description=text, epilog=command.epilog or None
-        )
+    for each in commands:
+        text, line = each.description or each.help, each.help[:1].lower() + each.help[1:].rstrip(".")
+        added = subparsers.add_parser(each.name, help=line, description=text, epilog=each.epilog or None)
         if "\n" in text:
             added.formatter_class = argparse.RawDescriptionHelpFormatter
-        for add in command.options:
+        for add in each.options:
             add(added)
-        if command.commands:
-            add_commands(added, "task", command.commands)
+        if each.commands:
+            add_commands(added, "task", each.commands)
         else:
-            added.set_defaults(run=command.run, program=added.prog)
+            added.set_defaults(run=each.run, program=added.prog)
 
 
-def option(*flags: str, **about: Any) -> Option:
-    """One argument, as `ArgumentParser.add_argument` takes it."""
-    return lambda parser: parser.add_argument(*flags, **about)
+def option(
+    name: str, help_text: str, read: Callable[[str], Any] | None = None, metavar: Any = None, **about: Any
+) -> Option:
+    """One argument; `read` is its type, and `about` as for `ArgumentParser.add_argument`."""
+    about |= {} if read is None else {"type": read}
+    about |= {} if metavar is None else {"metavar": metavar}
+    return lambda parser: parser.add_argument(name, help=help_text, **about)
 
 
 def flag(name: str, help_text: str, **about: Any) -> Option:
     """An option without a value."""
-    return option(name, action="store_true", help=help_text, **about)
+    return option(name, help_text, action="store_true", **about)
 
 
 def seed(help_text: str = "the same seed gives the same results") -> Option:
     """`--seed`, 0 by default."""
-    return option("--seed", type=whole_number(0), default=0, help=f"{help_text} (0)")
+    return option("--seed", f"{help_text} (0)", whole_number(0), default=0)
 
 
 def out(default: str, help_text: str) -> Option:
     """`--out`: the file or folder to write."""
-    return option("--out", type=given_path, default=Path(default), help=f"{help_text} ({default})")
+    return option("--out", f"{help_text} ({default})", given_path, default=Path(default))
 
 
 def episodes(default: int, help_text: str) -> Option:
     """`--episodes`: how many."""
     text = f"{help_text} ({default})"
-    return option("--episodes", type=whole_number(1, 100_000), default=default, help=text)
+    return option("--episodes", text, whole_number(1, 100_000), default=default)
 
 
 def learners(help_text: str) -> Option:
     """`--num-learners`. None stands for 1, so that a choice can be told."""
-    return option("--num-learners", type=whole_number(1), help=help_text)
+    return option("--num-learners", help_text, whole_number(1))
 
 
 ARENA = option(
     "--arena",
+    f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})",
     metavar="NAME|FILE",
-    help=f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})",
 )
 """None stands for the corridor, so that a choice can be told; likewise for the noise and the food types."""
 NOISE = option(
     "--noise",
+    f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)",
     metavar="SOURCES",
-    help=f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)",
 )
 *_OTHERS, _LAST = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
 FOOD_TYPE = option(
     "--food-type",
-    help=f"of all food: {', '.join(_OTHERS)} or {_LAST} ({FoodType.PICKABLE.name}; in mixed_foods all of them)",
+    f"of all food: {', '.join(_OTHERS)} or {_LAST} ({FoodType.PICKABLE.name}; in mixed_foods all of them)",
 )
 LAB = option(
     "--lab",
-    metavar="FILE",
-    help=f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated "
+    f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated "
     f"robots behind the real drivers, '{VIRTUAL_LAB}:e-puck2' and '{VIRTUAL_LAB}:toio' other ones",
+    metavar="FILE",
 )
 DECISION = option(
     "--decision",
-    action="append",
-    default=[],
-    metavar="NAME=VALUE",
-    help="decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
+    "decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
     f"('khepera-forage decisions' lists all names). The first one may be a version, {' or '.join(VERSIONS)}, "
     "which the others then change",
+    metavar="NAME=VALUE",
+    action="append",
+    default=[],
 )
 ALLOW_OTHER_DECISIONS = flag(
     "--allow-other-decisions", "accept experience files that were recorded under other decisions"

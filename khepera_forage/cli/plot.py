@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from khepera_forage.cli.options import Command, check_ending, option, out
+from khepera_forage.cli.options import check_ending, command, option, out
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
 from khepera_forage.files import utf8
@@ -28,14 +28,19 @@ _LINE = 0.34
 """Inches: height of a line of a figure."""
 
 
-def _run(arguments: argparse.Namespace) -> int:
+@command(
+    "plot",
+    option("files", f"of one kind: {FILES}", given_path, "FILE", nargs="+"),
+    out("plot.png", "picture, whose name ends in .png"),
+)
+def plot_command(arguments: argparse.Namespace) -> None:
+    """Draw recalls, trainings or comparisons from their files."""
     require("khepera-forage plot", "plots")
     check_ending(arguments.out, (".png",))
     from khepera_forage.figures import save
 
     save(drawn(arguments.files), arguments.out)
     print(f"{arguments.out}: {', '.join(map(str, arguments.files))}")
-    return 0
 
 
 def drawn(paths: Sequence[Path]) -> "Figure":
@@ -158,14 +163,3 @@ def _comparison(paths: Sequence[Path], contents: "Sequence[Results]") -> "Figure
     if not shown:
         raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")
     return figure(shown, learners)
-
-
-COMMAND = Command(
-    "plot",
-    "draw recalls, trainings or comparisons from their files",
-    _run,
-    [
-        option("files", nargs="+", type=given_path, metavar="FILE", help=f"of one kind: {FILES}"),
-        out("plot.png", "picture, whose name ends in .png"),
-    ],
-)

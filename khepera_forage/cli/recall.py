@@ -17,8 +17,8 @@ from khepera_forage.cli.options import (
     FOOD_TYPE,
     LAB,
     NOISE,
-    Command,
     check_ending,
+    command,
     decisions_of,
     episodes,
     experience_files,
@@ -56,7 +56,35 @@ TRIES = 20
 Frames = list[NDArray[np.uint8]]
 
 
-def _recall(arguments: argparse.Namespace) -> int:
+_POLICY = (
+    option(
+        "--experience",
+        "experience files of the learner, or a folder of them (without any, the teacher forages)",
+        given_path,
+        "FILE",
+        nargs="+",
+    ),
+    option(
+        "--learner",
+        "what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
+        "package.module:name of what makes a classifier (imitator)",
+        metavar="NAME|PLACE",
+    ),
+    ARENA,
+    option("--foods", "food objects (those of the arena)", whole_number(1), "N"),
+    FOOD_TYPE,
+    NOISE,
+    seed("the same seed gives the same episodes"),
+    flag("--recover", "also read experience files of interrupted training episodes, as far as they go"),
+    LAB,
+    DECISION,
+    ALLOW_OTHER_DECISIONS,
+)
+
+
+@command("recall", *_POLICY, episodes(10, "recall episodes"), out("results/recall.csv", "file for the rows"))
+def recall_command(arguments: argparse.Namespace) -> None:
+    """Let a trained learner, or the teacher, forage alone."""
     _check_policy(arguments)
     with closing(recall_env(arguments)) as env:
         rows = _rows(env, arguments)
@@ -67,7 +95,6 @@ def _recall(arguments: argparse.Namespace) -> int:
         f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
         f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
     )
-    return 0
 
 
 def _check_policy(arguments: argparse.Namespace) -> None:
@@ -166,8 +193,16 @@ def _learner(name: str) -> "FromVectors":
     return learner
 
 
-def _watch(arguments: argparse.Namespace) -> int:
-    """Show or film one episode, and print its result."""
+@command(
+    "watch",
+    option("phase", "what to show", choices=("training", "recall")),
+    *_POLICY,
+    learners("learners in training (1)"),
+    option("--out", "save a film (.gif, .mp4, .avi) here, without a window", given_path),
+    option("--every", f"the film has one frame every N rounds ({EVERY})", whole_number(1, 1000), "N"),
+)
+def watch_command(arguments: argparse.Namespace) -> None:
+    """Show a training or recall episode in a window, or save it as a film."""
     decisions = decisions_of(arguments)
     _check_watch(arguments)
     frames: Frames = []
@@ -176,7 +211,6 @@ def _watch(arguments: argparse.Namespace) -> int:
     if arguments.out is not None:
         save_film(frames, arguments.out, fps=1 / (decisions.round_duration * arguments.every))
         print(f"{arguments.out}: {len(frames)} frames")
-    return 0
 
 
 def _check_watch(arguments: argparse.Namespace) -> None:
@@ -248,52 +282,3 @@ def _frame_recorder(env: Any, frames: Frames, arguments: argparse.Namespace) -> 
         rounds.update()
 
     return record
-
-
-_POLICY = (
-    option(
-        "--experience",
-        type=given_path,
-        nargs="+",
-        metavar="FILE",
-        help="experience files of the learner, or a folder of them (without any, the teacher forages)",
-    ),
-    option(
-        "--learner",
-        metavar="NAME|PLACE",
-        help="what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
-        "package.module:name of what makes a classifier (imitator)",
-    ),
-    ARENA,
-    option("--foods", type=whole_number(1), metavar="N", help="food objects (those of the arena)"),
-    FOOD_TYPE,
-    NOISE,
-    seed("the same seed gives the same episodes"),
-    flag("--recover", "also read experience files of interrupted training episodes, as far as they go"),
-    LAB,
-    DECISION,
-    ALLOW_OTHER_DECISIONS,
-)
-RECALL_COMMAND = Command(
-    "recall",
-    "let a trained learner, or the teacher, forage alone",
-    _recall,
-    [*_POLICY, episodes(10, "recall episodes"), out("results/recall.csv", "file for the rows")],
-)
-WATCH_COMMAND = Command(
-    "watch",
-    "show a training or recall episode in a window, or save it as a film",
-    _watch,
-    [
-        option("phase", choices=("training", "recall"), help="what to show"),
-        *_POLICY,
-        learners("learners in training (1)"),
-        option("--out", type=given_path, help="save a film (.gif, .mp4, .avi) here, without a window"),
-        option(
-            "--every",
-            type=whole_number(1, 1000),
-            metavar="N",
-            help=f"the film has one frame every N rounds ({EVERY})",
-        ),
-    ],
-)

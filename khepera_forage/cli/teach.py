@@ -13,8 +13,8 @@ from khepera_forage.cli.options import (
     ARENA,
     DECISION,
     FOOD_TYPE,
-    Command,
     arena_of,
+    command,
     decisions_of,
     episodes,
     flag,
@@ -56,6 +56,9 @@ BEHAVIOUR_OF = {
     **{str(int(behaviour)): behaviour for behaviour in LETTERS},
 }
 REPEAT, RESTART, QUIT, CONFIRM = "space", "backspace", "escape", ("return", "enter")
+_KEYS = ", ".join(f"{letter} or {int(b)} {b.name.replace('_', ' ').lower()}" for b, letter in LETTERS.items())
+
+
 CHOOSE = "Press the key of a behaviour: a tap is one round, a held key repeats it."
 SEPARATED_WARNING = "The learner is separated: wait until it is back; keys have no effect."
 
@@ -222,8 +225,31 @@ class HumanTeacher:
         self._window.show(self._view, self._caption)
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    """Open the window, record the episodes, and print what was recorded."""
+@command(
+    "teach",
+    ARENA,
+    FOOD_TYPE,
+    episodes(1, "complete training episodes, one file each"),
+    out("taught", "folder for g1.csv, g2.csv, ..."),
+    seed("the same seed gives the same episodes"),
+    option(
+        "--pace",
+        "rounds a second while a key is held (5: half the speed of real robots)",
+        real_number(0.0, 1000.0, "rounds a second"),
+        default=5.0,
+    ),
+    flag(
+        "--hints", "also show the state of table 4.1, which determines what the hand-coded teacher would do"
+    ),
+    DECISION,
+    description="You are the teacher: choose behaviours with keys. The learner records each one, executes it too, and "
+    f"follows the teacher. Enter begins an attempt. Keys: {_KEYS}. A tap is one round, a held key repeats the "
+    "behaviour, and without a key nothing moves. Space: repeat the last behaviour; Backspace: discard this attempt and "
+    "begin again; Escape: end, and keep the complete episodes. While the learner is separated the robots bring it back "
+    "by themselves.",
+)
+def teach_command(arguments: argparse.Namespace) -> None:
+    """Be the teacher yourself, with keys in a window."""
     decisions, arena = decisions_of(arguments), arena_of(arguments)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     require_new(files, "choose another --out, or remove it first")
@@ -235,7 +261,6 @@ def _run(arguments: argparse.Namespace) -> int:
         arguments.out.mkdir(parents=True, exist_ok=True)
         teacher = HumanTeacher(env, window, arguments.episodes, arguments.pace, arguments.hints)
         _teach(env, teacher, files, arguments)
-    return 0
 
 
 def _teach(
@@ -285,34 +310,3 @@ def _record_episode(
 
 def _agreement(agreed: int, choices: int) -> str:
     return f"{100 * agreed / max(choices, 1):.0f} % of the behaviours as the hand-coded teacher's"
-
-
-_KEYS = ", ".join(f"{letter} or {int(b)} {b.name.replace('_', ' ').lower()}" for b, letter in LETTERS.items())
-COMMAND = Command(
-    "teach",
-    "be the teacher yourself, with keys in a window",
-    _run,
-    [
-        ARENA,
-        FOOD_TYPE,
-        episodes(1, "complete training episodes, one file each"),
-        out("taught", "folder for g1.csv, g2.csv, ..."),
-        seed("the same seed gives the same episodes"),
-        option(
-            "--pace",
-            type=real_number(0.0, 1000.0, "rounds a second"),
-            default=5.0,
-            help="rounds a second while a key is held (5: half the speed of real robots)",
-        ),
-        flag(
-            "--hints",
-            "also show the state of table 4.1, which determines what the hand-coded teacher would do",
-        ),
-        DECISION,
-    ],
-    description="You are the teacher: choose behaviours with keys. The learner records each one, executes it too, and "
-    f"follows the teacher. Enter begins an attempt. Keys: {_KEYS}. A tap is one round, a held key repeats the "
-    "behaviour, and without a key nothing moves. Space: repeat the last behaviour; Backspace: discard this attempt and "
-    "begin again; Escape: end, and keep the complete episodes. While the learner is separated the robots bring it back "
-    "by themselves.",
-)

@@ -4,7 +4,7 @@ import argparse
 
 from khepera_forage.cli.options import (
     DECISION,
-    Command,
+    command,
     decisions_of,
     flag,
     option,
@@ -41,7 +41,34 @@ writes its page to a folder of the results' folder. Such an experiment, a pseudo
 _COLUMNS = ("decision", "default", "allowed", "thesis")
 
 
-def _reproduce(arguments: argparse.Namespace) -> int:
+@command(
+    "reproduce",
+    option(
+        "--backend",
+        f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})",
+        choices=BACKENDS,
+        default=COMPILED,
+    ),
+    option(
+        "--replications",
+        "repetitions of the whole design "
+        f"({REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK})",
+        whole_number(1, 100_000),
+    ),
+    seed(),
+    out("results/thesis", "folder for the report, its tables, figures and rows"),
+    option("--jobs", f"processes with {PYMUNK}; -1 uses all cores (-1)", processes),
+    flag("--quick", "a small version of all experiments, under a minute"),
+    flag("--fresh", "do not continue a run that was killed in the folder"),
+    DECISION,
+    flag(
+        "--no-comparison",
+        "only the chosen decisions; without this option, the thesis's cells are also repeated under those of "
+        "version 0.1, in a fifth of the replications",
+    ),
+)
+def reproduce_command(arguments: argparse.Namespace) -> None:
+    """Run the thesis's experiments and compare the results with its tables."""
     backend = arguments.backend
     replications = arguments.replications
     if replications is None:
@@ -64,18 +91,27 @@ def _reproduce(arguments: argparse.Namespace) -> int:
     print(page.read_text(encoding="utf-8"))
     print((arguments.out / SUMMARY).read_text(encoding="utf-8"))
     print(f"Tables, figures and rows are in {arguments.out}")
-    return 0
 
 
-def _infer(arguments: argparse.Namespace) -> int:
+@command(
+    "infer",
+    lambda parser: add_study_arguments(parser, "decisions", *COUNTS),
+    option(
+        "--tables",
+        "infer from these tables of the corridor, with the simulated sets of the package: recalls.csv of "
+        "'khepera-forage reproduce', a file like the package's thesis/appendix_a.csv, or 'thesis' for the thesis's "
+        "own",
+        given_path,
+        "FILE",
+    ),
+    description=INFER,
+)
+def infer_command(arguments: argparse.Namespace) -> int:
+    """Infer from the thesis's own tables what it leaves open."""
     require("khepera-forage infer", "fast", "plots")
     from khepera_forage.thesis.inference.page import page, tables_page
     from khepera_forage.thesis.inference.simulate import KEPT, Sets, draw
-    from khepera_forage.thesis.inference.summary import (
-        fitted_columns,
-        tables_statistics,
-        thesis_statistics,
-    )
+    from khepera_forage.thesis.inference.summary import fitted_columns, tables_statistics, thesis_statistics
 
     tables = arguments.tables
     if tables:
@@ -92,70 +128,19 @@ def _infer(arguments: argparse.Namespace) -> int:
     return finish(given, page(given, drawn))
 
 
-def _decisions(arguments: argparse.Namespace) -> int:
+@command(
+    "decisions",
+    description="List the decisions: what the thesis leaves open, with our default and the reason for it. "
+    "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION.",
+)
+def decisions_command(arguments: argparse.Namespace) -> None:
+    """List what the thesis leaves open, with our decisions and their reasons."""
     rows = decision_table()
     widths = [max(map(len, column)) for column in zip(_COLUMNS, *(row[:4] for row in rows), strict=True)]
     print(_line(_COLUMNS, widths))
     for row in rows:
         print(f"{_line(row[:4], widths)}\n    {row.meaning}")
-    return 0
 
 
 def _line(cells: tuple[str, ...], widths: list[int]) -> str:
     return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
-
-
-REPRODUCE_COMMAND = Command(
-    "reproduce",
-    "run the thesis's experiments and compare the results with its tables",
-    _reproduce,
-    [
-        option(
-            "--backend",
-            choices=BACKENDS,
-            default=COMPILED,
-            help=f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})",
-        ),
-        option(
-            "--replications",
-            type=whole_number(1, 100_000),
-            help="repetitions of the whole design "
-            f"({REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK})",
-        ),
-        seed(),
-        out("results/thesis", "folder for the report, its tables, figures and rows"),
-        option("--jobs", type=processes, help=f"processes with {PYMUNK}; -1 uses all cores (-1)"),
-        flag("--quick", "a small version of all experiments, under a minute"),
-        flag("--fresh", "do not continue a run that was killed in the folder"),
-        DECISION,
-        flag(
-            "--no-comparison",
-            "only the chosen decisions; without this option, the thesis's cells are also repeated under those of "
-            "version 0.1, in a fifth of the replications",
-        ),
-    ],
-)
-DECISIONS_COMMAND = Command(
-    "decisions",
-    "list what the thesis leaves open, with our decisions and their reasons",
-    _decisions,
-    description="List the decisions: what the thesis leaves open, with our default and the reason for it. "
-    "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION.",
-)
-INFER_COMMAND = Command(
-    "infer",
-    "infer from the thesis's own tables what it leaves open",
-    _infer,
-    [
-        lambda parser: add_study_arguments(parser, "decisions", *COUNTS),
-        option(
-            "--tables",
-            type=given_path,
-            metavar="FILE",
-            help="infer from these tables of the corridor, with the simulated sets of the package: recalls.csv of "
-            "'khepera-forage reproduce', a file like the package's thesis/appendix_a.csv, or 'thesis' for the thesis's "
-            "own",
-        ),
-    ],
-    description=INFER,
-)

@@ -15,7 +15,7 @@ from khepera_forage.cli.options import (
     DECISION,
     FOOD_TYPE,
     LAB,
-    Command,
+    command,
     decisions_of,
     episodes,
     flag,
@@ -70,7 +70,36 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
             raise FileExistsError(f"{file.path} exists; {otherwise}")
 
 
-def _run(arguments: argparse.Namespace) -> int:
+@command(
+    "train",
+    episodes(10, "complete training episodes, one file each"),
+    seed("the same seed gives the same files"),
+    out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
+    ARENA,
+    FOOD_TYPE,
+    learners(
+        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it "
+        "lists)"
+    ),
+    option(
+        "--patience",
+        "rounds that a learner may stay separated before the attempt ends (that of decision patience)",
+        whole_number(1),
+    ),
+    flag(
+        "--resume",
+        "pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
+    ),
+    flag(
+        "--continue",
+        "go on where a run with the same --seed and --out was interrupted, or add episodes to it",
+        dest="continued",
+    ),
+    LAB,
+    DECISION,
+)
+def train_command(arguments: argparse.Namespace) -> int:
+    """Train a learner in the paired corridors and save its experience."""
     refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"])
     decisions = decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
@@ -147,37 +176,3 @@ def _is_complete(file: PlannedFile, decisions: Decisions) -> bool:
     if experience.seed not in file.seed.generate_state(decisions.most_attempts).tolist():
         raise ValueError(f"{file.path} is of another --seed; allowed with --continue: the same one")
     return not any(issubclass(warning.category, ExperienceWarning) for warning in caught)
-
-
-COMMAND = Command(
-    "train",
-    "train a learner in the paired corridors and save its experience",
-    _run,
-    [
-        episodes(10, "complete training episodes, one file each"),
-        seed("the same seed gives the same files"),
-        out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
-        ARENA,
-        FOOD_TYPE,
-        learners(
-            "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it "
-            "lists)"
-        ),
-        option(
-            "--patience",
-            type=whole_number(1),
-            help="rounds that a learner may stay separated before the attempt ends (that of decision patience)",
-        ),
-        flag(
-            "--resume",
-            "pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
-        ),
-        flag(
-            "--continue",
-            "go on where a run with the same --seed and --out was interrupted, or add episodes to it",
-            dest="continued",
-        ),
-        LAB,
-        DECISION,
-    ],
-)

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from khepera_forage.cli.options import Command, option, seed
+from khepera_forage.cli.options import command, option, seed
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
@@ -25,8 +25,42 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    """Serve the virtual robot until an interrupt, a termination, or an unplugged cable (a simulated fault)."""
+@command(
+    "virtual",
+    option(
+        "--tcp",
+        "listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
+        whole_number(0, 65535),
+        "PORT",
+    ),
+    option(
+        "--baud",
+        f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 "
+        "115200)",
+        int,
+    ),
+    *(
+        option(f"--{fault}", "share of replies with this fault (0)", float, "RATE", default=0.0)
+        for fault in FAULTS
+    ),
+    option(
+        "--lateness",
+        "range of the delay of a delayed reply, in seconds (0.3 1.0)",
+        float,
+        ("FROM", "TO"),
+        nargs=2,
+        default=Faults().lateness,
+    ),
+    option(
+        "--robot",
+        f"kind of robot ({KHEPERA.name})",
+        choices=(KHEPERA.name, E_PUCK.name),
+        default=KHEPERA.name,
+    ),
+    seed("seed of the simulation and of the faults"),
+)
+def virtual_command(arguments: argparse.Namespace) -> None:
+    """Start a virtual Khepera at a serial port."""
     faults = Faults(
         **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
     )
@@ -59,7 +93,6 @@ def _run(arguments: argparse.Namespace) -> int:
     print(", ".join([f"{counts.replies} requests", *faults_seen]))
     if overruns:
         print(f"{overruns} rounds began late")
-    return 0
 
 
 def _advance(
@@ -95,49 +128,3 @@ def _collected_signals() -> Iterator[list[int]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-COMMAND = Command(
-    "virtual",
-    "start a virtual Khepera at a serial port",
-    _run,
-    [
-        option(
-            "--tcp",
-            type=whole_number(0, 65535),
-            metavar="PORT",
-            help="listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
-        ),
-        option(
-            "--baud",
-            type=int,
-            help=f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 "
-            "115200)",
-        ),
-        *(
-            option(
-                f"--{fault}",
-                type=float,
-                default=0.0,
-                metavar="RATE",
-                help="share of replies with this fault (0)",
-            )
-            for fault in FAULTS
-        ),
-        option(
-            "--lateness",
-            type=float,
-            nargs=2,
-            default=Faults().lateness,
-            metavar=("FROM", "TO"),
-            help="range of the delay of a delayed reply, in seconds (0.3 1.0)",
-        ),
-        option(
-            "--robot",
-            choices=(KHEPERA.name, E_PUCK.name),
-            default=KHEPERA.name,
-            help=f"kind of robot ({KHEPERA.name})",
-        ),
-        seed("seed of the simulation and of the faults"),
-    ],
-)

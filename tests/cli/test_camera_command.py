@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from khepera_forage.cli.camera_window import PictureWindow
+from khepera_forage.cli.camera import PictureWindow
 from khepera_forage.cli.main import main
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration
