@@ -10,21 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.cli.options import (
-    ALLOW_OTHER_DECISIONS,
-    ARENA,
-    DECISION,
-    FOOD_TYPE,
-    arena_of,
-    command,
-    decisions_of,
-    experience_files,
-    flag,
-    option,
-    out,
-    refuse_ignored,
-    seed,
-)
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.wheels_env import WheelsEnv
@@ -72,27 +59,27 @@ def _dataset_name(text: str) -> str:
     flag("--wheels", "raw data and motors of every round, in place of state vectors and behaviours"),
     flag("--alone", "the teacher forages alone, from random places, in place of training episodes"),
     flag("--protocol", "the datasets of the protocol forage-bench-1: those that its learners learn from"),
-    seed("the same seed gives the same episodes"),
-    out("datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"),
+    options.seed("the same seed gives the same episodes"),
+    options.out("datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"),
     option("--author", "for the data card (unknown)", default="unknown"),
     option("--licence", "of the data, for the data card (CC0-1.0)", default="CC0-1.0"),
-    ARENA,
-    FOOD_TYPE,
-    DECISION,
-    ALLOW_OTHER_DECISIONS,
+    options.ARENA,
+    options.FOOD_TYPE,
+    options.DECISION,
+    options.ALLOW_OTHER_DECISIONS,
 )
 def dataset_command(arguments: argparse.Namespace) -> int:
     """Write training episodes as a Minari dataset with a data card."""
     require("khepera-forage dataset", "minari")
     if arguments.protocol:
         return _protocol(arguments)
-    decisions, arena = decisions_of(arguments), arena_of(arguments)
+    decisions, arena = options.decisions_of(arguments), options.arena_of(arguments)
     recorded: dict[str, Any] = {}
     if arguments.experience:
-        refuse_ignored(
+        options.refuse_ignored(
             arguments, ["--episodes", "--food-type", "--wheels", "--alone"], "without --experience"
         )
-        files = experience_files(arguments.experience)
+        files = options.experience_files(arguments.experience)
         parts = [Experience.load(path) for path in files]
         name = _free_name(arguments, {part.arena for part in parts})
         source, procedure = None, READ.format(files=", ".join(path.name for path in files))
@@ -152,12 +139,12 @@ def _write(
 
 def _protocol(arguments: argparse.Namespace) -> int:
     """Write the datasets of the protocol."""
-    refuse_ignored(
+    options.refuse_ignored(
         arguments,
         ["--name", "--experience", "--wheels", "--alone", "--arena", "--food-type"],
         "without --protocol, whose datasets have names and arenas of their own",
     )
-    refuse_ignored(arguments, ["--decision"], "without --protocol")
+    options.refuse_ignored(arguments, ["--decision"], "without --protocol")
     from khepera_forage.comparison.protocol import datasets
 
     command = f"khepera-forage dataset --protocol --seed {arguments.seed}"

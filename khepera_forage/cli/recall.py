@@ -10,30 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import (
-    ALLOW_OTHER_DECISIONS,
-    ARENA,
-    DECISION,
-    FOOD_TYPE,
-    LAB,
-    NOISE,
-    check_ending,
-    command,
-    decisions_of,
-    episodes,
-    experience_files,
-    flag,
-    learners,
-    noise_of,
-    option,
-    out,
-    print_late_rounds,
-    recall_env,
-    refuse_ignored,
-    refuse_ignored_in_laboratory,
-    seed,
-    training_env,
-)
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
 from khepera_forage.envs.training import TrainingEnv
@@ -70,25 +48,30 @@ _POLICY = (
         "package.module:name of what makes a classifier (imitator)",
         metavar="NAME|PLACE",
     ),
-    ARENA,
+    options.ARENA,
     option("--foods", "food objects (those of the arena)", whole_number(1), "N"),
-    FOOD_TYPE,
-    NOISE,
-    seed("the same seed gives the same episodes"),
+    options.FOOD_TYPE,
+    options.NOISE,
+    options.seed("the same seed gives the same episodes"),
     flag("--recover", "also read experience files of interrupted training episodes, as far as they go"),
-    LAB,
-    DECISION,
-    ALLOW_OTHER_DECISIONS,
+    options.LAB,
+    options.DECISION,
+    options.ALLOW_OTHER_DECISIONS,
 )
 
 
-@command("recall", *_POLICY, episodes(10, "recall episodes"), out("results/recall.csv", "file for the rows"))
+@command(
+    "recall",
+    *_POLICY,
+    options.episodes(10, "recall episodes"),
+    options.out("results/recall.csv", "file for the rows"),
+)
 def recall_command(arguments: argparse.Namespace) -> None:
     """Let a trained learner, or the teacher, forage alone."""
     _check_policy(arguments)
-    with closing(recall_env(arguments)) as env:
+    with closing(options.recall_env(arguments)) as env:
         rows = _rows(env, arguments)
-        print_late_rounds(env)
+        options.print_late_rounds(env)
     if not rows:
         raise ConnectionError("a robot or the camera was lost in every recall; there is no result")
     print(
@@ -99,10 +82,10 @@ def recall_command(arguments: argparse.Namespace) -> None:
 
 def _check_policy(arguments: argparse.Namespace) -> None:
     """Refuse what has no effect on the policy or in a laboratory."""
-    refuse_ignored_in_laboratory(arguments, ["--arena", "--foods"], ["--noise"])
+    options.refuse_ignored_in_laboratory(arguments, ["--arena", "--foods"], ["--noise"])
     if not arguments.experience:
         ignored = ["--learner", "--allow-other-decisions", "--recover"]
-        refuse_ignored(arguments, ignored, "with --experience")
+        options.refuse_ignored(arguments, ignored, "with --experience")
 
 
 def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
@@ -154,7 +137,7 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(
-            *experience_files(arguments.experience),
+            *options.experience_files(arguments.experience),
             decisions=env.decisions,
             allow_other_decisions=arguments.allow_other_decisions,
             recover=arguments.recover,
@@ -197,13 +180,13 @@ def _learner(name: str) -> "FromVectors":
     "watch",
     option("phase", "what to show", choices=("training", "recall")),
     *_POLICY,
-    learners("learners in training (1)"),
+    options.learners("learners in training (1)"),
     option("--out", "save a film (.gif, .mp4, .avi) here, without a window", given_path),
     option("--every", f"the film has one frame every N rounds ({EVERY})", whole_number(1, 1000), "N"),
 )
 def watch_command(arguments: argparse.Namespace) -> None:
     """Show a training or recall episode in a window, or save it as a film."""
-    decisions = decisions_of(arguments)
+    decisions = options.decisions_of(arguments)
     _check_watch(arguments)
     frames: Frames = []
     mode = "human" if arguments.out is None else "rgb_array"
@@ -217,16 +200,16 @@ def _check_watch(arguments: argparse.Namespace) -> None:
     """Refuse what has no effect in this phase, check what is needed, and fill in the defaults."""
     if arguments.phase == "training":
         ignored = ["--experience", "--learner", "--foods", "--allow-other-decisions", "--recover"]
-        refuse_ignored(arguments, ignored, "with `watch recall`")
-        refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"], ["--noise"])
+        options.refuse_ignored(arguments, ignored, "with `watch recall`")
+        options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"], ["--noise"])
     else:
-        refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
+        options.refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         _check_policy(arguments)
     extras = ["render"]
     if arguments.out is None:
-        refuse_ignored(arguments, ["--every"], "with --out")
+        options.refuse_ignored(arguments, ["--every"], "with --out")
     else:
-        check_ending(arguments.out, FILM_EXTRAS)
+        options.check_ending(arguments.out, FILM_EXTRAS)
         extras.append(FILM_EXTRAS[arguments.out.suffix.lower()])
     if arguments.lab is not None:
         extras += ["robots", "camera"]
@@ -239,8 +222,8 @@ def _check_watch(arguments: argparse.Namespace) -> None:
 def _watch_training(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
     settings: dict[str, Any] = {"render_mode": mode}
     if arguments.lab is None:
-        settings["noise"] = noise_of(arguments.noise)
-    with closing(training_env(arguments, **settings)) as env:
+        settings["noise"] = options.noise_of(arguments.noise)
+    with closing(options.training_env(arguments, **settings)) as env:
         chosen = arguments.seed
         if arguments.out is not None and arguments.lab is None:
             chosen = _complete_attempt(env, chosen)
@@ -266,7 +249,7 @@ def _ignore(vector: object, behaviour: object) -> None:
 
 
 def _watch_recall(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
-    with closing(recall_env(arguments, render_mode=mode)) as env:
+    with closing(options.recall_env(arguments, render_mode=mode)) as env:
         row = _forage(env, arguments)(arguments.seed, callback=_frame_recorder(env, frames, arguments))
     print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
 

@@ -9,19 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from khepera_forage.cli.options import (
-    ARENA,
-    DECISION,
-    FOOD_TYPE,
-    arena_of,
-    command,
-    decisions_of,
-    episodes,
-    flag,
-    option,
-    out,
-    seed,
-)
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.cli.train import PlannedFile, planned_files, require_new
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.rendering import View
@@ -227,11 +216,11 @@ class HumanTeacher:
 
 @command(
     "teach",
-    ARENA,
-    FOOD_TYPE,
-    episodes(1, "complete training episodes, one file each"),
-    out("taught", "folder for g1.csv, g2.csv, ..."),
-    seed("the same seed gives the same episodes"),
+    options.ARENA,
+    options.FOOD_TYPE,
+    options.episodes(1, "complete training episodes, one file each"),
+    options.out("taught", "folder for g1.csv, g2.csv, ..."),
+    options.seed("the same seed gives the same episodes"),
     option(
         "--pace",
         "rounds a second while a key is held (5: half the speed of real robots)",
@@ -241,7 +230,7 @@ class HumanTeacher:
     flag(
         "--hints", "also show the state of table 4.1, which determines what the hand-coded teacher would do"
     ),
-    DECISION,
+    options.DECISION,
     description="You are the teacher: choose behaviours with keys. The learner records each one, executes it too, and "
     f"follows the teacher. Enter begins an attempt. Keys: {_KEYS}. A tap is one round, a held key repeats the "
     "behaviour, and without a key nothing moves. Space: repeat the last behaviour; Backspace: discard this attempt and "
@@ -250,7 +239,7 @@ class HumanTeacher:
 )
 def teach_command(arguments: argparse.Namespace) -> None:
     """Be the teacher yourself, with keys in a window."""
-    decisions, arena = decisions_of(arguments), arena_of(arguments)
+    decisions, arena = options.decisions_of(arguments), options.arena_of(arguments)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     require_new(files, "choose another --out, or remove it first")
     require("teaching", "render")

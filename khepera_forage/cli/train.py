@@ -10,23 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.cli.options import (
-    ARENA,
-    DECISION,
-    FOOD_TYPE,
-    LAB,
-    command,
-    decisions_of,
-    episodes,
-    flag,
-    learners,
-    option,
-    out,
-    print_late_rounds,
-    refuse_ignored_in_laboratory,
-    seed,
-    training_env,
-)
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.files import replacing
@@ -72,12 +57,12 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
 
 @command(
     "train",
-    episodes(10, "complete training episodes, one file each"),
-    seed("the same seed gives the same files"),
-    out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
-    ARENA,
-    FOOD_TYPE,
-    learners(
+    options.episodes(10, "complete training episodes, one file each"),
+    options.seed("the same seed gives the same files"),
+    options.out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
+    options.ARENA,
+    options.FOOD_TYPE,
+    options.learners(
         "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it "
         "lists)"
     ),
@@ -95,13 +80,13 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
         "go on where a run with the same --seed and --out was interrupted, or add episodes to it",
         dest="continued",
     ),
-    LAB,
-    DECISION,
+    options.LAB,
+    options.DECISION,
 )
 def train_command(arguments: argparse.Namespace) -> int:
     """Train a learner in the paired corridors and save its experience."""
-    refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"])
-    decisions = decisions_of(arguments)
+    options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"])
+    decisions = options.decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
         arguments.patience,
         DEFAULT_DECISIONS.patience,
@@ -113,13 +98,13 @@ def train_command(arguments: argparse.Namespace) -> int:
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
         return 0
-    with closing(training_env(arguments, patience=arguments.patience)) as env:
+    with closing(options.training_env(arguments, patience=arguments.patience)) as env:
         try:
             record(env, files, arguments)
         except (OSError, KeyboardInterrupt):
             print("the same command with --continue goes on from here", file=sys.stderr)
             raise
-        print_late_rounds(env)
+        options.print_late_rounds(env)
     return 0
 
 
@@ -128,7 +113,7 @@ def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
     arguments.out.mkdir(parents=True, exist_ok=True)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     if arguments.continued:
-        return _unfinished(arguments.out, files, decisions_of(arguments))
+        return _unfinished(arguments.out, files, options.decisions_of(arguments))
     require_new(files, "--continue goes on after it, or choose another --out")
     return files
 
