@@ -120,17 +120,6 @@ def test_file_with_a_mistake_is_not_drawn(tmp_path: Path, capsys: pytest.Capture
     assert not picture.exists()
 
 
-def test_missing_matplotlib_is_reported_before_the_arena_is_read(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("khepera_forage.extras.find_spec", lambda name: None)
-    assert main(["arena", "show", "missing.toml"]) == 2
-    assert (
-        "khepera-forage arena show needs matplotlib: pip install 'khepera-forage[plots]'"
-        in capsys.readouterr().err
-    )
-
-
 def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in FAMILY:
         path = tmp_path / f"{name}.toml"
@@ -143,14 +132,6 @@ def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFi
     assert main(["arena", "write", str(path), str(copy)]) == 0
     assert copy.read_text() == path.read_text()
     assert f"`khepera-forage arena show {copy}` draws it" in capsys.readouterr().out
-
-
-def test_written_arena_replaces_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text("mine")
-    assert main(["arena", "write", "doors", str(path)]) == 2
-    assert "exists; choose another name" in capsys.readouterr().err
-    assert path.read_text() == "mine"
 
 
 # ---------------------------------------------------------------- --arena of other commands

@@ -25,38 +25,6 @@ def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("task", "arguments"),
-    [
-        (
-            "calibrate",
-            (
-                "--source",
-                "--size",
-                "--points",
-                "--places",
-                "--tags",
-                "--camera",
-                "--check",
-                "--out",
-                "--seed",
-            ),
-        ),
-        ("preview", ("--source", "--calibration", "--frames", "--out", "--seed")),
-        ("markers", ("--grid", "--out")),
-        ("tags", ("--robots", "--food", "--floor", "--size", "--food-size", "--out")),
-    ],
-)
-def test_help_has_the_options(
-    task: str, arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["camera", task, "--help"])
-    assert stop.value.code == 0
-    text = capsys.readouterr().out
-    assert all(argument in text for argument in arguments)
-
-
 # ---------------------------------------------------------------- preview
 
 
@@ -233,45 +201,6 @@ def test_calibrate_from_clicks_in_a_window(
 
 
 # ---------------------------------------------------------------- mistakes
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["preview", "--frames", "0"], "--frames: '0'; allowed: a whole number of at least 1"),
-        (["preview", "--out", "film.mov"], "'film.mov'; allowed: a name that ends in .png, .gif, .mp4, .avi"),
-        (["preview", "--source", "nowhere.avi"], "nowhere.avi: there is no such file or device"),
-        (["preview", "--source", "virtual", "--calibration", "nowhere.toml"], "nowhere.toml"),
-        (["calibrate", "--points", *CORNERS[:3]], "--points has 3 points; allowed: four or more"),
-        (["calibrate", "--points", "1,2"], "--points has '1,2'; allowed: u,v=x,y"),
-        (["calibrate", "--points", "1=2,3"], "--points has '1'; allowed: 2 numbers with commas between"),
-        (
-            ["calibrate", "--points", *CORNERS, "--camera", "1,2,nan"],
-            "--camera has '1,2,nan'; allowed: 3 numbers",
-        ),
-        (["calibrate", "--points", *CORNERS[:3], CORNERS[0]], "has the point"),
-        (["calibrate", "--source", "virtual", "--places", "0,0", "1,0", "1,1", "0,1"], "needs a display"),
-        (["calibrate", "--source", "virtual", "--tags", "38=0,0", "38=1,0"], "--tags has 38 twice"),
-        (["calibrate", "--source", "virtual", "--tags", "0=0,0"], "--tags has '0=0,0'; allowed: id=x,y"),
-        (
-            ["calibrate", "--source", "virtual", "--tags", "38=0,0", "39=1,0", "40=1,1", "41=0,1"],
-            "0 of 4 floor tags are seen",
-        ),
-        (["preview", "--source", "virtual", "--size", "7"], "'7'; allowed: width x height in pixels"),
-        (["tags", "--robots", "1-60"], "tag is 50; allowed: ids 1 to 49"),
-        (["tags", "--out", "tags.svg"], "would have 7 pages; allowed: a name that ends in .pdf"),
-        (["markers", "--grid", "13"], "tracker numbers is [13]"),
-        (["markers", "--out", "markers.doc"], "'markers.doc'; allowed: a name that ends in .svg, .png, .pdf"),
-    ],
-)
-def test_user_error_is_reported_in_one_line(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["camera", *arguments]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert error.startswith(("khepera-forage camera: ", "khepera-forage camera preview: "))
-    assert message in error
 
 
 # ---------------------------------------------------------------- markers

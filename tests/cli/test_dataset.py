@@ -139,29 +139,6 @@ def test_card_names_mixed_food_types_and_all_arenas() -> None:
     assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v1", parts, ORIGIN)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--name", "mine"], "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
-        (["--name", "../mine-v1"], "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
-        (["--episodes", "0"], "--episodes: '0'; allowed: a whole number of at least 1"),
-        (["--experience", "g.csv", "--episodes", "2"], "--episodes has no effect here; allowed: without"),
-        (
-            ["--experience", "g.csv", "--food-type", "PUSHABLE"],
-            "--food-type has no effect here; allowed: with",
-        ),
-        (["--arena", "nowhere"], "arena is 'nowhere'; allowed: corridor, rectangle, t_maze"),
-        (["--experience", "nowhere.csv"], "nowhere.csv"),
-    ],
-)
-@pytest.mark.usefixtures("minari")
-def test_bad_input_is_one_line(options: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["dataset", *options]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-
-
 @pytest.mark.usefixtures("minari")
 def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
     SOME.save("g1.csv")

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 import pytest
 import serial
 
-from khepera_forage.cli.main import main
-
 WAIT = 10.0
 
 
@@ -63,16 +61,3 @@ def test_virtual_robot_ends_when_unplugged() -> None:
         assert process.returncode == 0
     assert printed == "unplugged\n1 requests, 1 unplug\n"
     assert errors == ""
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [(["--drop", "2"], "drop is 2"), (["--baud", "300"], "300"), (["--lateness", "2", "1"], "lateness")],
-)
-def test_number_out_of_range_is_an_error(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    assert main(["robot", "virtual", *arguments]) == 2
-    assert message in capsys.readouterr().err
-    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers
