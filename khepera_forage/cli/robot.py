@@ -203,7 +203,9 @@ def sensors_command(arguments: argparse.Namespace) -> None:
         due = time.monotonic()
         while not arguments.rounds or shown < arguments.rounds:
             robot.receive()
-            text = bars(robot.sense()) if live else line(robot.sense())
+            proximity, left, right, arm, jaw, presence = senses = robot.sense()
+            text = f"{_numbers(proximity)} | {left} {right} | {arm} {jaw} {presence}"
+            text = bars(senses) if live else text
             if live and shown:
                 print(_CURSOR_UP.format(text.count("\n") + 1), end="")
             print(text, flush=True)
@@ -223,15 +225,6 @@ def bars(senses: Senses) -> str:
         f"the fingers   wheels {senses.left_pulses} {senses.right_pulses}"
     )
     return "\n".join(f"{text}{_CLEAR_LINE}" for text in lines)
-
-
-def line(senses: Senses) -> str:
-    """All readings in one line."""
-    proximity = " ".join(f"{reading:4d}" for reading in senses.proximity)
-    return (
-        f"{proximity} | {senses.left_pulses} {senses.right_pulses} | "
-        f"{senses.arm} {senses.jaw} {senses.object_presence}"
-    )
 
 
 @command(

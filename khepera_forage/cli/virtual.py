@@ -4,8 +4,6 @@ import argparse
 import signal
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import numpy as np
 
@@ -75,56 +73,31 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     is_khepera = arguments.robot == KHEPERA.name
     firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
     baud = arguments.baud if arguments.baud is not None else 38400 if is_khepera else 115200
-    with (
-        _collected_signals() as signals,
-        VirtualKhepera(
-            firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
-        ) as khepera,
-    ):
-        print(
-            f"a virtual {'Khepera' if is_khepera else E_PUCK.name} at {khepera.url}; Ctrl-C ends it",
-            flush=True,
-        )
-        overruns = _advance(world, firmware, lock, khepera, signals)
+    signals: list[int] = []  # a handler that raises an error could do so while the world is locked
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _: signals.append(number))
+    due, overruns = time.monotonic(), 0
+    with VirtualKhepera(
+        firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
+    ) as khepera:
+        name = "Khepera" if is_khepera else E_PUCK.name
+        print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
+        while khepera.connected and not signals:
+            due += CONTROL_PERIOD
+            late = time.monotonic() - due
+            if late > CONTROL_PERIOD:
+                # Skip the missed rounds: a robot does not drive faster because its computer was busy.
+                due += late
+                overruns += 1
+            else:
+                time.sleep(max(0.0, -late))
+            with lock:
+                world.advance()
+                firmware.tick()
         print("stopped" if khepera.connected else "unplugged", flush=True)
     world.close()
     counts = khepera.fault_counts
-    faults_seen = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
-    print(", ".join([f"{counts.replies} requests", *faults_seen]))
+    happened = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
+    print(", ".join([f"{counts.replies} requests", *happened]))
     if overruns:
         print(f"{overruns} rounds began late")
-
-
-def _advance(
-    world: PymunkWorld, firmware: Firmware, lock: threading.RLock, khepera: VirtualKhepera, signals: list[int]
-) -> int:
-    """Advance the world every 0.1 s until the robot is unplugged or a signal arrives; returns the late rounds."""
-    due, overruns = time.monotonic(), 0
-    while khepera.connected and not signals:
-        due += CONTROL_PERIOD
-        late = time.monotonic() - due
-        if late > CONTROL_PERIOD:
-            # Skip the missed rounds: a robot does not drive faster because its computer was busy.
-            due += late
-            overruns += 1
-        else:
-            time.sleep(max(0.0, -late))
-        with lock:
-            world.advance()
-            firmware.tick()
-    return overruns
-
-
-@contextmanager
-def _collected_signals() -> Iterator[list[int]]:
-    """Append SIGINT and SIGTERM to a list instead of raising them: a handler must not take the world's lock."""
-    signals: list[int] = []
-    before = {
-        number: signal.signal(number, lambda number, _: signals.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield signals
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

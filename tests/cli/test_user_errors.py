@@ -67,6 +67,7 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("compare --protocol --steps 7", f"--steps {NOTHING}without --protocol"),
         ("infer --tables thesis --quick", f"--quick {NOTHING}without --tables"),
         ("arena show missing.toml", "No such file or directory: 'missing.toml'"),
+        ("arena show mine.toml", "mine.toml: name is missing"),
         ("arena show circle", "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
         ("arena show doors --level 0", f"--level {NOTHING}with the arena procedural"),
         ("arena show doors --out doors.gif", "--out is 'doors.gif'; allowed: a name that ends in .png"),
